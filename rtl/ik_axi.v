@@ -1,13 +1,16 @@
-// Rounds Q2.30 input words half up to W bits: lengths saturate, phi wraps. Results are exact, shifted left to Q2.30.
+// Rounds Q2.30 input words half up to W bits: lengths saturate, phi wraps. Results are exact, shifted left to 32 bits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Memory-to-memory wrapper of the inverse kinematics core ik_axis: AXI4-Lite registers and one AXI4 master that reads
-// targets and writes results in bursts. Records are 32 bytes, little endian, for every W. Target: x, y, z, phi, d1, d2,
-// tag, 0. Result: qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, flags << 24 | tag, index.
+// Memory-to-memory wrapper of the inverse kinematics core ik_axis, or with ARM = 1 of ik_arm: AXI4-Lite registers and
+// one AXI4 master that reads targets and writes results in bursts. Records are little endian, the same for every W;
+// ik_axi_target and ik_axi_result have their words. 32 bytes, target: x, y, z, phi, d1, d2, tag, 0; result: qs_w, qs_i,
+// qs_j, qs_k, qe_w, qe_i, flags << 24 | tag, index. 64 bytes with ARM = 1, hand pose: x, y, z, phi, d1, d2, tool,
+// branch << 24 | tag, qh_w .. qh_k, 4 unused; result: th1 .. th7, flags << 24 | tag, qs_w .. qs_k, qe_w, qe_i, index,
+// over_limit (bit k-1: th k; bit 8: bad_hand).
 //
 // Accesses stay within the two areas. No burst crosses 4 KiB; rready and bready are always high. A record is requested
-// only when ik_axis has a slot for its result, so the core never refuses a target and no deadlock is possible.
-// Latency: 2 clocks from a record's last R beat to ik_axis, 1 clock from a result to its first W beat.
+// only when the core has a slot for its result, so it never refuses a target and no deadlock is possible.
+// Latency: 2 clocks from a record's last R beat to the core, 1 clock from a result to its first W beat.
 `default_nettype none
 
 module ik_axi #(
@@ -17,7 +20,8 @@ module ik_axi #(
     parameter integer TILE       = 18,  // lean multiplier blocks: width of the longer operand, e.g. 25 for 25x18
     parameter integer ADDR_W     = 32,  // address width, 12 to 64
     parameter integer DATA_W     = 64,  // data bus width: 32, 64 or 128
-    parameter integer LOG2_BURST = 3    // log2 of records per full burst, 1 to 5
+    parameter integer LOG2_BURST = 3,   // log2 of records per full burst, 1 to 5; at most 256 beats
+    parameter integer ARM        = 0    // 1: hand pose to joint angles, with DATAPATH = 1 only
 ) (
     // Clock, reset, interrupt; attributes for block designs of Vivado, which infers the buses from the ports' names
     (* X_INTERFACE_INFO = "xilinx.com:signal:clock:1.0 clk CLK" *)
@@ -87,6 +91,7 @@ module ik_axi #(
 );
 
   `include "ik_latency.vh"
+  `include "ik_arm_nodes.vh"
 
   function integer clog2(input integer n);
     begin
@@ -95,23 +100,30 @@ module ik_axi #(
     end
   endfunction
 
+  localparam integer LOG2_RECORD = (ARM == 1) ? 6 : 5;  // log2 of a record's bytes
   localparam integer TAG_W = 24;
-  localparam integer LATENCY = datapath_latency(DATAPATH, W, TILE) + 2;
-  localparam integer LOG2_PLACES = clog2(LATENCY + 1);  // FIFO slots of ik_axis
+  localparam integer USER_W = (ARM == 1) ? TAG_W + 3 : TAG_W;  // with the branch
+  localparam integer INPUTS = (ARM == 1) ? 11 : 6;  // words of a target
+  localparam integer RESULTS = (ARM == 1) ? 13 : 6;  // words of a result's record, without tag, index and over_limit
+  localparam integer LATENCY = ((ARM == 1) ? T_OUT : datapath_latency(DATAPATH, W, TILE)) + 2;
+  localparam integer LOG2_PLACES = clog2(LATENCY + 1);  // FIFO slots of the core
   localparam integer LOG2_BURSTS = 3;  // at most 8 outstanding bursts in each direction
 
   generate
     if (DATA_W != 32 && DATA_W != 64 && DATA_W != 128) begin : g_data
       ik_axi_illegal_DATA_W u_stop ();
     end
-    if (ADDR_W < 12 || ADDR_W > 64) begin : g_address
+    if (ADDR_W < LOG2_RECORD + 7 || ADDR_W > 64) begin : g_address
       ik_axi_illegal_ADDR_W u_stop ();
     end
-    if (LOG2_BURST < 1 || LOG2_BURST > 5) begin : g_burst
+    if (LOG2_BURST < 1 || LOG2_BURST > 5 || (8 << LOG2_BURST << LOG2_RECORD) > 256 * DATA_W) begin : g_burst
       ik_axi_illegal_LOG2_BURST u_stop ();
     end
-    if (DATAPATH != 0 && DATAPATH != 1) begin : g_datapath
+    if (DATAPATH != 1 && (DATAPATH != 0 || ARM == 1)) begin : g_datapath
       ik_axi_illegal_DATAPATH u_stop ();
+    end
+    if (ARM != 0 && ARM != 1) begin : g_kind
+      ik_axi_illegal_ARM u_stop ();
     end
   endgenerate
 
@@ -130,6 +142,7 @@ module ik_axi #(
   wire [63:0] source, destination, error_address;
   wire [31:0] count, written, clocks, read_stalls, write_stalls;
   wire [3:0] code;
+  wire [14*32-1:0] limits;
 
   ik_axi_regs #(
       .W      (W),
@@ -138,7 +151,8 @@ module ik_axi #(
       .ADDR_W (ADDR_W),
       .DATA_W (DATA_W),
       .LATENCY(LATENCY),
-      .PLACES (1 << LOG2_PLACES)
+      .PLACES (1 << LOG2_PLACES),
+      .ARM    (ARM)
   ) u_regs (
       .clk          (clk),
       .rst          (rst),
@@ -174,18 +188,20 @@ module ik_axi #(
       .read_stalls  (read_stalls),
       .write_stalls (write_stalls),
       .told         ({told_refused, told_error, told_done}),
-      .irq          (irq)
+      .irq          (irq),
+      .limits       (limits)
   );
 
   wire clear, go, stop;
-  wire [ADDR_W-1:5] job_source, job_destination;
+  wire [ADDR_W-1:LOG2_RECORD] job_source, job_destination;
   wire [31:0] job_count, good;
-  wire [2:0] error_beat;
+  wire [LOG2_RECORD-3:0] error_beat;
   wire read_idle, ended, read_error, read_decode, read_waiting, write_idle, write_error, write_decode;
 
   ik_axi_job #(
-      .ADDR_W(ADDR_W),
-      .DATA_W(DATA_W)
+      .ADDR_W     (ADDR_W),
+      .DATA_W     (DATA_W),
+      .LOG2_RECORD(LOG2_RECORD)
   ) u_job (
       .clk            (clk),
       .rst            (rst),
@@ -227,17 +243,20 @@ module ik_axi #(
   // ---- memory to core ----
 
   wire got, record_valid, leave, target_valid, result_valid, result_ready, allowed, ends_burst;
-  wire [255:0] record;
-  wire [6*W-1:0] target, result;
-  wire [TAG_W-1:0] tag;
+  wire [(8<<LOG2_RECORD)-1:0] record;
+  wire [INPUTS*W-1:0] target;
+  wire [RESULTS*W-1:0] result;
+  wire [USER_W-1:0] tag;
   wire [TAG_W+7:0] flags_tag;
+  wire [31:0] over_limit;
 
   ik_axi_read #(
       .ADDR_W     (ADDR_W),
       .DATA_W     (DATA_W),
       .LOG2_BURST (LOG2_BURST),
       .LOG2_PLACES(LOG2_PLACES),
-      .LOG2_BURSTS(LOG2_BURSTS)
+      .LOG2_BURSTS(LOG2_BURSTS),
+      .LOG2_RECORD(LOG2_RECORD)
   ) u_read (
       .clk          (clk),
       .rst          (rst),
@@ -266,8 +285,9 @@ module ik_axi #(
   );
 
   ik_axi_target #(
-      .W    (W),
-      .TAG_W(TAG_W)
+      .W          (W),
+      .TAG_W      (USER_W),
+      .LOG2_RECORD(LOG2_RECORD)
   ) u_target (
       .clk         (clk),
       .rst         (rst),
@@ -278,24 +298,62 @@ module ik_axi #(
       .tag         (tag)
   );
 
-  ik_axis #(
-      .W    (W),
-      .TAG_W(TAG_W),
-      .DATAPATH (DATAPATH),
-      .DIGIT(DIGIT),
-      .TILE (TILE)
-  ) u_axis (
-      .clk          (clk),
-      .rst          (rst || clear),
-      .s_axis_tdata (target),
-      .s_axis_tuser (tag),
-      .s_axis_tvalid(target_valid),
-      .s_axis_tready(),              // always high: a slot is reserved
-      .m_axis_tdata (result),
-      .m_axis_tuser (flags_tag),
-      .m_axis_tvalid(result_valid),
-      .m_axis_tready(result_ready)
-  );
+  // s_axis_tready is always high: a slot is reserved
+  generate
+    if (ARM == 1) begin : g_arm
+      localparam integer TH = 10, QS = 0;  // the first angle, and qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, among ik_arm's words
+      wire [17*W-1:0] words;
+      wire [7*W-1:0] low, high;
+      wire [7:0] over;  // bad_hand, th1 .. th7
+      genvar i;
+      for (i = 0; i < 7; i = i + 1) begin : g_joint
+        assign {high[W*i+:W], low[W*i+:W]} = {limits[32*(i+7)+31-:W], limits[32*i+31-:W]};
+      end
+      assign result = {words[W*QS+:6*W], words[W*TH+:7*W]};
+      assign over_limit = {23'd0, over[0], 1'b0, over[7:1]};
+
+      ik_arm #(
+          .W       (W),
+          .TAG_W   (TAG_W),
+          .DATAPATH(DATAPATH),
+          .TILE    (TILE)
+      ) u_arm (
+          .clk          (clk),
+          .rst          (rst || clear),
+          .limits_low   (low),
+          .limits_high  (high),
+          .s_axis_tdata (target),
+          .s_axis_tuser (tag),
+          .s_axis_tvalid(target_valid),
+          .s_axis_tready(),
+          .m_axis_tdata (words),
+          .m_axis_tuser ({over, flags_tag}),
+          .m_axis_tvalid(result_valid),
+          .m_axis_tready(result_ready)
+      );
+    end else begin : g_axis
+      assign over_limit = 32'd0;
+
+      ik_axis #(
+          .W       (W),
+          .TAG_W   (TAG_W),
+          .DATAPATH(DATAPATH),
+          .DIGIT   (DIGIT),
+          .TILE    (TILE)
+      ) u_axis (
+          .clk          (clk),
+          .rst          (rst || clear),
+          .s_axis_tdata (target),
+          .s_axis_tuser (tag),
+          .s_axis_tvalid(target_valid),
+          .s_axis_tready(),
+          .m_axis_tdata (result),
+          .m_axis_tuser (flags_tag),
+          .m_axis_tvalid(result_valid),
+          .m_axis_tready(result_ready)
+      );
+    end
+  endgenerate
 
   // ---- core to memory ----
 
@@ -311,7 +369,8 @@ module ik_axi #(
       .DATA_W     (DATA_W),
       .LOG2_BURST (LOG2_BURST),
       .LOG2_PLACES(LOG2_PLACES),
-      .LOG2_BURSTS(LOG2_BURSTS)
+      .LOG2_BURSTS(LOG2_BURSTS),
+      .LOG2_RECORD(LOG2_RECORD)
   ) u_write (
       .clk          (clk),
       .rst          (rst),
@@ -337,14 +396,16 @@ module ik_axi #(
   );
 
   ik_axi_result #(
-      .W     (W),
-      .DATA_W(DATA_W)
+      .W          (W),
+      .DATA_W     (DATA_W),
+      .LOG2_RECORD(LOG2_RECORD)
   ) u_result (
       .clk         (clk),
       .rst         (rst),
       .result      (result),
       .flags_tag   (flags_tag),
       .index       (index),
+      .over_limit  (over_limit),
       .result_valid(result_valid),
       .result_ready(result_ready),
       .allowed     (allowed),

@@ -30,7 +30,7 @@ from migen.genlib.io import CRG
 from examples.litex.ik_axi import IkAxi
 from model.dataflow import fixed
 from model.io import trajectories
-from model.io.words import FIELDS, Targets, core_words, result_records, target_records, to_words
+from model.io.words import FIELDS, RECORDS, Targets, to_words
 from scripts.console import WORD_LENGTH, command, option
 from tb.sim.env import ROOT, environment
 from tb.sim.job import SimulationError
@@ -114,9 +114,9 @@ def header(count: int, width: int) -> str:
     whole_set = trajectories.make(trajectories.DEFAULT)
     targets = Targets(name="", **{name: getattr(whole_set, name)[:count] for name in FIELDS})
     tags = np.arange(count) + 0xA50000
-    kept, _ = core_words(target_records(to_words(targets, 32)[0], tags), width)
+    kept, *_ = RECORDS.core_words(RECORDS.targets(to_words(targets, 32)[0], tags), width)
     answer = fixed.run(kept, width, "lean")
-    records = np.frombuffer(result_records(answer.results, answer.flags, tags, width), "<u4").reshape(-1, 8)
+    records = np.frombuffer(RECORDS.written(answer.results, answer.flags, tags, width), "<u4").reshape(-1, 8)
     rows = zip(*(getattr(targets, name) for name in FIELDS), tags, strict=True)
     return "\n".join(
         [

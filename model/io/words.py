@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..reference.kinematics import conjugate, matrix, multiply, rotate
+from .flags import BAD_HAND
 
 FIELDS = ("x", "y", "z", "phi", "d1", "d2")
 """Columns of a target file and fields of a target word, lowest bits first."""
@@ -305,50 +306,67 @@ def result_values(words: np.ndarray, width: int) -> np.ndarray:
 
 # -- records of ik_axi -----------------------------------------------------------------------------
 
-# Records are eight 32-bit words, little endian, whatever the word length of the core. Target: x, y, z (Q2.30),
-# phi (one turn = 2^32), d1, d2 (Q2.30), tag, 0. Result: qs_w, qs_i, qs_j, qs_k, qe_w, qe_i (Q2.30), flags << 24 | tag,
-# index of the record in its job.
-
-BYTES = 32
-"""Bytes of a record."""
+# Records are 32-bit words, little endian, whatever the word length of the core: lengths and quaternions in Q2.30, angles
+# with one turn = 2^32.
 
 TAG_BITS = 24
 """Bits of a tag that a result record returns."""
 
 
-def _pack_records(fields: np.ndarray, seventh: np.ndarray, eighth: np.ndarray | int) -> bytes:
-    columns = np.broadcast_arrays(*fields.T, seventh, eighth)
-    return (np.column_stack([column.astype(np.int64) for column in columns]) & 0xFFFFFFFF).astype("<u4").tobytes()
+@dataclass(frozen=True)
+class Records:
+    """Layout of target and result records; both have the tag, with the branch or the flags above it, in word `tag`.
 
-
-def _unpack_records(records: bytes) -> np.ndarray:
-    return np.frombuffer(records, dtype="<i4").astype(np.int64).reshape(-1, BYTES // 4)
-
-
-def target_records(words: np.ndarray, tags: np.ndarray) -> bytes:
-    """Return the target records of words (N, 6) of 32 bits as `FIELDS`, tags (N,) of 32 bits."""
-    return _pack_records(words, tags, 0)
-
-
-def core_words(records: bytes, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Decode target records into words of `width` bits: (N, 6) int64 and tags (N,).
-
-    Words are rounded half up; a length beyond the format saturates, an angle wraps.
+    `inputs` and `results` are the other words in order. Behind the results are the index of the record in its job and,
+    for the whole arm, over_limit: a bit for each joint from bit 0, and bad_hand in bit 8.
     """
-    table = _unpack_records(records)
-    dropped, most = 32 - width, (1 << (width - 1)) - 1
-    rounded = (table[:, : len(FIELDS)] + ((1 << dropped) >> 1)) >> dropped
-    words = np.minimum(rounded, most)
-    phi = FIELDS.index("phi")
-    words[:, phi] = np.where(rounded[:, phi] > most, -most - 1, rounded[:, phi])
-    return words, table[:, len(FIELDS)] & ((1 << TAG_BITS) - 1)
+
+    size: int  # bytes
+    tag: int
+    inputs: tuple[str, ...]
+    results: tuple[str, ...]
+
+    def _packed(self, fields: np.ndarray, *more: np.ndarray | int) -> bytes:
+        """Pack fields (N, n) and more, the tag's word first; zeros behind them, and nothing beyond the record."""
+        columns = [*np.broadcast_arrays(*fields.T, *more, *[0] * (self.size // 4))]
+        columns.insert(self.tag, columns.pop(fields.shape[1]))
+        columns = columns[: self.size // 4]
+        return (np.column_stack([column.astype(np.int64) for column in columns]) & 0xFFFFFFFF).astype("<u4").tobytes()
+
+    def _unpacked(self, records: bytes, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return `count` signed words (N, count) of records, and their tags' words (N,)."""
+        table = np.frombuffer(records, dtype="<i4").astype(np.int64).reshape(-1, self.size // 4)
+        return np.delete(table, self.tag, axis=1)[:, :count], table[:, self.tag]
+
+    def targets(self, words: np.ndarray, tags: np.ndarray) -> bytes:
+        """Return the target records of words (N, n) of 32 bits as `inputs`, and the tags' words (N,)."""
+        return self._packed(words, tags)
+
+    def core_words(self, records: bytes, width: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Decode target records into words of `width` bits: (N, n) int64, tags and branches (N,).
+
+        Words are rounded half up; a length beyond the format saturates, an angle wraps.
+        """
+        table, tags = self._unpacked(records, len(self.inputs))
+        dropped, most = 32 - width, (1 << (width - 1)) - 1
+        rounded = (table + ((1 << dropped) >> 1)) >> dropped
+        words = np.minimum(rounded, most)
+        phi = self.inputs.index("phi")
+        words[:, phi] = np.where(rounded[:, phi] > most, -most - 1, rounded[:, phi])
+        return words, tags & ((1 << TAG_BITS) - 1), tags >> TAG_BITS & (1 << len(BRANCHES)) - 1
+
+    def written(self, results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:
+        """Return the result records of a job: results (N, n) of `width` bits as `results`, flags and tags (N,)."""
+        more = (flags & 255) << TAG_BITS | tags, np.arange(len(results)), flags >> 9 | flags & BAD_HAND
+        return self._packed(results << (32 - width), *more)
+
+    def result_words(self, records: bytes, width: int) -> np.ndarray:
+        """Return the results (N, n) of `width` bits in result records."""
+        return self._unpacked(records, len(self.results))[0] >> (32 - width)
 
 
-def result_records(results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:
-    """Return the result records of a job: results (N, 6) of `width` bits, flags and tags (N,)."""
-    return _pack_records(results << (32 - width), flags << TAG_BITS | tags, np.arange(len(results)))
+RECORDS = Records(32, 6, FIELDS, RESULT_FIELDS)
+"""Records of ``ik_axi``."""
 
-
-def result_words(records: bytes, width: int) -> np.ndarray:
-    """Return the results (N, 6) of `width` bits in result records."""
-    return _unpack_records(records)[:, : len(RESULT_FIELDS)] >> (32 - width)
+ARM_RECORDS = Records(64, 7, ARM_FIELDS, (*JOINTS, *RESULT_FIELDS))
+"""Records of ``ik_axi`` with ARM = 1."""

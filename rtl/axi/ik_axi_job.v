@@ -3,13 +3,15 @@
 //
 // Source, destination and count are copied at start. The checks take 3 clocks, before any access. After an R error, the
 // records before it are still written. After a B error or a soft reset, no new burst starts and the outstanding ones
-// complete. The first error is reported. Codes: 0 none, 1 source and 2 destination not a multiple of 32, 3 source and 4
-// destination beyond the address space, 5 areas overlap, 6 SLVERR and 7 DECERR on R, 8 SLVERR and 9 DECERR on B.
+// complete. The first error is reported. Codes: 0 none, 1 source and 2 destination not a multiple of the record size,
+// 3 source and 4 destination beyond the address space, 5 areas overlap, 6 SLVERR and 7 DECERR on R, 8 SLVERR and
+// 9 DECERR on B.
 `default_nettype none
 
 module ik_axi_job #(
-    parameter integer ADDR_W = 32,  // address width, 12 to 64
-    parameter integer DATA_W = 64   // data bus width: 32, 64 or 128
+    parameter integer ADDR_W      = 32,  // address width, 12 to 64
+    parameter integer DATA_W      = 64,  // data bus width: 32, 64 or 128
+    parameter integer LOG2_RECORD = 5    // log2 of a record's bytes, 5 or 6
 ) (
     input  wire              clk,
     input  wire              rst,
@@ -34,15 +36,15 @@ module ik_axi_job #(
     output wire              clear,          // resets ik_axis at start: an earlier job may have left targets in it
     output wire              go,
     output wire              stop,
-    output wire [ADDR_W-1:5] job_source,       // addresses of the job / 32
-    output wire [ADDR_W-1:5] job_destination,
+    output wire [ADDR_W-1:LOG2_RECORD] job_source,  // in records
+    output wire [ADDR_W-1:LOG2_RECORD] job_destination,
     output reg  [      31:0] job_count,
     input  wire              read_idle,
     input  wire              read_waiting,
     input  wire              read_error,
     input  wire              read_decode,
     input  wire [      31:0] read_good,
-    input  wire [       2:0] read_beat,
+    input  wire [LOG2_RECORD-3:0] read_beat,
     input  wire              write_idle,
     input  wire              write_waiting,
     input  wire              write_error,
@@ -63,10 +65,10 @@ module ik_axi_job #(
   // ---- checks ----
 
   reg [ADDR_W-1:0] source_at, destination_at;
-  assign job_source = source_at[ADDR_W-1:5];
-  assign job_destination = destination_at[ADDR_W-1:5];
+  assign job_source = source_at[ADDR_W-1:LOG2_RECORD];
+  assign job_destination = destination_at[ADDR_W-1:LOG2_RECORD];
   wire [63:0] beyond = {64{1'b1}} << (ADDR_W - 1) << 1;  // bits above the address width
-  reg [1:0] crooked;  // {destination, source}: not a multiple of 32
+  reg [1:0] crooked;  // {destination, source}: not a multiple of the record size
   reg [1:0] high;     // first byte beyond the address space
   reg [1:0] past;     // first or last byte beyond it
   reg overlap;
@@ -74,14 +76,14 @@ module ik_axi_job #(
   wire [64:0] limit = 65'd1 << ADDR_W;
   wire [64:0] source_e = {{(65 - ADDR_W) {1'b0}}, source_at};
   wire [64:0] destination_e = {{(65 - ADDR_W) {1'b0}}, destination_at};
-  wire [64:0] bytes = {28'd0, job_count, 5'd0};
+  wire [64:0] bytes = {{(33 - LOG2_RECORD) {1'b0}}, job_count, {LOG2_RECORD{1'b0}}};
 
   always @(posedge clk) begin
     if (state == IDLE) begin
       source_at       <= source[ADDR_W-1:0];
       destination_at  <= destination[ADDR_W-1:0];
       job_count       <= count;
-      crooked         <= {destination[4:0] != 0, source[4:0] != 0};
+      crooked         <= {destination[LOG2_RECORD-1:0] != 0, source[LOG2_RECORD-1:0] != 0};
       high            <= {(destination & beyond) != 0, (source & beyond) != 0};
     end
     source_end      <= source_e + bytes;
@@ -143,16 +145,16 @@ module ik_axi_job #(
   // ---- error address and counters ----
 
   wire of_source = code == 4'd1 || code == 4'd3 || code == READ_SLVERR || code == READ_SLVERR + 4'd1;
-  wire [4:0] beat_bytes = {2'd0, read_beat} << SHIFT;
-  reg [36:0] offset;
+  wire [LOG2_RECORD-1:0] beat_bytes = {2'd0, read_beat} << SHIFT;
+  reg [LOG2_RECORD+31:0] offset;
   always @(*) begin
     case (code)
       READ_SLVERR, READ_SLVERR + 4'd1: offset = {read_good, beat_bytes};
-      WRITE_SLVERR, WRITE_SLVERR + 4'd1: offset = {written, 5'd0};
-      default: offset = 37'd0;
+      WRITE_SLVERR, WRITE_SLVERR + 4'd1: offset = {written, {LOG2_RECORD{1'b0}}};
+      default: offset = {(LOG2_RECORD + 32) {1'b0}};
     endcase
   end
-  wire [63:0] failing = (of_source ? source_e[63:0] : destination_e[63:0]) + {27'd0, offset};
+  wire [63:0] failing = (of_source ? source_e[63:0] : destination_e[63:0]) + {{(32 - LOG2_RECORD) {1'b0}}, offset};
 
   always @(posedge clk) begin
     if (rst || (start && !soft_reset && !busy)) begin

@@ -1,4 +1,4 @@
-// No rounding: R beats of DATA_W bits are assembled, in order, into records of 256 bits.
+// No rounding: R beats of DATA_W bits are assembled, in order, into records.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Read engine of ik_axi. A burst ends at the next multiple of 2^LOG2_BURST records or with the job, so none crosses
@@ -14,26 +14,27 @@ module ik_axi_read #(
     parameter integer DATA_W      = 64,  // data bus width: 32, 64 or 128
     parameter integer LOG2_BURST  = 3,   // log2 of records per full burst, 1 to 5
     parameter integer LOG2_PLACES = 6,   // log2 of the result slots, at least LOG2_BURST + 1
-    parameter integer LOG2_BURSTS = 3    // log2 of the outstanding bursts allowed
+    parameter integer LOG2_BURSTS = 3,   // log2 of the outstanding bursts allowed
+    parameter integer LOG2_RECORD = 5    // log2 of a record's bytes, 5 or 6
 ) (
     input  wire              clk,
     input  wire              rst,
     // Job
     input  wire              go,           // loads source and count, clears all other state
     input  wire              stop,         // request no new burst
-    input  wire [ADDR_W-1:5] source,
+    input  wire [ADDR_W-1:LOG2_RECORD] source,
     input  wire [      31:0] count,
     output wire              idle,         // nothing outstanding and nothing left to request
     output wire              ended,        // `got` stays low until the next job
     output reg               error,        // sticky until go
     output reg               error_decode, // the error was DECERR
     output reg  [      31:0] good,         // records received before the first error
-    output reg  [       2:0] error_beat,   // failed beat within the next record
+    output reg  [LOG2_RECORD-3:0] error_beat,   // failed beat within the next record
     output wire              waiting,      // data outstanding, none in this clock
     // Records
     output wire              got,          // record received; record_valid rises one clock later
     output reg               record_valid,
-    output reg  [     255:0] record,
+    output reg  [(8<<LOG2_RECORD)-1:0] record,
     input  wire              leave,        // a result has left; its slot is free
     // AXI4
     output reg  [ADDR_W-1:0] m_axi_araddr,
@@ -45,15 +46,17 @@ module ik_axi_read #(
     input  wire              m_axi_rvalid
 );
 
-  localparam integer BEATS = 256 / DATA_W;  // per record
-  localparam [2:0] LAST_BEAT = (DATA_W == 32) ? 3'd7 : (DATA_W == 64) ? 3'd3 : 3'd1;  // of a record, from 0
+  localparam integer BEATS = (8 << LOG2_RECORD) / DATA_W;  // per record
+  localparam integer B = LOG2_RECORD - 2;  // width of a beat's number within a record
+  localparam integer LAST = BEATS - 1;
+  localparam [B-1:0] LAST_BEAT = LAST[B-1:0];
   localparam integer N = LOG2_BURST + 1;  // width of a record count within a burst
   localparam integer P = LOG2_PLACES + 1;
   localparam [N-1:0] WHOLE = {1'b1, {LOG2_BURST{1'b0}}};
 
   // ---- AR ----
 
-  reg [ADDR_W-6:0] next;  // first record of the next burst: address / 32
+  reg [ADDR_W-LOG2_RECORD-1:0] next;  // first record of the next burst
   reg [31:0] left;        // records not requested yet
   reg sized;              // `size` holds the next burst's size
   reg [N-1:0] size;
@@ -77,7 +80,7 @@ module ik_axi_read #(
       left  <= count;
       sized <= 1'b0;
     end else if (ask) begin
-      next  <= next + {{(ADDR_W - 5 - N) {1'b0}}, size};
+      next  <= next + {{(ADDR_W - LOG2_RECORD - N) {1'b0}}, size};
       left  <= left - {{(32 - N) {1'b0}}, size};
       sized <= 1'b0;
     end else if (!sized) begin
@@ -85,7 +88,7 @@ module ik_axi_read #(
       sized <= left != 0;
     end
     if (ask) begin
-      m_axi_araddr <= {next, 5'd0};
+      m_axi_araddr <= {next, {LOG2_RECORD{1'b0}}};
       m_axi_arlen  <= size_8 * BEATS[7:0] - 8'd1;
     end
     if (rst) m_axi_arvalid <= 1'b0;
@@ -95,7 +98,7 @@ module ik_axi_read #(
 
   // ---- R ----
 
-  reg [2:0] at;  // beat within the record
+  reg [B-1:0] at;  // beat within the record
   reg [LOG2_BURST-1:0] coming;  // low bits of the record's address
   wire last = m_axi_rvalid && at == LAST_BEAT;
   wire burst_in = last && ((&coming) || due == {{LOG2_PLACES{1'b0}}, 1'b1});  // boundary, or last record requested
@@ -107,8 +110,8 @@ module ik_axi_read #(
       free   <= {1'b1, {LOG2_PLACES{1'b0}}};
       due    <= {P{1'b0}};
       bursts <= {(LOG2_BURSTS + 1) {1'b0}};
-      coming <= source[LOG2_BURST+4:5];
-      at     <= 3'd0;
+      coming <= source[LOG2_RECORD+:LOG2_BURST];
+      at     <= {B{1'b0}};
       good   <= 32'd0;
       error  <= 1'b0;
     end else begin
@@ -116,7 +119,7 @@ module ik_axi_read #(
       due    <= due + asked - {{LOG2_PLACES{1'b0}}, last};
       bursts <= bursts + {{LOG2_BURSTS{1'b0}}, ask} - {{LOG2_BURSTS{1'b0}}, burst_in};
       if (last) coming <= coming + 1'b1;
-      if (m_axi_rvalid) at <= last ? 3'd0 : at + 3'd1;
+      if (m_axi_rvalid) at <= last ? {B{1'b0}} : at + 1'b1;
       if (got) good <= good + 32'd1;
       if (bad) error <= 1'b1;
     end
@@ -125,7 +128,7 @@ module ik_axi_read #(
       error_beat   <= at;
     end
     record_valid <= !rst && !go && got;
-    if (m_axi_rvalid) record <= {m_axi_rdata, record[255:DATA_W]};
+    if (m_axi_rvalid) record <= {m_axi_rdata, record[(8<<LOG2_RECORD)-1:DATA_W]};
   end
 
   assign ended = error || (left == 0 && due == 0);

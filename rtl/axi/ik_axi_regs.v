@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Write strobes are honoured. Writes to read-only registers and accesses to unmapped addresses have no effect and
-// return SLVERR; such reads return 0. Outputs do not depend combinationally on inputs.
+// return SLVERR; such reads return 0. With ARM = 0 the limits of the joints are unmapped. Outputs do not depend
+// combinationally on inputs.
 `default_nettype none
 
 module ik_axi_regs #(
@@ -12,7 +13,8 @@ module ik_axi_regs #(
     parameter integer ADDR_W   = 32,
     parameter integer DATA_W   = 64,
     parameter integer LATENCY  = 44,  // latency of ik_axis, clocks
-    parameter integer PLACES   = 64   // most records in flight from AR to W
+    parameter integer PLACES   = 64,  // most records in flight from AR to W
+    parameter integer ARM      = 0    // 1: limits of seven joints
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -50,7 +52,9 @@ module ik_axi_regs #(
     input  wire [31:0] read_stalls,
     input  wire [31:0] write_stalls,
     input  wire [ 2:0] told,         // pulses: refused, error, done
-    output reg         irq
+    output reg         irq,
+    // Limits of th1 to th7, then again: lower ends, upper ends; one turn = 2^32
+    output wire [14*32-1:0] limits
 );
 
   localparam [31:0] ID = 32'h494b_0100;  // "IK", version 1.0
@@ -60,7 +64,7 @@ module ik_axi_regs #(
   localparam [9:0] A_ID = 0, A_CONFIG = 1, A_PIPELINE = 2, A_CONTROL = 3, A_STATUS = 4, A_IRQ_ENABLE = 5;
   localparam [9:0] A_IRQ_STATUS = 6, A_COUNT = 7, A_SOURCE_LO = 8, A_SOURCE_HI = 9, A_DESTINATION_LO = 10;
   localparam [9:0] A_DESTINATION_HI = 11, A_ERROR_LO = 12, A_ERROR_HI = 13, A_WRITTEN = 14, A_CLOCKS = 15;
-  localparam [9:0] A_READ_STALLS = 16, A_WRITE_STALLS = 17;
+  localparam [9:0] A_READ_STALLS = 16, A_WRITE_STALLS = 17, A_LIMITS = 18;
 
   function [31:0] merged(input [31:0] old, input [31:0] data, input [3:0] strobes);
     integer i;
@@ -93,6 +97,10 @@ module ik_axi_regs #(
     else if (s_axi_bready) s_axi_bvalid <= 1'b0;
   end
 
+  // the limits follow each other; an address below them is a large number here
+  wire [9:0] w_limit = waddr - A_LIMITS;
+  wire w_limits = ARM == 1 && w_limit < 10'd14;
+
   reg [2:0] irq_enable;
   reg [2:0] irq_status;  // refused, error, done
   wire [2:0] erased = (write && waddr == A_IRQ_STATUS && wstrb[0]) ? wdata[2:0] : 3'd0;
@@ -118,10 +126,25 @@ module ik_axi_regs #(
         A_SOURCE_HI: source[63:32] <= merged(source[63:32], wdata, wstrb);
         A_DESTINATION_LO: destination[31:0] <= merged(destination[31:0], wdata, wstrb);
         A_DESTINATION_HI: destination[63:32] <= merged(destination[63:32], wdata, wstrb);
-        default: s_axi_bresp <= SLVERR;
+        default: s_axi_bresp <= w_limits ? OKAY : SLVERR;
       endcase
     end
   end
+
+  // ---- limits ----
+
+  generate
+    if (ARM == 1) begin : g_limits
+      reg [14*32-1:0] ends;
+      always @(posedge clk) begin
+        if (rst) ends <= {{7{32'h7fff_ffff}}, {7{32'h8000_0000}}};
+        else if (write && w_limits) ends[32*w_limit[3:0]+:32] <= merged(ends[32*w_limit[3:0]+:32], wdata, wstrb);
+      end
+      assign limits = ends;
+    end else begin : g_no_limits
+      assign limits = {(14 * 32) {1'b0}};
+    end
+  endgenerate
 
   // ---- read ----
 
@@ -129,6 +152,8 @@ module ik_axi_regs #(
   reg raddr_held;
   assign s_axi_arready = !raddr_held && !rst;
   wire read = raddr_held && !s_axi_rvalid;
+  wire [9:0] r_limit = raddr - A_LIMITS;
+  wire r_limits = ARM == 1 && r_limit < 10'd14;
 
   always @(posedge clk) begin
     if (s_axi_arvalid && s_axi_arready) raddr <= s_axi_araddr[11:2];
@@ -141,7 +166,7 @@ module ik_axi_regs #(
       s_axi_rresp <= OKAY;
       case (raddr)
         A_ID: s_axi_rdata <= ID;
-        A_CONFIG: s_axi_rdata <= {6'd0, DIGIT != 0, DATAPATH != 0, ADDR_W[7:0], DATA_W[7:0], W[7:0]};
+        A_CONFIG: s_axi_rdata <= {5'd0, ARM == 1, DIGIT != 0, DATAPATH != 0, ADDR_W[7:0], DATA_W[7:0], W[7:0]};
         A_PIPELINE: s_axi_rdata <= {PLACES[15:0], LATENCY[15:0]};
         A_CONTROL: s_axi_rdata <= 32'd0;
         A_STATUS: s_axi_rdata <= {20'd0, code, 5'd0, error, done, busy};
@@ -159,8 +184,8 @@ module ik_axi_regs #(
         A_READ_STALLS: s_axi_rdata <= read_stalls;
         A_WRITE_STALLS: s_axi_rdata <= write_stalls;
         default: begin
-          s_axi_rdata <= 32'd0;
-          s_axi_rresp <= SLVERR;
+          s_axi_rdata <= r_limits ? limits[32*r_limit[3:0]+:32] : 32'd0;
+          s_axi_rresp <= r_limits ? OKAY : SLVERR;
         end
       endcase
     end

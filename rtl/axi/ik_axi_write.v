@@ -12,14 +12,15 @@ module ik_axi_write #(
     parameter integer DATA_W      = 64,  // data bus width: 32, 64 or 128
     parameter integer LOG2_BURST  = 3,   // log2 of records per full burst, 1 to 5
     parameter integer LOG2_PLACES = 6,   // log2 of the records allowed between AR and W, at least LOG2_BURST + 1
-    parameter integer LOG2_BURSTS = 3    // log2 of the bursts allowed to await B
+    parameter integer LOG2_BURSTS = 3,   // log2 of the bursts allowed to await B
+    parameter integer LOG2_RECORD = 5    // log2 of a record's bytes, 5 or 6
 ) (
     input  wire              clk,
     input  wire              rst,
     // Job
     input  wire              go,            // loads destination, clears all other state
     input  wire              stop,          // announce no new burst; must be high after a write error
-    input  wire [ADDR_W-1:5] destination,
+    input  wire [ADDR_W-1:LOG2_RECORD] destination,
     input  wire              got,           // a target has been read
     input  wire              ended,         // no further target will be read
     output wire              idle,          // all bursts answered, no record left to announce
@@ -40,7 +41,7 @@ module ik_axi_write #(
     input  wire              m_axi_bvalid
 );
 
-  localparam integer BEATS = 256 / DATA_W;  // per record
+  localparam integer BEATS = (8 << LOG2_RECORD) / DATA_W;  // per record
   localparam integer N = LOG2_BURST + 1;  // width of a record count within a burst
   localparam integer P = LOG2_PLACES + 1;
   localparam integer U = LOG2_BURST + LOG2_BURSTS + 1;
@@ -48,7 +49,7 @@ module ik_axi_write #(
 
   // ---- AW ----
 
-  reg [ADDR_W-6:0] next;  // first record of the next burst: address / 32
+  reg [ADDR_W-LOG2_RECORD-1:0] next;  // first record of the next burst
   reg [P-1:0] ready;      // records read and not announced
   reg [P-1:0] to_send;    // records announced and not sent
   reg [U-1:0] to_answer;  // records announced and not answered
@@ -82,14 +83,14 @@ module ik_axi_write #(
   initial m_axi_awvalid = 1'b0;
   always @(posedge clk) begin
     if (go) next <= destination;
-    else if (tell) next <= next + {{(ADDR_W - 5 - N) {1'b0}}, size};
-    if (go) to_edge <= WHOLE - {1'b0, destination[LOG2_BURST+4:5]};
+    else if (tell) next <= next + {{(ADDR_W - LOG2_RECORD - N) {1'b0}}, size};
+    if (go) to_edge <= WHOLE - {1'b0, destination[LOG2_RECORD+:LOG2_BURST]};
     else if (rst || tell) to_edge <= WHOLE;
     if (!sized) size <= whole ? to_edge : ready[N-1:0];
     if (rst || go || tell) sized <= 1'b0;
     else if (!sized) sized <= whole || (ended && ready != 0);
     if (tell) begin
-      m_axi_awaddr <= {next, 5'd0};
+      m_axi_awaddr <= {next, {LOG2_RECORD{1'b0}}};
       m_axi_awlen  <= size_8 * BEATS[7:0] - 8'd1;
     end
     if (rst) m_axi_awvalid <= 1'b0;
@@ -103,8 +104,8 @@ module ik_axi_write #(
       to_send   <= {P{1'b0}};
       to_answer <= {U{1'b0}};
       bursts    <= {(LOG2_BURSTS + 1) {1'b0}};
-      sending   <= destination[LOG2_BURST+4:5];
-      answering <= destination[LOG2_BURST+4:5];
+      sending   <= destination[LOG2_RECORD+:LOG2_BURST];
+      answering <= destination[LOG2_RECORD+:LOG2_BURST];
       written   <= 32'd0;
       error     <= 1'b0;
     end else begin

@@ -19,8 +19,9 @@ from cocotbext.axi.axi_slave import AxiSlaveRead, AxiSlaveWrite
 from cocotbext.axi.sparse_memory import SparseMemory
 
 from model.dataflow import fixed
-from model.io.stimuli import mixed
-from model.io.words import BYTES, core_words, result_records, target_records
+from model.dataflow.datapaths import MODELS
+from model.io.stimuli import arm_targets, mixed
+from model.io.words import ARM_RECORDS, RECORDS
 from tb.axi.ik_regs import FIELDS, OFFSETS
 
 SEED = int(os.environ.get("IK_AXI_SEED", "0"))
@@ -34,6 +35,12 @@ BURSTS = 8
 
 PATIENCE = 50000
 """Clocks without a beat on the memory port after which a test fails."""
+
+ARM = bool(getattr(getattr(getattr(cocotb, "top", None), "ARM", None), "value", 0))
+"""Whether the simulated instance solves the whole arm."""
+
+LAYOUT = ARM_RECORDS if ARM else RECORDS
+BYTES = LAYOUT.size
 
 CHANNELS = ("ar", "r", "aw", "w", "b", "lite")
 """Channels that `Bench.stall` pauses; lite: all register channels."""
@@ -129,8 +136,9 @@ class Monitor:
         )
         parts = ("addr", "len", "size", "burst", "cache", "prot", "id")
         self.payload = {name: [getattr(dut, f"m_axi_{name}{part}") for part in parts] for name in self.bursts}
-        self.kind = ((32 // record_beats).bit_length() - 1, 1, 0b0011, 0, 0)  # from size to id
-        self.axis_valid, self.axis_ready = dut.u_axis.s_axis_tvalid, dut.u_axis.s_axis_tready
+        self.kind = ((BYTES // record_beats).bit_length() - 1, 1, 0b0011, 0, 0)  # from size to id
+        core = dut.g_arm.u_arm if ARM else dut.g_axis.u_axis
+        self.axis_valid, self.axis_ready = core.s_axis_tvalid, core.s_axis_tready
         self._clear()
 
     def _clear(self) -> None:
@@ -177,7 +185,7 @@ class Monitor:
             if self.ready[name].value != 1:
                 self.error(f"m_axi_{name}ready is low")
         if self.axis_valid.value == 1 and self.axis_ready.value != 1:
-            self.error("ik_axis is not ready for a target")
+            self.error("the core is not ready for a target")
         if moved or self.offered:
             counts = (*self.open.values(), -(-(self.requested - self.sent) // self.record_beats))
             self.most = {name: max(most, n) for (name, most), n in zip(self.most.items(), counts, strict=True)}
@@ -199,11 +207,11 @@ class Monitor:
 
 
 def random_words(count: int, seed: int) -> np.ndarray:
-    """Return 32-bit targets of all kinds, (N, 6)."""
-    words = mixed(count, 32, seed)
+    """Return 32-bit targets of all kinds, (N, 6), or hand poses (N, 11)."""
+    words = arm_targets(count, 32, seed)[:, :11] if ARM else mixed(count, 32, seed)
     numbers = np.random.default_rng(seed)
     words[::7, :3] += numbers.integers(-(1 << 14), 1 << 14, (len(words[::7]), 3))  # low bits, rounded at W < 32
-    words[5] = (2**31 - 1, -(2**31), 2**31 - 1, 2**31 - 1, 2**31 - 1, 1)  # saturation and wrap-around
+    words[5, :6] = (2**31 - 1, -(2**31), 2**31 - 1, 2**31 - 1, 2**31 - 1, 1)  # saturation and wrap-around
     return np.clip(words, -(2**31), 2**31 - 1)
 
 
@@ -220,11 +228,13 @@ class Bench:
         dut.rst.value = 1
         self.width, self.data_width = int(dut.W.value), int(dut.DATA_W.value)
         self.addr_width = int(dut.ADDR_W.value)
-        self.datapath = "lean" if int(dut.DATAPATH.value) else "paper"
-        self.beats = 256 // self.data_width  # beats of a record
+        self.datapath = "arm" if ARM else "lean" if int(dut.DATAPATH.value) else "paper"
+        self.limits: list[tuple[int, int]] | None = None  # of the joints, words of the core
+        self.registers = [name for name in OFFSETS if ARM or not name.startswith("LIMIT_")]
+        self.beats = 8 * BYTES // self.data_width  # beats of a record
         self.per_burst = 1 << int(dut.LOG2_BURST.value)  # records of a whole burst
         self.latency = fixed.latency(self.datapath, self.width)
-        self.places = 1 << self.latency.bit_length()  # FIFO slots of ik_axis
+        self.places = 1 << self.latency.bit_length()  # FIFO slots of the core
         self.memory = Memory()
         self.monitor = Monitor(dut, self.beats)
         cocotb.start_soon(self.monitor.run())
@@ -233,16 +243,21 @@ class Bench:
         self.writer = Writer(AxiWriteBus.from_prefix(dut, "m_axi"), dut.clk, dut.rst, self.memory, latency)
         words = random_words(600, seed) if words is None else words
         self.pool = len(words)
-        self.records = target_records(words, np.random.default_rng(seed + 1).integers(0, 1 << 32, self.pool))
+        self.records = LAYOUT.targets(words, np.random.default_rng(seed + 1).integers(0, 1 << 32, self.pool))
         self.results, self.flags, self.tags = self.answers(self.records)
 
     def answers(self, records: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the model's results, flags and tags for target records."""
-        kept, tags = core_words(records, self.width)
-        if os.environ.get("IK_AXI_CORE") == "echo":  # tb/axi/ik_lean.v
-            return np.roll(kept, 1, axis=1), kept[:, 0] & 0xFF, tags
-        answer = fixed.run(kept, self.width, self.datapath)
-        return answer.results, answer.flags, tags
+        kept, tags, branch = LAYOUT.core_words(records, self.width)
+        names = list(MODELS[self.datapath].results)
+        if os.environ.get("IK_AXI_CORE") == "echo" and ARM:  # tb/axi/ik_lean_arm.v
+            results, flags = kept[:, np.arange(len(names)) % 11], kept[:, 0] & 0xFFFF ^ branch << 13
+        elif os.environ.get("IK_AXI_CORE") == "echo":  # tb/axi/ik_lean.v
+            results, flags = np.roll(kept, 1, axis=1), kept[:, 0] & 0xFF
+        else:
+            answer = fixed.run(kept, self.width, self.datapath, branch, self.limits)
+            results, flags = answer.results, answer.flags
+        return results[:, [names.index(name) for name in LAYOUT.results]], flags, tags
 
     def place(self, source: int, first: int, count: int) -> None:
         """Write ``count`` targets of the pool to memory, starting at ``first``."""
@@ -312,7 +327,7 @@ class Bench:
     def compare(self, destination: int, first: int, count: int) -> None:
         """Compare results in memory with the model's results for ``count`` targets of the pool from ``first`` on."""
         part = np.arange(first, first + count) % self.pool
-        wanted = result_records(self.results[part], self.flags[part], self.tags[part], self.width)
+        wanted = LAYOUT.written(self.results[part], self.flags[part], self.tags[part], self.width)
         got = self.memory.read(destination, count * BYTES)
         if got != wanted:
             k = next(k for k in range(count) if got[k * BYTES :][:BYTES] != wanted[k * BYTES :][:BYTES])

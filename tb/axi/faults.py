@@ -12,8 +12,7 @@ import cocotb
 from cocotb.triggers import ClockCycles, FallingEdge
 from cocotbext.axi import AxiResp
 
-from model.io.words import BYTES
-from tb.axi.bench import CHANNELS, Bench, started
+from tb.axi.bench import BYTES, CHANNELS, Bench, started
 from tb.axi.ik_regs import CODES
 
 ROUNDS = int(os.environ.get("IK_AXI_FAULTS", "12"))
@@ -56,16 +55,16 @@ async def refused_areas(dut):
     end = 1 << bench.addr_width
     cases = [
         (0x1004, 0x2000, 4, "source_misaligned", 0x1004),
-        (0x1010, 0x2010, 4, "source_misaligned", 0x1010),
-        (0x1000, 0x2010, 4, "destination_misaligned", 0x2010),
+        (0x1000 + BYTES // 2, 0x2010, 4, "source_misaligned", 0x1000 + BYTES // 2),
+        (0x1000, 0x2000 + BYTES // 2, 4, "destination_misaligned", 0x2000 + BYTES // 2),
         (0x1000, 0x2001, 4, "destination_misaligned", 0x2001),
-        (end - 32, 0x2000, 2, "source_beyond", end - 32),
-        (0x1000, end - 96, 4, "destination_beyond", end - 96),
+        (end - BYTES, 0x2000, 2, "source_beyond", end - BYTES),
+        (0x1000, end - 3 * BYTES, 4, "destination_beyond", end - 3 * BYTES),
         (0x1000, 0x1000, 1, "overlap", 0x1000),
-        (0x1000, 0x1060, 4, "overlap", 0x1060),
-        (0x1060, 0x1000, 4, "overlap", 0x1000),
-        (0x1000, 0x1080, 1 << 20, "overlap", 0x1080) if bench.addr_width > 26 else (0x0, 0x20, 2, "overlap", 0x20),
-        (0x20, 0x2000, 0xFFFFFFFF, "source_beyond" if bench.addr_width < 38 else "overlap", 0),
+        (0x1000, 0x1000 + 3 * BYTES, 4, "overlap", 0x1000 + 3 * BYTES),
+        (0x1000 + 3 * BYTES, 0x1000, 4, "overlap", 0x1000),
+        (0x1000, 0x1080, 1 << 20, "overlap", 0x1080) if bench.addr_width > 26 else (0, BYTES, 2, "overlap", BYTES),
+        (BYTES, 0x2000, 0xFFFFFFFF, "source_beyond" if bench.addr_width < 38 else "overlap", 0),
     ]
     for bit in range(bench.addr_width, 64):
         cases += [

@@ -8,11 +8,13 @@ import os
 from pathlib import Path
 
 import cocotb
+import numpy as np
 from cocotb.triggers import ClockCycles
 
+from model.io.stimuli import arm_limits
 from model.io.trajectories import make
-from model.io.words import BYTES, result_words, to_words
-from tb.axi.bench import BURSTS, CHANNELS, Bench, started
+from model.io.words import to_words
+from tb.axi.bench import ARM, BURSTS, BYTES, CHANNELS, LAYOUT, Bench, started
 
 JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))
 """Random jobs: half of them without pauses, half with pauses on all channels, and a twentieth more per channel."""
@@ -126,6 +128,23 @@ async def many_jobs(dut, stalled):
             file.write(f"{jobs} {solved}\n")
 
 
+@cocotb.test(skip=not ARM or os.environ.get("IK_AXI_CORE") == "echo")
+async def limits(dut):
+    """over_limit follows the limit registers: of a word all bits that the core has."""
+    bench = await started(dut, seed=11)
+    numbers, low = bench.random, 32 - bench.width
+    half = 1 << bench.width - 1
+    for bench.limits in (arm_limits(bench.width), [tuple(numbers.choices(range(-half, half), k=2)) for _ in range(7)]):
+        for k, ends in enumerate(bench.limits, start=1):
+            for name, end in zip(("LOW", "HIGH"), ends, strict=True):
+                await bench.write(f"LIMIT_{name}{k}", end % (2 * half) << low | numbers.getrandbits(low))
+        bench.results, bench.flags, bench.tags = bench.answers(bench.records)
+        seen = np.bitwise_or.reduce(bench.flags[:60])
+        assert seen >> 8 == 255 or seen >> 8 == 127, f"flags {seen:#x}: a joint is never over its limits"
+        await bench.solve(BASE, BASE + 0x8000, 60)
+    bench.check()
+
+
 @cocotb.test()
 @cocotb.parametrize(blocked=["r", "aw", "w", "b"])
 async def blocked_channel(dut, blocked):
@@ -183,14 +202,14 @@ async def counters(dut):
 @cocotb.parametrize(latency=LATENCIES)
 async def rates(dut, latency):
     """Require 95 % use of the read bus without added latency; append a row to the file IK_AXI_RATES."""
-    words, _ = to_words(make("reach"), 32)
+    words = None if ARM else to_words(make("reach"), 32)[0]
     bench = await started(dut, latency=latency - QUICKEST, words=words)
-    assert bench.pool == BATCH
+    assert ARM or bench.pool == BATCH
     clocks = {}
     for count in (1, BATCH):
         await bench.solve(0x40000, 0x80000, count)
         clocks[count] = await bench.read("CLOCKS")
-    results = result_words(bench.memory.read(0x80000, BATCH * BYTES), bench.width)
+    results = LAYOUT.result_words(bench.memory.read(0x80000, BATCH * BYTES), bench.width)
     bench.monitor.beats = {"ar": [], "r": []}
     await bench.solve(0x40000, 0x80000, LONG)
     bench.check()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameter sets of ``ik_axi`` for the tests and ``make soak-memory``, and a runner in a separate process.
 
-Most jobs run on an echo instead of the datapath (tb/axi/ik_lean.v), in a quarter of the time. The logic around the
+Most jobs run on an echo instead of the datapath (tb/axi/ik_lean.v, ik_lean_arm.v), in a quarter of the time. The logic around the
 datapath is unchanged.
 """
 
@@ -18,15 +18,17 @@ from tb.sim.simulate import SimulationError, reason
 from tb.sim.subprocesses import started
 
 ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # Verilator takes minutes to compile it
-CORE = ({}, {"W": 18, "DATA_W": 128}, {"W": 18, "DATAPATH": 0, **ROWS})
+CORE = ({}, {"W": 18, "DATA_W": 128}, {"W": 18, "DATAPATH": 0, **ROWS}, {"W": 18, "DATA_W": 128, "ARM": 1})
 """Parameter sets for the real datapaths."""
 
 ECHO = (
     {"W": 18, "ADDR_W": 20},
     {},
     {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4},
+    {"ARM": 1},
     {"W": 18, "DATA_W": 32, "ADDR_W": 40, "LOG2_BURST": 5},
     {"W": 25, "DATA_W": 128, "LOG2_BURST": 1},
+    {"W": 18, "DATA_W": 32, "ADDR_W": 40, "LOG2_BURST": 4, "ARM": 1},
 )
 """Parameter sets for the echo."""
 
@@ -36,8 +38,11 @@ def named(parameters: dict[str, int]) -> str:
 
 
 def echoing(place: Path, bug: Bug | None = None) -> dict:
-    """Copy rtl/ to `place`, with the echo instead of ik_lean; return the options of `simulate` for this copy."""
-    shutil.copy2(Path(__file__).with_name("ik_lean.v"), copy_rtl(place, bug) / "rtl" / "lean" / "ik_lean.v")
+    """Copy rtl/ to `place`, with an echo instead of ik_lean or ik_lean_arm; return the options of `simulate` for this
+    copy."""
+    copy_rtl(place, bug)
+    for name in ("ik_lean.v", "ik_lean_arm.v"):
+        shutil.copy2(Path(__file__).with_name(name), place / "rtl" / "lean" / name)
     return {"root": place, "name": "echo"}
 
 

@@ -11,16 +11,16 @@ from hypothesis.extra.numpy import arrays
 
 from model.io.files import format_csv, read_csv
 from model.io.words import (
+    ARM_RECORDS,
+    RECORDS,
     DEFAULT_D1,
     DEFAULT_D2,
     FIELDS,
     HEADROOM_BITS,
     TargetError,
     Targets,
-    core_words,
     from_words,
     scale_exponent,
-    target_records,
     to_words,
 )
 
@@ -215,16 +215,18 @@ def test_words_come_back_from_their_targets(width, exponent, data):
 CORNERS = [0, 1, -1, 2**31 - 1, -(2**31), 2**30, -(2**30), 2**13 - 1, 2**13, -(2**13), -(2**13) - 1, 0x7FFFE000]
 
 
+@pytest.mark.parametrize("records", [RECORDS, ARM_RECORDS], ids=["targets", "hands"])
 @pytest.mark.parametrize("width", [16, 18, 25, 31, 32])
-def test_half_up_and_then_saturated_or_wrapped(width):
+def test_half_up_and_then_saturated_or_wrapped(width, records):
     random = np.random.default_rng(width)
-    words = np.concatenate([np.array([[c] * 6 for c in CORNERS]), random.integers(-(2**31), 2**31, (500, 6))])
+    count = len(records.inputs)
+    words = np.concatenate([np.array([[c] * count for c in CORNERS]), random.integers(-(2**31), 2**31, (500, count))])
     tags = random.integers(0, 2**32, len(words))
-    got, kept = core_words(target_records(words, tags), width)
-    assert kept.tolist() == [int(tag) % 2**24 for tag in tags]
+    got, kept, branch = records.core_words(records.targets(words, tags), width)
+    assert [kept.tolist(), branch.tolist()] == [(tags % 2**24).tolist(), (tags >> 24 & 7).tolist()]
     least, most, step = -(2 ** (width - 1)), 2 ** (width - 1) - 1, 2 ** (32 - width)
     for row, mine in zip(words.tolist(), got.tolist(), strict=True):
-        for name, word, rounded in zip(FIELDS, row, mine, strict=True):
+        for name, word, rounded in zip(records.inputs, row, mine, strict=True):
             exact = (2 * word + step) // (2 * step)
             if name == "phi":
                 exact = (exact - least) % 2**width + least

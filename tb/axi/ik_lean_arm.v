@@ -1,0 +1,48 @@
+// Exact: the words of the hand pose, then again; flags are the low bits of x and the branch. A stand-in for ik_lean_arm.
+// SPDX-License-Identifier: Apache-2.0
+//
+// For tests of the logic around the core, as ik_lean.v; the limits are ignored.
+// Latency: T_OUT clocks.
+`default_nettype none
+
+module ik_lean_arm #(
+    parameter integer W     = 32,
+    parameter integer TAG_W = 8,
+    parameter integer TILE  = 18
+) (
+    input  wire             clk,
+    input  wire             rst,
+    input  wire [  7*W-1:0] limits_low,
+    input  wire [  7*W-1:0] limits_high,
+    input  wire             in_valid,
+    input  wire [TAG_W-1:0] in_tag,
+    input  wire [      2:0] in_branch,
+    input  wire [ 11*W-1:0] in_data,
+    output wire             out_valid,
+    output reg  [TAG_W-1:0] out_tag,
+    output reg  [     15:0] out_flags,
+    output reg  [ 17*W-1:0] out_data
+);
+
+  `include "ik_arm_nodes.vh"
+
+  reg [T_OUT-1:0] valid;
+  reg [11*W+2+TAG_W:0] line[0:T_OUT-2];
+  reg [2:0] branch;
+  reg [11*W-1:0] data;
+  integer at = 0;
+  always @(posedge clk) begin
+    valid <= rst ? {T_OUT{1'b0}} : {valid[T_OUT-2:0], in_valid};
+    at <= (at == T_OUT - 2) ? 0 : at + 1;
+    line[at] <= {in_tag, in_branch, in_data};
+    {out_tag, branch, data} <= line[at];
+  end
+  assign out_valid = valid[T_OUT-1];
+  always @* begin
+    out_data = {data[6*W-1:0], data};
+    out_flags = data[15:0] ^ {branch, 13'd0};
+  end
+
+endmodule
+
+`default_nettype wire
