@@ -24,6 +24,7 @@
 #define IK_CONFIG_ADDR_WIDTH_SHIFT 16
 #define IK_CONFIG_LEAN 0x01000000u
 #define IK_CONFIG_DIGIT 0x02000000u
+#define IK_CONFIG_ARM 0x04000000u
 
 #define IK_PIPELINE 0x08u // Pipeline
 #define IK_PIPELINE_LATENCY 0x0000ffffu
@@ -74,6 +75,10 @@
 
 #define IK_WRITE_STALLS 0x44u // Write stalls
 
+#define IK_LIMIT_LOW 0x48u // Lower limit, the first of 7
+
+#define IK_LIMIT_HIGH 0x64u // Upper limit, the first of 7
+
 // IK_STATUS_CODE
 #define IK_CODE_NONE 0
 #define IK_CODE_SOURCE_MISALIGNED 1
@@ -89,8 +94,8 @@
 // what they mean, as the beginning of an array
 #define IK_CODE_TEXTS \
     [IK_CODE_NONE] = "No error.", \
-    [IK_CODE_SOURCE_MISALIGNED] = "The source is not a multiple of 32.", \
-    [IK_CODE_DESTINATION_MISALIGNED] = "The destination is not a multiple of 32.", \
+    [IK_CODE_SOURCE_MISALIGNED] = "The source is not a multiple of the record size.", \
+    [IK_CODE_DESTINATION_MISALIGNED] = "The destination is not a multiple of the record size.", \
     [IK_CODE_SOURCE_BEYOND] = "The source ends beyond the address space.", \
     [IK_CODE_DESTINATION_BEYOND] = "The destination ends beyond the address space.", \
     [IK_CODE_OVERLAP] = "The areas overlap.", \

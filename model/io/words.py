@@ -306,8 +306,8 @@ def result_values(words: np.ndarray, width: int) -> np.ndarray:
 
 # -- records of ik_axi -----------------------------------------------------------------------------
 
-# Records are 32-bit words, little endian, whatever the word length of the core: lengths and quaternions in Q2.30, angles
-# with one turn = 2^32.
+# Records are 32-bit words, little endian, whatever the word length of the core: lengths and quaternions in Q2.30,
+# angles with one turn = 2^32.
 
 TAG_BITS = 24
 """Bits of a tag that a result record returns."""

@@ -134,7 +134,8 @@ async def limits(dut):
     bench = await started(dut, seed=11)
     numbers, low = bench.random, 32 - bench.width
     half = 1 << bench.width - 1
-    for bench.limits in (arm_limits(bench.width), [tuple(numbers.choices(range(-half, half), k=2)) for _ in range(7)]):
+    for limits in (arm_limits(bench.width), [tuple(numbers.choices(range(-half, half), k=2)) for _ in range(7)]):
+        bench.limits = limits
         for k, ends in enumerate(bench.limits, start=1):
             for name, end in zip(("LOW", "HIGH"), ends, strict=True):
                 await bench.write(f"LIMIT_{name}{k}", end % (2 * half) << low | numbers.getrandbits(low))

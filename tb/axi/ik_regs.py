@@ -37,6 +37,20 @@ OFFSETS = {
     "CLOCKS": 0x3C,
     "READ_STALLS": 0x40,
     "WRITE_STALLS": 0x44,
+    "LIMIT_LOW1": 0x48,
+    "LIMIT_LOW2": 0x4C,
+    "LIMIT_LOW3": 0x50,
+    "LIMIT_LOW4": 0x54,
+    "LIMIT_LOW5": 0x58,
+    "LIMIT_LOW6": 0x5C,
+    "LIMIT_LOW7": 0x60,
+    "LIMIT_HIGH1": 0x64,
+    "LIMIT_HIGH2": 0x68,
+    "LIMIT_HIGH3": 0x6C,
+    "LIMIT_HIGH4": 0x70,
+    "LIMIT_HIGH5": 0x74,
+    "LIMIT_HIGH6": 0x78,
+    "LIMIT_HIGH7": 0x7C,
 }
 """Register -> its offset in bytes."""
 
@@ -52,6 +66,7 @@ FIELDS = {
         "addr_width": Field(23, 16, "r", None),
         "lean": Field(24, 24, "r", None),
         "digit": Field(25, 25, "r", None),
+        "arm": Field(26, 26, "r", None),
     },
     "PIPELINE": {
         "latency": Field(15, 0, "r", None),
@@ -109,6 +124,48 @@ FIELDS = {
     },
     "WRITE_STALLS": {
         "value": Field(31, 0, "r", 0),
+    },
+    "LIMIT_LOW1": {
+        "value": Field(31, 0, "rw", 2147483648),
+    },
+    "LIMIT_LOW2": {
+        "value": Field(31, 0, "rw", 2147483648),
+    },
+    "LIMIT_LOW3": {
+        "value": Field(31, 0, "rw", 2147483648),
+    },
+    "LIMIT_LOW4": {
+        "value": Field(31, 0, "rw", 2147483648),
+    },
+    "LIMIT_LOW5": {
+        "value": Field(31, 0, "rw", 2147483648),
+    },
+    "LIMIT_LOW6": {
+        "value": Field(31, 0, "rw", 2147483648),
+    },
+    "LIMIT_LOW7": {
+        "value": Field(31, 0, "rw", 2147483648),
+    },
+    "LIMIT_HIGH1": {
+        "value": Field(31, 0, "rw", 2147483647),
+    },
+    "LIMIT_HIGH2": {
+        "value": Field(31, 0, "rw", 2147483647),
+    },
+    "LIMIT_HIGH3": {
+        "value": Field(31, 0, "rw", 2147483647),
+    },
+    "LIMIT_HIGH4": {
+        "value": Field(31, 0, "rw", 2147483647),
+    },
+    "LIMIT_HIGH5": {
+        "value": Field(31, 0, "rw", 2147483647),
+    },
+    "LIMIT_HIGH6": {
+        "value": Field(31, 0, "rw", 2147483647),
+    },
+    "LIMIT_HIGH7": {
+        "value": Field(31, 0, "rw", 2147483647),
     },
 }
 """Register -> field -> where it is."""

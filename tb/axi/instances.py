@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameter sets of ``ik_axi`` for the tests and ``make soak-memory``, and a runner in a separate process.
 
-Most jobs run on an echo instead of the datapath (tb/axi/ik_lean.v, ik_lean_arm.v), in a quarter of the time. The logic around the
-datapath is unchanged.
+Most jobs run on an echo instead of the datapath (tb/axi/ik_lean.v, ik_lean_arm.v), in a quarter of the time. The logic
+around the datapath is unchanged.
 """
 
 from __future__ import annotations

@@ -12,11 +12,11 @@ from hypothesis.extra.numpy import arrays
 from model.io.files import format_csv, read_csv
 from model.io.words import (
     ARM_RECORDS,
-    RECORDS,
     DEFAULT_D1,
     DEFAULT_D2,
     FIELDS,
     HEADROOM_BITS,
+    RECORDS,
     TargetError,
     Targets,
     from_words,
