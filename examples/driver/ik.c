@@ -10,7 +10,7 @@
 #endif
 typedef char ik_needs_double_of_64_bits[DBL_MANT_DIG == 53 && sizeof(double) == 8 ? 1 : -1];
 
-enum { WORDS = 8, FRACTION = 30, HEADROOM = 4 }; // words per record, fraction bits, low bits that scaling may drop
+enum { FRACTION = 30, HEADROOM = 4 }; // fraction bits, low bits that scaling may drop
 
 static const double TURN = 6.283185307179586;
 
@@ -84,17 +84,46 @@ static ik_real value_of(uint32_t word) {
     return (ik_real)((double)word / (1 << FRACTION) - (word >> 31 ? 4.0 : 0.0));
 }
 
+static ik_real angle_of(uint32_t word) {
+    return (ik_real)(((double)word - (word >> 31 ? 4294967296.0 : 0.0)) * (TURN / 4294967296.0));
+}
+
 // ---- targets and results in memory ----
 
-// Computes the scaling exponent: the greatest that puts every reach into [0, 2) and every coordinate into [-2, 2).
-// Fails if the coordinates cost more than HEADROOM bits.
-static ik_code scale(ik_core *core, const ik_target *targets, size_t n, int *exponent) {
-    int longest = INT_MAX, furthest = INT_MAX;
-    size_t far = 0, shortest = 0;
+// Targets and results of a call, or if hands is not null, hand poses and joints.
+typedef struct {
+    const ik_target *targets;
+    const ik_hand *hands;
+    ik_result *results;
+    ik_joints *joints;
+} lists;
+
+static ik_hand target_of(const lists *of, size_t k) {
+    if (of->hands) return of->hands[k];
+    const ik_target *t = &of->targets[k];
+    return (ik_hand){.x = t->x, .y = t->y, .z = t->z, .phi = t->phi, .d1 = t->d1, .d2 = t->d2, .tag = t->tag};
+}
+
+static size_t words_of(const lists *of) { // per record
+    return of->hands ? 16 : 8;
+}
+
+// Computes the scaling exponent: the greatest that puts every reach into [0, 2) and every coordinate and tool into
+// [-2, 2). Fails if the coordinates cost more than HEADROOM bits, or the tools that many again.
+static ik_code scale(ik_core *core, const lists *of, size_t n, int *exponent) {
+    int longest = INT_MAX, furthest = INT_MAX, tools = INT_MAX;
+    size_t far = 0, shortest = 0, tool = 0;
     double least = DBL_MAX;
     for (size_t k = 0; k < n; k++) {
-        const ik_target *t = &targets[k];
+        const ik_hand one = target_of(of, k), *t = &one;
         core->bad = k;
+        if (!finite(t->tool)) return IK_NOT_FINITE;
+        for (int i = 0; i < 4; i++)
+            if (!finite(t->hand[i]) || fits(t->hand[i]) < 0) return IK_NOT_A_HAND;
+        if (fits(t->tool < 0 ? -t->tool : t->tool) < tools) {
+            tools = fits(t->tool < 0 ? -t->tool : t->tool);
+            tool = k;
+        }
         if (!(finite(t->x) && finite(t->y) && finite(t->z) && finite(t->phi) && finite(t->d1) && finite(t->d2)))
             return IK_NOT_FINITE;
         if (!(t->d1 > 0 && t->d2 > 0)) return IK_NOT_AN_ARM;
@@ -114,6 +143,9 @@ static ik_code scale(ik_core *core, const ik_target *targets, size_t n, int *exp
     core->bad = far;
     if (furthest < longest - HEADROOM) return IK_TOO_FAR_OUT;
     *exponent = furthest < longest ? furthest : longest;
+    core->bad = tool;
+    if (tools < *exponent - HEADROOM) return IK_TOO_FAR_OUT;
+    if (tools < *exponent) *exponent = tools;
     core->bad = shortest;
     const uint32_t ulp = UINT32_C(1) << (32 - core->width);
     if (length_word(least, *exponent) < ulp - ulp / 2) return IK_TOO_SHORT; // the core rounds half up
@@ -121,22 +153,33 @@ static ik_code scale(ik_core *core, const ik_target *targets, size_t n, int *exp
     return IK_OK;
 }
 
-static void put_target(uint32_t *record, const ik_target *t, int exponent) {
-    record[0] = length_word(t->x, exponent);
-    record[1] = length_word(t->y, exponent);
-    record[2] = length_word(t->z, exponent);
-    record[3] = (uint32_t)rounded(t->phi / TURN, 32);
-    record[4] = length_word(t->d1, exponent);
-    record[5] = length_word(t->d2, exponent);
-    record[6] = t->tag;
-    record[7] = 0;
+static void put_target(uint32_t *record, const lists *of, size_t k, int exponent) {
+    const ik_hand t = target_of(of, k);
+    record[0] = length_word(t.x, exponent);
+    record[1] = length_word(t.y, exponent);
+    record[2] = length_word(t.z, exponent);
+    record[3] = (uint32_t)rounded(t.phi / TURN, 32);
+    record[4] = length_word(t.d1, exponent);
+    record[5] = length_word(t.d2, exponent);
+    record[6] = of->hands ? length_word(t.tool, exponent) : t.tag;
+    record[7] = of->hands ? (uint32_t)t.branch << 24 | (t.tag & 0xffffffu) : 0;
+    for (size_t i = 8; i < words_of(of); i++) record[i] = i < 12 ? length_word(t.hand[i - 8], 0) : 0;
 }
 
-static void take_result(ik_result *r, const uint32_t *record) {
-    for (int i = 0; i < 4; i++) r->qs[i] = value_of(record[i]);
-    for (int i = 0; i < 2; i++) r->qe[i] = value_of(record[4 + i]);
-    r->tag = record[6] & 0xffffffu;
-    r->flags = (uint8_t)(record[6] >> 24);
+static void take_result(const lists *of, size_t k, const uint32_t *record) {
+    ik_joints r;
+    for (int i = 0; of->hands && i < 7; i++) r.th[i] = angle_of(*record++);
+    const uint32_t *qs = of->hands ? record + 1 : record, *tag = of->hands ? record : record + 6;
+    for (int i = 0; i < 4; i++) r.qs[i] = value_of(qs[i]);
+    for (int i = 0; i < 2; i++) r.qe[i] = value_of(qs[4 + i]);
+    r.tag = *tag & 0xffffffu;
+    r.flags = (uint8_t)(*tag >> 24);
+    if (of->hands) {
+        r.over_limit = (uint16_t)qs[7];
+        of->joints[k] = r;
+    } else {
+        of->results[k] = (ik_result){{r.qs[0], r.qs[1], r.qs[2], r.qs[3]}, {r.qe[0], r.qe[1]}, r.tag, r.flags};
+    }
 }
 
 // ---- a job ----
@@ -166,17 +209,20 @@ static ik_code ended(ik_core *core) {
     return (ik_code)code;
 }
 
-static ik_code run(ik_core *core, const ik_target *targets, ik_result *results, uint32_t n, int exponent) {
+// Runs a job of n targets from core->written on.
+static ik_code run(ik_core *core, const lists *of, uint32_t n, int exponent) {
     const ik_bus *bus = &core->bus;
+    const size_t words = words_of(of), index = of->hands ? 14 : 7; // word in which the core writes k
+    const size_t first = core->written;
     const ik_area *from = &bus->source, *to = &bus->destination;
     if (get(core, IK_STATUS) & IK_STATUS_BUSY) return IK_BUSY;
     for (uint32_t k = 0; k < n; k++) {
-        put_target(from->at + (size_t)k * WORDS, targets + k, exponent);
-        to->at[(size_t)k * WORDS + 7] = ~k; // word in which the core writes k
+        put_target(from->at + k * words, of, first + k, exponent);
+        to->at[k * words + index] = ~k;
     }
     if (bus->flush) {
-        bus->flush(bus->user, from->at, (size_t)n * WORDS * 4);
-        bus->flush(bus->user, to->at, (size_t)n * WORDS * 4);
+        bus->flush(bus->user, from->at, n * words * 4);
+        bus->flush(bus->user, to->at, n * words * 4);
     }
     set(core, IK_IRQ_STATUS, IK_IRQ_STATUS_DONE | IK_IRQ_STATUS_ERROR | IK_IRQ_STATUS_REFUSED);
     core->events = 0;
@@ -189,10 +235,10 @@ static ik_code run(ik_core *core, const ik_target *targets, ik_result *results, 
     const ik_code code = ended(core);
     if (code == IK_BUSY) return code;
     const uint32_t written = code ? get(core, IK_WRITTEN) : n;
-    if (bus->invalidate) bus->invalidate(bus->user, to->at, (size_t)n * WORDS * 4);
+    if (bus->invalidate) bus->invalidate(bus->user, to->at, n * words * 4);
     for (uint32_t k = 0; k < n && k < written; k++, core->written++) {
-        if (to->at[(size_t)k * WORDS + 7] != k) return IK_LOST;
-        take_result(results + k, to->at + (size_t)k * WORDS);
+        if (to->at[k * words + index] != k) return IK_LOST;
+        take_result(of, first + k, to->at + k * words);
     }
     return code;
 }
@@ -215,26 +261,64 @@ ik_code ik_init(ik_core *core, const ik_bus *bus) {
     core->data_width = field(config, IK_CONFIG_DATA_WIDTH, IK_CONFIG_DATA_WIDTH_SHIFT);
     core->addr_width = field(config, IK_CONFIG_ADDR_WIDTH, IK_CONFIG_ADDR_WIDTH_SHIFT);
     core->lean = (config & IK_CONFIG_LEAN) != 0;
+    core->arm = (config & IK_CONFIG_ARM) != 0;
     core->latency = field(get(core, IK_PIPELINE), IK_PIPELINE_LATENCY, IK_PIPELINE_LATENCY_SHIFT);
     core->width = field(config, IK_CONFIG_WIDTH, IK_CONFIG_WIDTH_SHIFT);
     return IK_OK;
 }
 
-ik_code ik_solve(ik_core *core, const ik_target *targets, ik_result *results, size_t n) {
-    if (!core || !targets || !results) return IK_NULL;
+static ik_code solve(ik_core *core, const lists *of, size_t n) {
     if (!core->width) return IK_NO_CORE;
+    if (core->arm != (of->hands != NULL)) return IK_OTHER_CORE;
     core->written = core->bad = 0;
     core->error_address = 0;
     core->aborted = false;
     if (!n) return IK_NO_TARGETS;
     int exponent = 0;
-    ik_code code = scale(core, targets, n, &exponent);
+    ik_code code = scale(core, of, n, &exponent);
     while (!code && core->written < n) {
-        const size_t done = core->written, left = n - done;
+        const size_t left = n - core->written;
         const uint32_t part = left < core->bus.records ? (uint32_t)left : core->bus.records;
-        code = run(core, targets + done, results + done, part, exponent);
+        code = run(core, of, part, exponent);
     }
     return code;
+}
+
+ik_code ik_solve(ik_core *core, const ik_target *targets, ik_result *results, size_t n) {
+    if (!core || !targets || !results) return IK_NULL;
+    return solve(core, &(lists){.targets = targets, .results = results}, n);
+}
+
+ik_code ik_solve_arm(ik_core *core, const ik_hand *hands, ik_joints *results, size_t n) {
+    if (!core || !hands || !results) return IK_NULL;
+    return solve(core, &(lists){.hands = hands, .joints = results}, n);
+}
+
+ik_code ik_limits(ik_core *core, const ik_real low[7], const ik_real high[7]) {
+    if (!core || !low || !high) return IK_NULL;
+    if (!core->width) return IK_NO_CORE;
+    if (!core->arm) return IK_OTHER_CORE;
+    const double unit = (double)(UINT64_C(1) << core->width) / TURN, most = 4e18;
+    const unsigned below = 32 - core->width;
+    uint32_t words[14];
+    for (int k = 0; k < 7; k++) {
+        const double from = low[k] * unit, to = high[k] * unit;
+        core->bad = (size_t)k;
+        words[k] = UINT32_C(1) << 31;
+        words[k + 7] = words[k] - 1;
+        if (!(low[k] <= high[k])) return IK_BAD_LIMITS;
+        if (!((double)high[k] - low[k] < TURN)) continue;
+        if (!(-most < from && to < most)) return IK_BAD_LIMITS;
+        int64_t first = (int64_t)from, last = (int64_t)to; // toward 0
+        first += (double)first < from;
+        last -= (double)last > to;
+        if (first > last) return IK_BAD_LIMITS;
+        words[k] = (uint32_t)((uint64_t)first << below);
+        words[k + 7] = (uint32_t)((uint64_t)last << below);
+    }
+    core->bad = 0;
+    for (uint32_t k = 0; k < 14; k++) set(core, IK_LIMIT_LOW + 4 * k, words[k]);
+    return IK_OK;
 }
 
 bool ik_irq(ik_core *core) {
@@ -260,6 +344,9 @@ const char *ik_error_text(ik_code code) {
         [IK_NOT_AN_ARM] = "An arm length is not positive.",
         [IK_TOO_FAR_OUT] = "A target is too far out for the longest arm, or an arm is beyond double.",
         [IK_TOO_SHORT] = "An arm length is too short beside the longest arm.",
+        [IK_NOT_A_HAND] = "A hand's quaternion is not of length 1.",
+        [IK_OTHER_CORE] = "The core solves targets of wrists, or only hand poses: ARM.",
+        [IK_BAD_LIMITS] = "No angle is within the limits of a joint.",
         [IK_BUSY] = "Another job runs.",
         [IK_TIMEOUT] = "The job did not end in time.",
         [IK_ABORTED] = "The job was aborted.",

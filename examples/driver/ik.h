@@ -31,6 +31,22 @@ typedef struct {
     uint8_t flags; // see docs/core.md
 } ik_result;
 
+// A hand pose, for a core with ARM = 1. x, y, z is the hand's point; the wrist is `tool` behind it on the hand's z axis.
+typedef struct {
+    ik_real x, y, z, phi, d1, d2, tool;
+    ik_real hand[4]; // orientation: w, i, j, k of a unit quaternion
+    uint32_t tag;    // the low 24 bits are returned
+    uint8_t branch;  // bit 0 shoulder, 1 elbow, 2 wrist: the other solution there
+} ik_hand;
+
+typedef struct {
+    ik_real th[7]; // joint angles in radians, -pi to pi
+    ik_real qs[4], qe[2];
+    uint32_t tag;
+    uint8_t flags;
+    uint16_t over_limit; // bit k: th[k] is outside its limits; bit 8: the hand's quaternion is not of length 1
+} ik_joints;
+
 // 0, a hardware code IK_CODE_* of ik_regs.h, or a driver code.
 typedef int ik_code;
 enum {
@@ -44,6 +60,9 @@ enum {
     IK_NOT_AN_ARM,  // d1 or d2 is not positive
     IK_TOO_FAR_OUT, // for the longest arm, or the reach overflows a double
     IK_TOO_SHORT,   // the scaled word of d1 or d2 is 0
+    IK_NOT_A_HAND,  // a part of the quaternion is outside [-2, 2); ik_core.bad is the target
+    IK_OTHER_CORE,  // ik_solve with ARM = 1, ik_solve_arm or ik_limits without it
+    IK_BAD_LIMITS,  // low is not below high, or no angle of the core is between them; ik_core.bad is the joint, from 0
     // job results
     IK_BUSY,    // another job is running
     IK_TIMEOUT, // bus.wait returned false or bus.polls ran out; the job was aborted
@@ -52,8 +71,8 @@ enum {
     IK_CODES
 };
 
-// Memory shared by CPU and core, 32 bytes per record. The address must be a multiple of 32; with a cache, `at` and the
-// size must be multiples of its line size.
+// Memory shared by CPU and core, 32 bytes per record, with ARM = 1 64. The address must be a multiple of that; with a
+// cache, `at` and the size must be multiples of its line size.
 typedef struct {
     uint32_t *at;     // CPU pointer
     uint64_t address; // bus address
@@ -83,6 +102,7 @@ typedef struct {
     ik_bus bus;
     uint32_t width, data_width, addr_width, latency; // of this instance: W, DATA_W, ADDR_W, latency in clocks
     bool lean;                                       // datapath: lean, or the paper's
+    bool arm;                                        // ARM = 1: it solves hand poses
 
     // of the last ik_solve
     size_t written;         // number of valid results, from the first, whatever the code
@@ -98,6 +118,12 @@ ik_code ik_init(ik_core *core, const ik_bus *bus);
 
 // Solves n targets. All lengths are scaled by a common power of two, as in make run.
 ik_code ik_solve(ik_core *core, const ik_target *targets, ik_result *results, size_t n);
+
+// The same for hand poses and a core with ARM = 1.
+ik_code ik_solve_arm(ik_core *core, const ik_hand *hands, ik_joints *results, size_t n);
+
+// Sets the limits of th1 .. th7 in radians, rounded inward, while no job runs; a whole turn or more is no limit.
+ik_code ik_limits(ik_core *core, const ik_real low[7], const ik_real high[7]);
 
 // Called by the interrupt handler, which then wakes bus.wait. False: the interrupt has another source.
 bool ik_irq(ik_core *core);

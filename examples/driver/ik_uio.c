@@ -18,7 +18,7 @@
 #define BARRIER() __sync_synchronize()
 #endif
 
-enum { RECORD = 32, WORD = 4 }; // bytes
+enum { WORD = 4 }; // bytes
 
 static uint32_t load(void *user, uint32_t offset) {
     BARRIER();
@@ -88,8 +88,9 @@ ik_code ik_uio_open(ik_uio *uio, const char *device, const char *maps, int patie
     if (uio->file < 0) return -errno;
     ik_code code = mapped(uio, maps, 0, &registers, &bytes);
     if (!code) code = mapped(uio, maps, 1, &from, &bytes);
-    const uint64_t records = bytes / RECORD / 2, half = records * RECORD;
-    if (!code && (!records || records > UINT32_MAX || from.address % RECORD)) code = -EINVAL;
+    const uint64_t size = !code && registers.at[IK_CONFIG / WORD] & IK_CONFIG_ARM ? 64 : 32; // of a record
+    const uint64_t records = bytes / size / 2, half = records * size;
+    if (!code && (!records || records > UINT32_MAX || from.address % size)) code = -EINVAL;
     if (!code && !unmask(uio)) code = -uio->error;
     if (code) {
         ik_uio_close(uio);
