@@ -303,11 +303,11 @@ module ik_axi #(
     if (ARM == 1) begin : g_arm
       localparam integer TH = 10, QS = 0;  // the first angle, and qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, among ik_arm's words
       wire [17*W-1:0] words;
-      wire [7*W-1:0] low, high;
+      wire [14*W-1:0] pairs;  // lower and upper limit of th1, .. th7
       wire [7:0] over;  // bad_hand, th1 .. th7
       genvar i;
       for (i = 0; i < 7; i = i + 1) begin : g_joint
-        assign {high[W*i+:W], low[W*i+:W]} = {limits[32*(i+7)+31-:W], limits[32*i+31-:W]};
+        assign pairs[2*W*i+:2*W] = {limits[32*(i+7)+31-:W], limits[32*i+31-:W]};
       end
       assign result = {words[W*QS+:6*W], words[W*TH+:7*W]};
       assign over_limit = {23'd0, over[0], 1'b0, over[7:1]};
@@ -320,8 +320,7 @@ module ik_axi #(
       ) u_arm (
           .clk          (clk),
           .rst          (rst || clear),
-          .limits_low   (low),
-          .limits_high  (high),
+          .limits       (pairs),
           .s_axis_tdata (target),
           .s_axis_tuser (tag),
           .s_axis_tvalid(target_valid),

@@ -76,6 +76,7 @@ class Core(ctypes.Structure):
         ("bus", Bus),
         *((name, ctypes.c_uint32) for name in ("width", "data_width", "addr_width", "latency")),
         ("lean", ctypes.c_bool),
+        ("arm", ctypes.c_bool),
         ("written", ctypes.c_size_t),
         ("bad", ctypes.c_size_t),
         ("error_address", ctypes.c_uint64),
@@ -103,7 +104,8 @@ def uio_device(folder: Path, page: int, size: int, offset: int) -> tuple[bytes, 
 class Driver:
     """Handle of one core. An area is a pair: the CPU's pointer and the bus address.
 
-    ``platform`` has the callbacks read and write, and with ``interrupt`` also wait, flush and invalidate.
+    ``platform`` has the callbacks read and write, and with ``interrupt`` also wait, flush and invalidate. With ``arm``
+    it solves hand poses.
     """
 
     def __init__(
@@ -116,6 +118,7 @@ class Driver:
         interrupt: bool = False,
         polls: int = 0,
         real: str = "double",
+        arm: bool = False,
     ) -> None:
         self.linked = ctypes.CDLL(str(library))
         self.linked.ik_error_text.restype = ctypes.c_char_p
@@ -133,9 +136,14 @@ class Driver:
             self.bus.invalidate = CACHE(self._guarded(platform.invalidate))
             self.bus.wait = WAIT(self._guarded(platform.wait))
         self.core = Core()
-        self.target_type = np.dtype([*((name, REALS[real]) for name in FIELDS), ("tag", np.uint32)], align=True)
+        self.arm = arm
+        target = [*((name, REALS[real]) for name in FIELDS), ("tag", np.uint32)]
         result = [("qs", REALS[real], 4), ("qe", REALS[real], 2), ("tag", np.uint32), ("flags", np.uint8)]
-        self.result_type = np.dtype(result, align=True)
+        if arm:
+            target[6:6] = [("tool", REALS[real]), ("hand", REALS[real], 4)]
+            target.append(("branch", np.uint8))
+            result = [("th", REALS[real], 7), *result, ("over_limit", np.uint16)]
+        self.target_type, self.result_type = np.dtype(target, align=True), np.dtype(result, align=True)
 
     def _guarded(self, function: Callable) -> Callable:
         """Wrap a callback: ctypes callbacks cannot raise, so errors are kept and `call` raises them."""
@@ -166,9 +174,12 @@ class Driver:
         return targets
 
     def solve(self, targets: np.ndarray) -> tuple[str, np.ndarray]:
-        """Call ik_solve; return the code's name and the results it reports as written; no other may change."""
+        """Call ik_solve or ik_solve_arm; return the code's name and the results it reports as written; no other may
+        change."""
         results = np.full(len(targets) * self.result_type.itemsize, 0xA5, np.uint8)
-        code = self.call("ik_solve", targets.ctypes, results.ctypes, ctypes.c_size_t(len(targets)))
+        code = self.call(
+            "ik_solve_arm" if self.arm else "ik_solve", targets.ctypes, results.ctypes, ctypes.c_size_t(len(targets))
+        )
         good = self.core.written * self.result_type.itemsize
         assert (results[good:] == 0xA5).all(), "a result that is not reported as written has changed"
         return NAMES[code], results[:good].view(self.result_type)

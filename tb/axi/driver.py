@@ -20,9 +20,10 @@ from cocotb.task import bridge, resume
 from cocotb.triggers import ClockCycles, RisingEdge
 from cocotbext.axi import AxiResp
 
-from model.io.words import BYTES, FIELDS, Targets, result_values, target_records, to_words
-from tb.axi.bench import CHANNELS, Bench, started
-from tb.axi.binding import REGISTER, WAIT, Driver, Uio, uio_device
+from model.io.words import FIELDS, Targets, result_values, to_words
+from model.motion.hands import limit_words
+from tb.axi.bench import ARM, BYTES, CHANNELS, LAYOUT, Bench, started
+from tb.axi.binding import CODES, REGISTER, WAIT, Driver, Uio, uio_device
 
 LIBRARY = Path(os.environ["IK_DRIVER"])
 
@@ -34,6 +35,11 @@ PAGE = 4096  # bytes of a segment of the simulated memory
 
 PATIENCE = 4000
 """Limit in clocks for an interrupt to arrive."""
+
+
+def with_branch(targets: np.ndarray) -> np.ndarray:
+    """Return the tags' words of hand poses."""
+    return targets["branch"].astype(np.int64) << 24 | targets["tag"] & 0xFFFFFF
 
 
 class Platform:
@@ -55,7 +61,7 @@ class Platform:
         base = (3 << 36) * (bench.addr_width > 37)
         self.source, self.destination = base + 0x41000 - 5 * BYTES, base + 0x82000 - 2 * BYTES
         areas = [(self._buffer(address), address) for address in (self.source, self.destination)]
-        self.driver = Driver(LIBRARY, self, *areas, RECORDS, interrupt=interrupt, polls=polls)
+        self.driver = Driver(LIBRARY, self, *areas, RECORDS, interrupt, polls, arm=ARM)
 
     def _buffer(self, address: int) -> int:
         """Create the buffer of a bus address; return the CPU's pointer."""
@@ -161,6 +167,10 @@ class Platform:
         columns = dict(zip("xyz", numbers.uniform(-0.8, 0.8, (3, count)) * (d1 + d2), strict=True))
         columns |= {"phi": numbers.normal(0, 100, count), "d1": np.full(count, d1)}
         columns["d2"] = d2 * numbers.uniform(0.5, 1, count)
+        if ARM:
+            hand = numbers.normal(0, 1, (count, 4))
+            columns |= {"tool": numbers.uniform(-0.2, 0.2, count), "branch": numbers.integers(0, 8, count)}
+            columns["hand"] = hand / np.linalg.norm(hand, axis=1)[:, None] * numbers.choice([1, 1, 1.1], (count, 1))
         return self.driver.targets(columns, numbers.integers(0, 1 << 32, count))
 
     async def call(self, targets: np.ndarray, code: str = "none", written: int | None = None, address: int = 0) -> None:
@@ -171,14 +181,24 @@ class Platform:
         got, results = await bridge(self.driver.solve)(targets)
         seen = f"{got} with {core.written} of {len(targets)}, {core.error_address:#x}; {bench.memory.errors[:1]}"
         assert (got, core.written, core.error_address) == (code, written, address), seen
-        words, _ = to_words(Targets(name="test", **{name: targets[name] for name in FIELDS}), 32)
-        records = target_records(words, targets["tag"])
+        words, exponent = to_words(Targets(name="test", **{name: targets[name] for name in FIELDS}), 32)
+        tags = targets["tag"]
+        if ARM:
+            more = np.column_stack([np.ldexp(targets["tool"], exponent), targets["hand"]])
+            words, tags = np.hstack([words, np.rint(np.ldexp(more, 30)).astype(np.int64)]), with_branch(targets)
+        records = LAYOUT.targets(words, tags)
         placed = b"".join(self.jobs)
         assert not written or placed == records[: max(len(placed), written * BYTES)], "words of targets"
         answers, flags, tags = bench.answers(records)
-        values = result_values(answers, bench.width)[:written]
-        assert (results["qs"] == values[:, :4]).all() and (results["qe"] == values[:, 4:]).all(), "values"
-        assert (results["flags"] == flags[:written]).all() and (results["tag"] == tags[:written]).all(), "flags, tags"
+        values, first = result_values(answers, bench.width)[:written], 7 * ARM
+        assert (results["qs"] == values[:, first:][:, :4]).all(), "qs"
+        assert (results["qe"] == values[:, first + 4 :]).all(), "qe"
+        if ARM:
+            assert (results["th"] == answers[:written, :7] * (2 * np.pi / 2**bench.width)).all(), "th"
+            assert (results["over_limit"] == (flags >> 9 | flags & 256)[:written]).all(), "over_limit"
+        assert (results["flags"] == flags[:written] & 255).all() and (results["tag"] == tags[:written]).all(), (
+            "flags, tags"
+        )
 
     async def good_call(self, count: int = 5) -> None:
         self.bench.memory.faults.clear()
@@ -239,7 +259,8 @@ async def ik_init(dut):
     await platform.start_up()
     core = platform.driver.core
     assert (core.width, core.data_width, core.addr_width) == (bench.width, bench.data_width, bench.addr_width)
-    assert (core.latency, core.lean) == (int(dut.LATENCY.value), bench.datapath == "lean")
+    assert (core.latency, core.lean) == (int(dut.LATENCY.value), bench.datapath != "paper")
+    assert core.arm == ARM
     assert await bench.read("IRQ_ENABLE") == 0 and await bench.read("STATUS") == 0
     await platform.good_call()
     assert dut.irq.value == 0
@@ -258,6 +279,26 @@ async def solves(dut, interrupt, stalled):
         await platform.call(platform.targets(count))
         assert len(platform.jobs) == -(-count // RECORDS)
     platform.bench.check()
+
+
+@cocotb.test(skip=not ARM or os.environ.get("IK_AXI_CORE") == "echo")
+async def joint_limits(dut):
+    """ik_limits rounds inward to words of the core, as `model.motion.hands.limit_words`."""
+    platform = await ready(dut, False)
+    bench, numbers = platform.bench, np.random.default_rng(3)
+    low = numbers.uniform(-4, 1, 7)
+    high = low + numbers.uniform(0, 5, 7)
+    high[2], low[4] = low[2] + 2 * np.pi, -np.inf
+    reals = [(ctypes.c_double * 7)(*ends) for ends in (low, high)]
+    assert await bridge(platform.driver.call)("ik_limits", *reals) == 0
+    bench.limits = limit_words(np.column_stack([low, high]), bench.width)
+    await platform.call(platform.targets(RECORDS))
+    for wrong in (np.nan, low[3] - 1, low[3] + 2.0**-60):  # no word is between them
+        reals[0][3], reals[1][3] = low[3], wrong
+        code = await bridge(platform.driver.call)("ik_limits", *reals)
+        assert (code, platform.driver.core.bad) == (CODES["bad_limits"], 3)
+    await platform.good_call()
+    bench.check()
 
 
 @cocotb.test()

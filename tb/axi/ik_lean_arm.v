@@ -12,8 +12,7 @@ module ik_lean_arm #(
 ) (
     input  wire             clk,
     input  wire             rst,
-    input  wire [  7*W-1:0] limits_low,
-    input  wire [  7*W-1:0] limits_high,
+    input  wire [ 14*W-1:0] limits,
     input  wire             in_valid,
     input  wire [TAG_W-1:0] in_tag,
     input  wire [      2:0] in_branch,

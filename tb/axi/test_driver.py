@@ -14,15 +14,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model.io.words import BYTES, FIELDS, TargetError, Targets, result_records, result_values, target_records, to_words
+from model.io.words import FIELDS, RECORDS, TargetError, Targets, result_values, to_words
 from tb.axi.binding import CODES, FLAGS, REGISTER, SOURCE, Driver, Uio, compiled, uio_device
 from tb.axi.ik_regs import OFFSETS
 from tb.axi.instances import echoing, named
 from tb.sim.env import simulator
 from tb.sim.runner import simulate
 
-RECORDS = 400
-"""Capacity of each buffer; less than the longest call."""
+COUNT = 400
+"""Capacity of each buffer in records of 32 bytes; less than the longest call."""
+
+BYTES = RECORDS.size
 
 pytestmark = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 
@@ -32,12 +34,12 @@ class RegisterModel:
 
     def __init__(self, width: int = 32, identity: int = 0x494B0100) -> None:
         self.registers = dict.fromkeys(OFFSETS, 0) | {"ID": identity, "CONFIG": 0x01204000 | width}
-        self.memory = ctypes.create_string_buffer(2 * RECORDS * BYTES)
+        self.memory = ctypes.create_string_buffer(2 * COUNT * BYTES)
         self.random = np.random.default_rng(1)
         self.jobs: list[bytes] = []  # target records of each job
         self.words: list[np.ndarray] = []
         at = ctypes.addressof(self.memory)
-        self.areas = (at, 0x1000), (at + RECORDS * BYTES, 0x8000)
+        self.areas = (at, 0x1000), (at + COUNT * BYTES, 0x8000)
 
     def read(self, offset: int) -> int:
         return self.registers[REGISTER[offset]]
@@ -57,7 +59,7 @@ class RegisterModel:
         words = self.random.integers(-(2**31), 2**31, (count, 6))
         words[:2] = (-(2**31), 2**31 - 1, 2**30, -(2**30), 0, -1)
         tags = np.frombuffer(self.jobs[-1], "<u4").reshape(-1, 8)[:, 6] & 0xFFFFFF
-        data = result_records(words, words[:, 0] & 0xFF, tags, 32)
+        data = RECORDS.written(words, words[:, 0] & 0xFF, tags, 32)
         ctypes.memmove(self.areas[1][0], data, len(data))
         self.words.append(words)
         self.registers["IRQ_STATUS"] = 1
@@ -114,8 +116,10 @@ def check(driver: Driver, core: RegisterModel, columns: dict, tags: np.ndarray) 
             assert f"target {driver.core.bad}," in str(error)
         return code
     assert code == "none", f"{code} for target {driver.core.bad}"
-    assert len(core.jobs) == -(-len(tags) // RECORDS)
-    records = (np.frombuffer(data, "<i4").reshape(-1, 8) for data in (b"".join(core.jobs), target_records(words, tags)))
+    assert len(core.jobs) == -(-len(tags) // COUNT)
+    records = (
+        np.frombuffer(data, "<i4").reshape(-1, 8) for data in (b"".join(core.jobs), RECORDS.targets(words, tags))
+    )
     np.testing.assert_array_equal(*records, err_msg="words of targets")
     solved = np.concatenate(core.words)
     values = result_values(solved, 32).astype(results["qs"].dtype)
@@ -127,7 +131,7 @@ def check(driver: Driver, core: RegisterModel, columns: dict, tags: np.ndarray) 
 def numbers(library, real: str = "double", sets: int = 120, count: int = 1000) -> list[str]:
     """Solve random targets, by default 120 sets of 1000, and the corners; return the codes."""
     core = RegisterModel()
-    driver = Driver(library, core, *core.areas, RECORDS, real=real, polls=3)
+    driver = Driver(library, core, *core.areas, COUNT, real=real, polls=3)
     assert driver.start_up() == "none"
     random = np.random.default_rng(7)
     sets_of_targets = corners() if real == "double" else []
@@ -178,7 +182,7 @@ def test_no_undefined_behaviour(tmp_path, capfd):
 def test_bad_targets_are_refused(library):
     """Bad targets are refused before any job starts, and the first bad target is named."""
     core = RegisterModel(width=18)
-    driver = Driver(library, core, *core.areas, RECORDS)
+    driver = Driver(library, core, *core.areas, COUNT)
     good = {name: np.full(9, 0.25) for name in FIELDS}
     tags = np.arange(9)
     assert driver.solve(driver.targets(good, tags))[0] == "no_core", "before ik_init"
@@ -210,16 +214,16 @@ def test_start_up(library):
         (0xFFFFFFFF, "no_core"),
     ):
         core = RegisterModel(identity=identity)
-        driver = Driver(library, core, *core.areas, RECORDS)
+        driver = Driver(library, core, *core.areas, COUNT)
         assert driver.start_up() == code
         solved = driver.solve(driver.targets({name: np.ones(1) for name in FIELDS}, np.ones(1)))[0]
         assert solved == ("none" if code == "none" else "no_core")
     core = RegisterModel()
     core.registers["STATUS"] = 1  # never cleared
-    assert Driver(library, core, *core.areas, RECORDS, polls=9).start_up() == "timeout"
+    assert Driver(library, core, *core.areas, COUNT, polls=9).start_up() == "timeout"
     core = RegisterModel()
     for name in ("read", "write", "source", "destination", "records"):
-        driver = Driver(library, core, *core.areas, RECORDS)
+        driver = Driver(library, core, *core.areas, COUNT)
         setattr(driver.bus, name, type(getattr(driver.bus, name))())
         assert driver.start_up() == "null", name
     assert driver.call("ik_init", None) == CODES["null"]
@@ -229,9 +233,9 @@ def test_start_up(library):
 def test_missing_result(library):
     """A job reports done, but the core did not write the buffer."""
     core = RegisterModel()
-    elsewhere = ctypes.create_string_buffer(RECORDS * BYTES)
+    elsewhere = ctypes.create_string_buffer(COUNT * BYTES)
     source, (_, address) = core.areas
-    driver = Driver(library, core, source, (ctypes.addressof(elsewhere), address), RECORDS)
+    driver = Driver(library, core, source, (ctypes.addressof(elsewhere), address), COUNT)
     assert driver.start_up() == "none"
     code, results = driver.solve(driver.targets({name: np.ones(7) for name in FIELDS}, np.arange(7)))
     assert (code, len(results)) == ("lost", 0)
@@ -239,7 +243,7 @@ def test_missing_result(library):
 
 def test_texts(library):
     """Each code has its own text."""
-    driver = Driver(library, RegisterModel(), *RegisterModel().areas, RECORDS)
+    driver = Driver(library, RegisterModel(), *RegisterModel().areas, COUNT)
     texts = [driver.text(code) for code in CODES.values()]
     assert len(set(texts)) == len(CODES) and all(text.endswith(".") for text in texts)
     (unknown,) = {driver.text(code) for code in (-1, 10, 15, max(CODES.values()) + 1)}
@@ -291,7 +295,7 @@ def test_uio_wait_ends(library, tmp_path, error):
     """No interrupt; a device that is gone before or after its interrupt; an abort and a signal."""
     core, uio = RegisterModel(), Uio()
     core.run = lambda count: None  # no job ends
-    driver = Driver(library, core, *core.areas, RECORDS, polls=9)
+    driver = Driver(library, core, *core.areas, COUNT, polls=9)
     paths, patience = uio_device(tmp_path, *BUFFER), 9000 if error == errno.EINTR else 20
     assert driver.linked.ik_uio_open(ctypes.byref(uio), *paths, patience) == 0
     driver.core, driver.bus.user, driver.bus.wait = uio.core, uio.bus.user, uio.bus.wait
