@@ -327,7 +327,8 @@ def test_uio_wait_ends(library, tmp_path, error):
 ICARUS = simulator() == "icarus"
 FEW = "linux|ik_init|solves/interrupt=.*/stalled=False|bus_error/.*=slverr|aborted/interrupt=False"
 SMALL = {"W": 18, "ADDR_W": 20}
-INSTANCES = [SMALL] if ICARUS else [SMALL, {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4}]
+ARM = {"W": 18, "DATA_W": 128, "ARM": 1}
+INSTANCES = [SMALL] if ICARUS else [SMALL, {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4}, ARM]
 
 
 def run(library, tests: str, parameters: dict[str, int], env: dict[str, str], **options) -> None:
@@ -340,11 +341,13 @@ def run(library, tests: str, parameters: dict[str, int], env: dict[str, str], **
 @pytest.mark.cost(20)
 @pytest.mark.parametrize("parameters", INSTANCES, ids=named)
 def test_around_the_core(library, tmp_path, parameters):
-    run(library, FEW if ICARUS else "", parameters, {"IK_AXI_CORE": "echo"}, **echoing(tmp_path))
+    tests = "^(?!.*linux)" if parameters == ARM else FEW if ICARUS else ""  # the uio device has no core behind it
+    run(library, tests, parameters, {"IK_AXI_CORE": "echo"}, **echoing(tmp_path))
 
 
 @pytest.mark.sim
 @pytest.mark.cost(30)
 @pytest.mark.skipif(ICARUS, reason="Verilator runs the same tests in a tenth of the time")
-def test_with_the_core(library):
-    run(library, "solves/interrupt=True/stalled=False", {}, {})
+@pytest.mark.parametrize("parameters", [{}, pytest.param(ARM, marks=pytest.mark.slow)], ids=named)
+def test_with_the_core(library, parameters):
+    run(library, "solves/interrupt=True/stalled=False|joint_limits", parameters, {})
