@@ -62,7 +62,8 @@ package ik_axis_pkg is
       TILE       : integer := 18;  -- lean: longer operand of the multiplier blocks, bits: 18, 25 or 16
       ADDR_W     : integer := 32;  -- address width, 12 to 64
       DATA_W     : integer := 64;  -- data bus width: 32, 64 or 128
-      LOG2_BURST : integer := 3    -- log2 of records per full burst, 1 to 5
+      LOG2_BURST : integer := 3;   -- log2 of records per full burst, 1 to 5; at most 256 beats
+      ARM        : integer := 0    -- 1: hand pose to joint angles, with DATAPATH = 1 only
     );
     port (
       clk           : in  std_logic;

@@ -131,7 +131,7 @@ def test_fusesoc_has_files_and_version_of_the_project():
     assert set(included.values()) == {str(folder.relative_to(ROOT)) for folder in includes()}
     names = [f"cga-ik:cga:{module}:{__version__}" for module in ("ik_axis", "ik_axi", "ik_arm")]
     assert [core["name"] for core in cores] == names
-    assert [core["filesets"]["rtl"]["depend"] for core in cores[1:]] == [names[:1], names[:1]]
+    assert [core["filesets"]["rtl"]["depend"] for core in cores[1:]] == [names[2:], names[:1]]
     assert re.search(r"^## \[(\d.*)\] - \d{4}-\d\d-\d\d$", read("CHANGELOG.md"), re.M)[1] == __version__
 
 

@@ -30,10 +30,15 @@ AXIS = {
     ],
 }
 AXI = {
-    "illegal_DATAPATH": [{"DATAPATH": lean} for lean in (-1, 2, 3)],
+    "illegal_ARM": [{"ARM": 2}, {"ARM": -1}],
+    "illegal_DATAPATH": [
+        *({"DATAPATH": lean} for lean in (-1, 2, 3)),
+        {"DATAPATH": 0, "ARM": 1},
+        {"DATAPATH": 2, "ARM": 1},
+    ],
     "illegal_DATA_W": [{"DATA_W": bits} for bits in (16, 33, 96, 256)],
-    "illegal_ADDR_W": [{"ADDR_W": bits} for bits in (11, 65)],
-    "illegal_LOG2_BURST": [{"LOG2_BURST": log2} for log2 in (0, 6)],
+    "illegal_ADDR_W": [{"ADDR_W": 11}, {"ADDR_W": 65}, {"ADDR_W": 12, "ARM": 1}],
+    "illegal_LOG2_BURST": [{"LOG2_BURST": 0}, {"LOG2_BURST": 6}, {"LOG2_BURST": 5, "DATA_W": 32, "ARM": 1}],
 }
 PASSED_ON = {
     "illegal_DIGIT": [{"DIGIT": 2}, {"DIGIT": 2, "DATAPATH": 0}],
@@ -109,6 +114,7 @@ LEGAL = [
     *(("ik_axi", parameters) for parameters in (
         {"DATA_W": 32, "ADDR_W": 12, "LOG2_BURST": 1}, {"DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 5, "DATAPATH": 0},
         {"W": 16, "TILE": 25}, {"W": 24, "TILE": 16},
+        {"DATA_W": 32, "ADDR_W": 13, "LOG2_BURST": 4, "ARM": 1}, {"W": 24, "TILE": 16, "LOG2_BURST": 5, "ARM": 1},
     )),
     ("ik_lean", {"W": 3, "TAG_W": 1}), ("ik_lean", {"W": 24, "TILE": 16}), ("ik_lean", {"TILE": 25}),
     ("ik_paper", {"W": 16, "TAG_W": 1, "DIGIT": 1}),
@@ -168,12 +174,10 @@ def test_fifo_has_a_slot_for_each_clock_and_not_twice_as_many(tmp_path):
             values = ", ".join(f".{k}({v})" for k, v in {"W": width, **path.parameters}.items())
             u, v, checked = f"{path.name}_{width}", f"memory_{path.name}_{width}", checked + 1
             out, slots = f"{u}.g_{path.rtl}.u_core.T_OUT", f"(1 << {u}.LOG2)"
-            equal = "1"
-            if path.top == "ik_axis":
-                equal = f"{v}.LATENCY == {out} + 2 && {v}.LOG2_PLACES == {u}.LOG2"
-                lines.append(f"ik_axi #({values}) {v} ();")
+            equal = f"{v}.LATENCY == {out} + 2 && {v}.LOG2_PLACES == {u}.LOG2"
             lines += [
                 f"{path.top} #({values}) {u} ();",
+                f"ik_axi #({values}, .ARM({int(path.top == 'ik_arm')})) {v} ();",
                 f'initial $display("{u} %0d", {out} + 3 <= {slots} && {slots} < 2 * ({out} + 3) && {equal});',
             ]
     (tmp_path / "top.v").write_text("\n".join([*lines, "endmodule", ""]))

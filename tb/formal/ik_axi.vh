@@ -7,8 +7,8 @@
 // The other assumptions of the engines are assertions here (chformal -assume2assert).
 // Wires \u_*.* are signals of the engines, connected by name when the hierarchy is flattened.
 
-(* hierconn *) wire [9:0] \u_axis.inside ;
-(* hierconn *) wire \u_axis.s_axis_tready ;
+(* hierconn *) wire [9:0] \g_axis.u_axis.inside ;
+(* hierconn *) wire \g_axis.u_axis.s_axis_tready ;
 (* hierconn, init = 1'b0 *) wire \u_job.f_on ;
 (* hierconn *) wire [2:0] \u_job.state ;
 (* hierconn *) wire \u_read.ask ;
@@ -69,7 +69,7 @@ wire f_event = \u_read.ask || (m_axi_arvalid && m_axi_arready) || m_axi_rvalid |
     (m_axi_awvalid && m_axi_awready) || leave || f_gone || m_axi_bvalid;
 // the memory or ik_axis has to act
 wire f_owed = m_axi_arvalid || \u_read.due != 0 || m_axi_awvalid || m_axi_wvalid || f_owes_answer ||
-    (\u_axis.inside != 0 && !result_valid);
+    (\g_axis.u_axis.inside != 0 && !result_valid);
 reg [1:0] f_still;  // clocks of a job in which neither side has to act
 always @(posedge clk) begin
   f_still <= (rst || !f_running || f_event || f_owed) ? 2'd0 : f_still + (f_still != 3);
@@ -88,7 +88,7 @@ always @* if (\u_job.f_on ) begin
   written_inside : assert (!m_axi_awvalid || (m_axi_awaddr >= f_destination && f_write_end <= f_destination + f_bytes));
   wlast_as_announced : assert (!m_axi_wvalid || (f_open != 0 && m_axi_wlast == (f_oldest == 1 &&
       \u_result.beat == F_LAST)));
-  never_refused : assert (rst || !target_valid || \u_axis.s_axis_tready );
+  never_refused : assert (rst || !target_valid || \g_axis.u_axis.s_axis_tready );
   quiet : assert (f_running || (!m_axi_arvalid && \u_read.f_open == 0 && !m_axi_awvalid && !m_axi_wvalid &&
       \u_write.f_waits == 0 && \u_write.f_open == 0));
   some_in_each_burst : assert ((!\u_read.ask || \u_read.size != 0) && (!\u_write.tell || \u_write.size != 0));
@@ -102,10 +102,10 @@ always @* if (\u_job.f_on || \u_read.f_on || \u_write.f_on ) together : assert (
     \u_write.f_on );
 always @* if (\u_job.f_on ) begin
   none_on_the_way : assert (f_running || (!record_valid && (!target_valid || \u_job.state == F_FINISH)));
-  inside_fits : assert (\u_axis.inside <= 1 << LOG2_PLACES);
-  emptied : assert (\u_job.state <= F_ENDS || \u_job.state > F_DECIDE || \u_axis.inside == 0);
-  core_is : assert (\u_read.f_core >= record_valid + target_valid + \u_axis.inside && (!f_running ||
-      \u_read.f_core == record_valid + target_valid + \u_axis.inside ));
+  inside_fits : assert (\g_axis.u_axis.inside <= 1 << LOG2_PLACES);
+  emptied : assert (\u_job.state <= F_ENDS || \u_job.state > F_DECIDE || \g_axis.u_axis.inside == 0);
+  core_is : assert (\u_read.f_core >= record_valid + target_valid + \g_axis.u_axis.inside && (!f_running ||
+      \u_read.f_core == record_valid + target_valid + \g_axis.u_axis.inside ));
   to_write_is : assert (!f_running || {1'b0, \u_read.f_core } == \u_write.ready + \u_write.to_send );
   counts_are : assert (!f_running || (\u_read.f_count == job_count && \u_write.f_count == job_count && job_count != 0));
   bases_are : assert (!f_running || (\u_read.f_base == job_source && \u_write.f_base == job_destination));

@@ -25,7 +25,7 @@ reg [31:0] f_count;
 always @(posedge clk) begin
   if (start && !soft_reset && !busy) {f_source, f_destination, f_count} <= {source, destination, count};
 end
-wire [65:0] f_size = {29'd0, f_count, 5'd0};
+wire [65:0] f_size = {{(34 - LOG2_RECORD) {1'b0}}, f_count, {LOG2_RECORD{1'b0}}};
 wire [65:0] f_source_end = {2'b00, f_source} + f_size;
 wire [65:0] f_destination_end = {2'b00, f_destination} + f_size;
 wire [65:0] f_limit = 66'd1 << ADDR_W;
@@ -35,8 +35,8 @@ wire f_low = f_source < f_limit && f_destination < f_limit;  // first bytes are 
 always @* if (f_on) begin
   areas_apart : assert (!go || f_apart);
   areas_inside : assert (!go || (f_source_end <= f_limit && f_destination_end <= f_limit));
-  areas_aligned : assert (!go || (f_source[4:0] == 0 && f_destination[4:0] == 0 && f_count != 0));
-  areas_copied : assert (!go || ({job_source, 5'd0} == f_source && {job_destination, 5'd0} == f_destination &&
+  areas_aligned : assert (!go || (f_source[LOG2_RECORD-1:0] == 0 && f_destination[LOG2_RECORD-1:0] == 0 && f_count != 0));
+  areas_copied : assert (!go || ({job_source, {LOG2_RECORD{1'b0}}} == f_source && {job_destination, {LOG2_RECORD{1'b0}}} == f_destination &&
       job_count == f_count));
   stopped_outside : assert (stop || (state == RUN && !write_error && !aborted));
   runs_to_the_end : assert (!f_run || state == (f_idle ? FINISH : RUN) || f_reset);
@@ -52,7 +52,7 @@ always @* if (f_on) begin
   high_is : assert (state == IDLE || high == {f_destination >= f_limit, f_source >= f_limit});
   ends_are : assert (state != COMPARE || ((f_source >= f_limit || source_end == f_source_end) &&
                      (f_destination >= f_limit || destination_end == f_destination_end)));
-  crooked_is : assert (state == IDLE || crooked == {f_destination[4:0] != 0, f_source[4:0] != 0});
+  crooked_is : assert (state == IDLE || crooked == {f_destination[LOG2_RECORD-1:0] != 0, f_source[LOG2_RECORD-1:0] != 0});
   past_is : assert (state != DECIDE || !f_low || (overlap == !f_apart || f_count == 0));
   limits_are : assert (state != DECIDE || (past[0] == (f_source_end > f_limit || f_source >= f_limit) &&
                        past[1] == (f_destination_end > f_limit || f_destination >= f_limit)));

@@ -6,7 +6,7 @@
 // (f_go, f_area: ik_axi_job); a place is returned only for a record that was passed on (f_leave); data come only if
 // requested (f_data: AXI4).
 
-localparam integer R = ADDR_W - 5;  // width of a record's address
+localparam integer R = ADDR_W - LOG2_RECORD;  // width of a record's address
 localparam [P-1:0] PLACES = {1'b1, {LOG2_PLACES{1'b0}}};
 
 reg f_on = 1'b0;  // there was a reset
@@ -64,16 +64,16 @@ always @(posedge clk) begin
               f_waited + (f_waited != 3);
 end
 
-wire [R-1:0] f_at = m_axi_araddr[ADDR_W-1:5];
+wire [R-1:0] f_at = m_axi_araddr[ADDR_W-1:LOG2_RECORD];
 wire [R-1:0] f_offset = f_at - f_base;
 wire [32:0] f_end = {{(33 - R > 0 ? 33 - R : 1) {1'b0}}, f_offset} + f_size;
-wire [8:0] f_page = {2'b00, m_axi_araddr[11:5]} + f_size;
+wire [8:0] f_page = {2'b00, m_axi_araddr[11:LOG2_RECORD]} + f_size;
 
 always @* if (f_on) begin
   low_after_reset : assert (!f_reset || !m_axi_arvalid);
   stable : assert (!f_stall || (m_axi_arvalid && {m_axi_araddr, m_axi_arlen} == f_held));
   inside_source : assert (!m_axi_arvalid || f_end <= {1'b0, f_count});
-  within_4k : assert (!m_axi_arvalid || (f_page <= 9'd128 && m_axi_araddr[4:0] == 0));
+  within_4k : assert (!m_axi_arvalid || (f_page <= 4096 >> LOG2_RECORD && m_axi_araddr[LOG2_RECORD-1:0] == 0));
   whole_records : assert (!m_axi_arvalid || f_size * BEATS == m_axi_arlen + 1'b1);
   within_promise : assert (f_open <= (1 << LOG2_BURSTS));
   place_for_every_record : assert (f_inside <= PLACES);

@@ -11,16 +11,16 @@ end
 
 // ---- ghost: the record that is leaving ----
 
-reg [255:0] f_record;
+reg [BITS-1:0] f_record;
 reg f_ends;
-reg [2:0] f_gone;  // beats sent
+reg [B-1:0] f_gone;  // beats sent
 wire f_take = result_valid && result_ready;
 always @(posedge clk) begin
   if (f_take) begin
-    f_record <= {index, flags_tag, words};
+    f_record <= words;
     f_ends   <= ends_burst;
-    f_gone   <= 3'd0;
-  end else if (gone) f_gone <= f_gone + 3'd1;
+    f_gone   <= {B{1'b0}};
+  end else if (gone) f_gone <= f_gone + 1'b1;
 end
 
 // ---- properties ----
@@ -32,7 +32,7 @@ always @(posedge clk) begin
   f_held <= {m_axi_wlast, m_axi_wdata};
   f_took <= f_take && !rst;
 end
-wire [DATA_W-1:0] f_due = f_record >> {29'd0, f_gone} * DATA_W;
+wire [DATA_W-1:0] f_due = f_record >> {{(32 - B) {1'b0}}, f_gone} * DATA_W;
 
 always @* if (f_on) begin
   low_after_reset : assert (!f_reset || !m_axi_wvalid);
@@ -43,7 +43,7 @@ always @* if (f_on) begin
   none_lost : assert (!result_ready || rst || !m_axi_wvalid || (m_axi_wready && f_gone == LAST_BEAT));
   allowed_only : assert (!result_ready || allowed);
   beat_is : assert (!m_axi_wvalid || (beat == f_gone && beat <= LAST_BEAT && ends == f_ends &&
-      record == f_record >> {29'd0, f_gone} * DATA_W));
+      record == f_record >> {{(32 - B) {1'b0}}, f_gone} * DATA_W));
 end
 
 always @* if (f_on && !rst) begin

@@ -8,7 +8,7 @@
 // record leaves only if allowed (f_leave: ik_axi_result); a response belongs to a burst whose records have left
 // (f_answer: AXI4).
 
-localparam integer R = ADDR_W - 5;  // width of a record's address
+localparam integer R = ADDR_W - LOG2_RECORD;  // width of a record's address
 localparam [P-1:0] PLACES = {1'b1, {LOG2_PLACES{1'b0}}};
 
 reg f_on = 1'b0;  // there was a reset
@@ -74,16 +74,16 @@ always @(posedge clk) begin
                !(ready >= to_edge || (ended && ready != 0))) ? 2'd0 : f_waited + (f_waited != 3);
 end
 
-wire [R-1:0] f_at = m_axi_awaddr[ADDR_W-1:5];
+wire [R-1:0] f_at = m_axi_awaddr[ADDR_W-1:LOG2_RECORD];
 wire [R-1:0] f_offset = f_at - f_base;
 wire [32:0] f_end = {{(33 - R > 0 ? 33 - R : 1) {1'b0}}, f_offset} + f_size;
-wire [8:0] f_page = {2'b00, m_axi_awaddr[11:5]} + f_size;
+wire [8:0] f_page = {2'b00, m_axi_awaddr[11:LOG2_RECORD]} + f_size;
 
 always @* if (f_on) begin
   low_after_reset : assert (!f_reset || !m_axi_awvalid);
   stable : assert (!f_stall || (m_axi_awvalid && {m_axi_awaddr, m_axi_awlen} == f_held));
   inside_destination : assert (!m_axi_awvalid || f_end <= {1'b0, f_count});
-  within_4k : assert (!m_axi_awvalid || (f_page <= 9'd128 && m_axi_awaddr[4:0] == 0));
+  within_4k : assert (!m_axi_awvalid || (f_page <= 4096 >> LOG2_RECORD && m_axi_awaddr[LOG2_RECORD-1:0] == 0));
   whole_records : assert (!m_axi_awvalid || f_size * BEATS == m_axi_awlen + 1'b1);
   read_before : assert (f_told <= f_got && f_got <= f_count);
   within_promise : assert (f_waits <= (1 << LOG2_BURSTS));

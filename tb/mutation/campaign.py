@@ -37,7 +37,7 @@ class Design:
         """Return whether the name of a file of the design contains `only`."""
         files = set(closure(self.top))
         if self.top == "ik_axi":
-            files -= set(closure("ik_axis"))
+            files -= {*closure("ik_axis"), *closure("ik_arm")}
         else:
             own = self.benches[0].bench.path.rtl
             files -= {path for other in CONFIGURATIONS.values() for path in closure(f"ik_{other.rtl}")}

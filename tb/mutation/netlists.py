@@ -159,8 +159,8 @@ class Netlist:
         (folder / "mutants.json").write_text(json.dumps(rows))
 
     def _files(self, modules: dict) -> dict[str, list[str]]:
-        """Return the modules of each file that is mutated here; for `ik_axi`, only those outside `ik_axis`."""
-        left_out = set(closure("ik_axis")) if self.top == "ik_axi" else set()
+        """Return the modules of each file that is mutated here; for `ik_axi`, only those outside its core."""
+        left_out = {*closure("ik_axis"), *closure("ik_arm")} if self.top == "ik_axi" else set()
         files = {path.stem: relative(path) for path in sources() if path not in left_out}
         found: dict[str, list[str]] = {}
         for name in modules:
