@@ -105,8 +105,9 @@ def rows(kind: str, width: int, shift: int, rest: dict[str, int], depth: int, us
     )
 
 
-def engine(name: str, others: str = "") -> Proof:
-    return Proof(f"axi_{name}_64", f"ik_axi_{name}", {"DATA_W": 64}, others, depth=20)
+def engine(name: str, others: str = "", size: int = 5) -> Proof:
+    more = {"LOG2_RECORD": size} if size > 5 else {}
+    return Proof(f"axi_{name}_{'arm' if more else 64}", f"ik_axi_{name}", {"DATA_W": 64, **more}, others, depth=20)
 
 
 PROOFS = (
@@ -130,6 +131,8 @@ PROOFS = (
     engine("result"),
     engine("regs"),
     engine("job"),
+    *(engine(name, "ik_bursts", 6) for name in ("read", "write")),
+    *(engine(name, size=6) for name in ("result", "job")),
     Proof(  # the assumptions of the engines about each other, with any core that is a stream, ik_stream.v
         "axi_whole_64", "ik_axi", {"DATA_W": 64}, f"ik_bursts ik_stream {ENGINES}",
         {f"ik_axi{engine}": f"ik_axi{engine}" for engine in ("", "_job", "_read", "_write")}, depth=40,
