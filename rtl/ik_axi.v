@@ -301,15 +301,14 @@ module ik_axi #(
   // s_axis_tready is always high: a slot is reserved
   generate
     if (ARM == 1) begin : g_arm
-      localparam integer TH = 10, QS = 0;  // the first angle, and qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, among ik_arm's words
-      wire [17*W-1:0] words;
+      wire [17*W-1:0] words;  // th1 .. th7, qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, qw_w, qw_i, qw_j, qw_k
       wire [14*W-1:0] pairs;  // lower and upper limit of th1, .. th7
       wire [7:0] over;  // bad_hand, th1 .. th7
       genvar i;
       for (i = 0; i < 7; i = i + 1) begin : g_joint
         assign pairs[2*W*i+:2*W] = {limits[32*(i+7)+31-:W], limits[32*i+31-:W]};
       end
-      assign result = {words[W*QS+:6*W], words[W*TH+:7*W]};
+      assign result = words[RESULTS*W-1:0];
       assign over_limit = {23'd0, over[0], 1'b0, over[7:1]};
 
       ik_arm #(
