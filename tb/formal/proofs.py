@@ -107,7 +107,13 @@ def rows(kind: str, width: int, shift: int, rest: dict[str, int], depth: int, us
 
 def engine(name: str, others: str = "", size: int = 5) -> Proof:
     more = {"LOG2_RECORD": size} if size > 5 else {}
-    return Proof(f"axi_{name}_{'arm' if more else 64}", f"ik_axi_{name}", {"DATA_W": 64, **more}, others, depth=32 if more else 20)
+    return Proof(
+        f"axi_{name}_{'arm' if more else 64}",
+        f"ik_axi_{name}",
+        {"DATA_W": 64, **more},
+        others,
+        depth=32 if more else 20,
+    )
 
 
 PROOFS = (
