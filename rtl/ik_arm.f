@@ -6,6 +6,7 @@ lean/ik_lean_arm.v
 lean/ik_lean_frame.v
 lean/ik_lean_hand.v
 lean/ik_lean_joints.v
+fold/ik_fold_arm.v
 fold/ik_fold_angle.v
 lib/ik_limit.v
 lib/ik_vector.v

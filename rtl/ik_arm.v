@@ -5,16 +5,18 @@
 // output FIFO, as in ik_axis.
 //
 // A pose is admitted only when a FIFO slot is free for its result, so the datapath never stalls and no result is lost,
-// repeated or reordered. tready and tvalid do not depend on each other combinationally.
-// Throughput: one pose per clock.
-// Latency: T_OUT (ik_arm_nodes.vh) plus 2 clocks in the FIFO.
+// repeated or reordered. tready and tvalid do not depend on each other combinationally. The folded datapath has its own
+// flow control and bypasses the FIFO.
+// Throughput: one pose per clock; folded, one per period of its program.
+// Latency: T_OUT (ik_arm_nodes.vh) plus 2 clocks in the FIFO; folded, see ik_fold_arm.
 `default_nettype none
 
 module ik_arm #(
     parameter integer W        = 32,  // word length, 16 to 32; at most 24 with TILE = 16
     parameter integer TAG_W    = 8,   // tag width, at least 1
-    parameter integer DATAPATH = 1,   // 1 lean; 2, fold, does not exist yet
-    parameter integer TILE     = 18   // multiplier blocks: 18 for 18x18 bits, 25 for 25x18, 16 for 16x16
+    parameter integer DATAPATH = 1,   // 1 lean, 2 fold (on one multiplier): W even, 20 or more
+    // multiplier blocks: 18 for 18x18 bits; 25 for 25x18, lean only; 16 for 16x16, and fold from W = 18
+    parameter integer TILE     = 18
 ) (
     // Clock; attributes for block designs of Vivado, which infers the streams from the ports' names
     (* X_INTERFACE_INFO = "xilinx.com:signal:clock:1.0 clk CLK" *)
@@ -53,13 +55,14 @@ module ik_arm #(
 
   // An illegal parameter value instantiates an undefined module, named after the parameter:
   //   ik_arm_illegal_TAG_W     1 or more
-  //   ik_arm_illegal_DATAPATH  1
-  //   ik_arm_illegal_TILE      16, 18 or 25
-  //   ik_arm_illegal_W         16 to 32, at most 24 with TILE = 16
+  //   ik_arm_illegal_DATAPATH  1 or 2
+  //   ik_arm_illegal_TILE      16 or 18; 25 unless folded
+  //   ik_arm_illegal_W         16 to 32, at most 24 with TILE = 16; folded: even, at least 20, or 18 with TILE = 16
   localparam TAG_OK = TAG_W >= 1;
-  localparam DATAPATH_OK = DATAPATH == 1;
-  localparam TILE_OK = TILE == 16 || TILE == 18 || TILE == 25;
-  localparam W_OK = W >= 16 && W <= ((TILE == 16) ? 24 : 32);
+  localparam DATAPATH_OK = DATAPATH == 1 || DATAPATH == 2;
+  localparam TILE_OK = TILE == 16 || TILE == 18 || (TILE == 25 && DATAPATH != 2);
+  localparam integer LEAST = (DATAPATH == 2) ? ((TILE == 16) ? 18 : 20) : 16;
+  localparam W_OK = W >= LEAST && W <= ((TILE == 16) ? 24 : 32) && (DATAPATH != 2 || W % 2 == 0);
   localparam LEGAL = TAG_OK && DATAPATH_OK && TILE_OK && W_OK;
   generate
     if (!TAG_OK) begin : g_no_tag
@@ -84,6 +87,25 @@ module ik_arm #(
   wire [15:0] core_flags;
   wire [17*W-1:0] core_data;
   generate
+    if (LEGAL && DATAPATH == 2) begin : g_fold
+      ik_fold_arm #(
+          .W    (W),
+          .TAG_W(TAG_W),
+          .TILE (TILE)
+      ) u_core (
+          .clk          (clk),
+          .rst          (rst),
+          .s_axis_tdata (s_axis_tdata),
+          .s_axis_tuser (s_axis_tuser),
+          .s_axis_tvalid(s_axis_tvalid),
+          .s_axis_tready(s_axis_tready),
+          .limits       (limits),
+          .m_axis_tdata (m_axis_tdata),
+          .m_axis_tuser (m_axis_tuser),
+          .m_axis_tvalid(m_axis_tvalid),
+          .m_axis_tready(m_axis_tready)
+      );
+    end
     if (LEGAL && DATAPATH == 1) begin : g_lean
       ik_lean_arm #(
           .W    (W),
@@ -105,7 +127,7 @@ module ik_arm #(
     end
   endgenerate
 
-  // ---- credits and output FIFO; a folded datapath needs neither ----
+  // ---- credits and output FIFO; the folded datapath needs neither ----
 
   // A slot is reserved from admission until the result leaves: pipeline, FIFO, output register.
   localparam integer LOG2 = clog2(T_OUT + 3);

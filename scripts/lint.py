@@ -37,10 +37,15 @@ MODULE_SETS = {
     "ik_axis": [*({"W": width} for width in (32, 24, 18, 16)), {"W": 18, "TILE": 25}, {"W": 24, "DATAPATH": 2}],
     "ik_axis_bytes": [{"W": 18}],
     "ik_paper": [{"W": width, "DIGIT": digit} for width in (32, 18) for digit in (0, 1)],
-    "ik_fold": [{"W": width} for width in (32, 24, 20)],
+    **{name: [{"W": width} for width in (32, 24, 20)] for name in ("ik_fold", "ik_fold_arm")},
     "ik_fold_norm": [{}],
     "icebreaker": [{}, {"BAUD": 115200}],
-    "ik_arm": [*({"W": width} for width in (32, 24, 18, 16)), {"W": 18, "TILE": 25}, {"W": 24, "TILE": 16}],
+    "ik_arm": [
+        *({"W": width} for width in (32, 24, 18, 16)),
+        {"W": 18, "TILE": 25},
+        {"W": 24, "TILE": 16},
+        {"W": 24, "DATAPATH": 2},
+    ],
     **{
         f"ik_lean_{part}": [{"W": 32, "N": 35}, {"W": 18, "N": 25}]
         for part in ("direction", "triangle", "turn", "hand", "frame")

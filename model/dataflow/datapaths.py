@@ -106,7 +106,7 @@ ARM = replace(
 
 FOLD_ARM = replace(
     ARM, name="fold_arm", number=2, widths=FOLD.widths, times=partial(shown.times, name="fold_arm"),
-    period=program.schedule("fold_arm").period, behind=0,
+    period=program.schedule("fold_arm").period, behind=0, core="",
 )  # fmt: skip
 FOLD_ARM16 = replace(FOLD_ARM, name="fold_arm16", tile=16, widths=FOLD16.widths)
 

@@ -34,7 +34,12 @@ module ik_fold_angle #(
     input  wire         minus,
     input  wire         twice,
     input  wire         half,
-    output wire [W-1:0] th
+    output wire [W-1:0] th,
+    // For waves and testbenches: X of the first stage; angle of the second, half a turn more, and its sign
+    output wire [W+2:0] length,
+    output wire [W+3:0] z_node,
+    output wire         left_node,
+    output wire         negative_node
 );
 
   `include "ik_vector_table.vh"
@@ -140,6 +145,10 @@ module ik_fold_angle #(
   wire [ZW-1:0] other = (twice ? z_2 : h) ^ {ZW{minus}};
   wire [ZW-1:0] sum = z_2 + other + {{(ZW - 1) {1'b0}}, minus};
   assign th = {sum[ZW-1] ^ half ^ (!twice && left_2 ^ left_h), sum[ZW-2:ANGLE]};
+  assign length = x;
+  assign z_node = z_2;
+  assign left_node = left_2;
+  assign negative_node = negative_2;
   wire unused = &{1'b0, step, nearer[YW-1], nearer_2[YW-1], sum};
 
 endmodule

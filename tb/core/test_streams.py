@@ -15,6 +15,7 @@ from tb.sim.runner import simulate
 # would be too short. Streams do not depend on the word length: Icarus, which is slow, runs lean at W = 18, and only the
 # tests in FEW on the paper datapath and the whole arm.
 SETS = {"fold-24": ("fold", 24, 8), "paper-23": ("paper", 23, 3), "arm-18": ("arm", 18, 3)}
+SETS |= {"fold_arm-24": ("fold_arm", 24, 3)}
 SETS |= {"lean-18": ("lean", 18, 3)} if simulator() == "icarus" else {"lean-32": ("lean", 32, 8)}
 BYTES = {"bytes-18": ("lean", 18, 3)}
 """Set of ``ik_axis_bytes``."""

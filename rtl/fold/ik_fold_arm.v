@@ -1,0 +1,358 @@
+// Results Q2.(W-2), rounded half up; binary angles, rounded half up; inputs Q2.(W-2) and a binary angle.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The whole arm on one multiplier, AXI4-Stream ports: ik_fold with another program, and the serial CORDIC of
+// ik_fold_angle, which takes result words as they are made. A hand pose enters; Qs, Qe, Qw and seven joint angles leave.
+// The lap, stalls and steps are those of ik_fold. Codes of fields that both programs have are the same.
+// Throughput: one target per PERIOD clocks.
+// Latency: set by the program (ik_fold_arm_program.vh), counted from the clock that accepts the target.
+`default_nettype none
+
+module ik_fold_arm #(
+    parameter integer W     = 24,  // word length, even, 20 to 32; 18 to 24 with TILE = 16
+    parameter integer TAG_W = 8,   // tag width, at least 1
+    parameter integer TILE  = 18   // multiplier tile width: 18 or 16
+) (
+    input  wire                clk,
+    input  wire                rst,            // synchronous, active high: discards all targets
+    // Targets
+    input  wire [    11*W-1:0] s_axis_tdata,   // hand_x, _y, _z, phi, d1, d2, tool, qh_w, _i, _j, _k, lowest bits first
+    input  wire [   TAG_W+2:0] s_axis_tuser,   // tag; above it branch: shoulder, elbow, wrist
+    input  wire                s_axis_tvalid,
+    output wire                s_axis_tready,
+    input  wire [    14*W-1:0] limits,         // lower and upper of th1 .. th7, lowest bits first; static
+    // Results
+    output reg  [    17*W-1:0] m_axis_tdata,   // qs_w .. qs_k, qe_w, qe_i, qw_w .. qw_k, th1 .. th7, lowest bits first
+    output wire [TAG_W+16-1:0] m_axis_tuser,   // tag, flags of the core, bad_hand, over_limit 1 .. 7
+    output reg                 m_axis_tvalid,
+    input  wire                m_axis_tready
+);
+
+  `include "ik_fold_arm_codes.vh"
+  `include "ik_fold_formats.vh"
+
+  generate
+    if (W % 2 != 0 || W < ((TILE == 16) ? 18 : 20) || W > ((TILE == 16) ? 24 : 32)) begin : g_no_words
+      ik_fold_arm_illegal_W u_stop ();
+    end
+    if (TAG_W < 1) begin : g_no_tag
+      ik_fold_arm_illegal_TAG_W u_stop ();
+    end
+    if (TILE != 16 && TILE != 18) begin : g_no_tile
+      ik_fold_arm_illegal_TILE u_stop ();
+    end
+  endgenerate
+
+  localparam integer XW = 2 * W + 2;  // width of an exact sum
+  localparam integer TW = (XW < SINE_SUM_FRAC + 5) ? SINE_SUM_FRAC + 5 : XW;  // wide enough for half a sine too
+  localparam integer INNER = FRAC + 2;
+  localparam integer D = ROOT_FRAC + 4;  // word width: mantissa and sign
+  localparam integer LAST = XW - 2 - INNER;  // position of an inner word's LSB in a sum
+  localparam integer WORD = 2 * D - 2 - INNER;  // and in a product
+
+  // ---- the lap ----
+
+  reg go;
+  reg [7:0] fetched, read, clock;  // step numbers: ROM address, ROM output, current step
+  reg [STEP_W-1:0] step_read, step;
+  // Accept no target and write no word before the first step arrives, or under reset: some words must stay 0.
+  initial {go, step} = 0;
+  `include "ik_fold_arm_program.vh"
+  `include "ik_fold_arm_fields.vh"
+
+  reg current, previous;  // this lap's target is in progress; the previous lap's is
+  wire begins = clock == 8'd0;
+  wire here = begins ? s_axis_tvalid : current;
+  wire last = clock == END;
+  wire waits = begins && !here && !previous;
+  wire back = f_last_result && previous && !here;  // no target is left in the datapath
+  always @(posedge clk) begin
+    if (rst) begin  // no valid step number until the first step arrives
+      read  <= 8'd255;
+      clock <= 8'd255;
+    end
+    if (rst || (go && back) || (go && !waits && fetched == END)) fetched <= 8'd0;
+    else if (go && !waits) fetched <= fetched + 8'd1;
+    if (go && !waits && !rst) begin
+      read  <= fetched;
+      clock <= read;
+    end
+    if (go && !waits) step_read <= rom[fetched];
+    if (rst || read == 8'd255) step <= 0;  // step_read holds no step yet
+    else if (go && !waits) step <= step_read;
+  end
+
+  wire of_hold = (HOLD_LAP != 0) ? previous : here;
+  wire of_first = (FIRST_LAP != 0) ? previous : here;
+  wire full = m_axis_tvalid && !m_axis_tready;
+  reg given;  // results of a target are being written
+  wire giving = f_first_result ? of_first : given;
+  initial m_axis_tvalid = 1'b0;
+  always @(posedge clk)
+    if (rst) begin
+      go            <= 1'b1;
+      current       <= 1'b0;
+      previous      <= 1'b0;
+      given         <= 1'b0;
+      m_axis_tvalid <= 1'b0;
+    end else begin
+      go <= !full || (go && !(f_hold && of_hold));
+      if (go) begin
+        current <= here && !last;
+        if (last) previous <= (LAST_LAP != 0) && here;
+        else if (f_last_result) previous <= 1'b0;
+        given <= giving && !f_last_result;
+      end
+      if (go && f_last_result && giving) m_axis_tvalid <= 1'b1;
+      else if (m_axis_tready) m_axis_tvalid <= 1'b0;
+    end
+  // `current`, not `here`: tready must not depend on tvalid
+  assign s_axis_tready = go && current && f_last_input && !rst;
+
+  // ---- words ----
+
+  localparam integer SEEN = (D < 2 * TILE) ? D : 2 * TILE - 1;  // word bits the multiplier uses
+  localparam integer RW = INDEX_BITS + 2;
+  localparam integer DOWN = INDEX_BITS + 2;
+  wire [SEEN-1:0] a;
+  wire [D-1:0] b, w;
+  wire [RW-1:0] row_word;
+  wire a_second, b_second, w_second, b_constant;
+  wire [5:0] w_place = {f_w[5:1], f_w[0] ^ w_second};
+  wire [5:0] n;
+  ik_fold_memory #(.D(D), .AD(SEEN), .DOWN(DOWN), .RW(RW)) u_memory (
+      .clk(clk), .go(go),
+      .a_at({f_a[6:1], f_a[0] ^ a_second}), .b_at(f_b_count ? {1'b1, n} : {f_b[6] ^ b_constant, f_b[5:1], f_b[0] ^ b_second}), .r_at(f_r),
+      .a(a), .b(b), .r(row_word),
+      .w_en(f_source != SOURCE_NONE && !rst), .w_at(w_place), .w(w)
+  );
+
+  // ---- table rows, and the offset within a segment ----
+
+  wire [C0_BITS-1:0] c0;
+  wire [C1_BITS-1:0] c1;
+  wire [C2_BITS-1:0] c2;
+  ik_fold_table #(.W(W), .TILE(TILE), .RW(RW), .ROW(C0_BITS+C1_BITS+C2_BITS)) u_table (
+      .clk(clk), .go(go), .word(row_word),
+      .angle(f_r_function != R_FUNCTION_ROOT), .cosine(f_r_function == R_FUNCTION_COSINE), .row({c0, c1, c2})
+  );
+  wire [SEEN-1:0] bend = {{(SEEN - C2_BITS) {1'b0}}, c2} << (SEEN - 4 - INDEX_BITS - C2_FRAC);
+  // The offset from the segment's middle: the bits below the segment number, their MSB inverted. A mantissa in [1/2, 1)
+  // has one bit fewer in its segment number; a quarter turn is the end of the last segment.
+  wire [D-1:0] raised = b << (INDEX_BITS + 1);
+  wire upper = b[D-2] && f_b_place == B_PLACE_ROOT;
+  wire end_ = b[D-2] && f_b_place != B_PLACE_ROOT;
+  wire [1:0] top = upper ? {~raised[D-1], raised[D-2]} : {~raised[D-2] && !end_, ~raised[D-2]};
+  wire [D-1:0] place = {top, raised[D-3:0]} & (f_b_high ? {D{1'b1}} << (D - TILE) : {D{1'b1}});
+
+  // ---- product and sum ----
+
+  wire [D-1:0] factor = f_b_place == B_PLACE_NONE ? b : place;
+  wire [2*D-1:0] p;
+  generate
+    if (D > SEEN) begin : g_unseen
+      assign p[2*(D-SEEN)-1:0] = 0;
+      wire unused_factor = &{1'b0, factor};
+    end
+  endgenerate
+  ik_fold_mul #(.D(SEEN), .TILE(TILE), .WORD(WORD-2*(D-SEEN)), .ROOT(ROOT_DROP), .SINE(SINE_DROP)) u_mul (
+      .clk(clk), .go(go), .a(f_a_bend ? bend : a), .b(factor[D-1-:SEEN]), .cut(f_cut), .p(p[2*D-1-:2*SEEN])
+  );
+
+  wire few, s_other, taken;
+  reg down, less, carry;
+  always @(posedge clk)
+    if (go) begin
+      down  <= f_cut == CUT_ROOT || f_cut == CUT_SINE || (f_cut == CUT_POWER && !few);
+      less  <= taken;
+      carry <= f_carry == CARRY_MINUS && taken;
+    end
+  wire [TW-1:0] sum;
+  ik_fold_sum #(
+      .D(D), .XW(TW), .LAST(TW-2-INNER), .HALF(TW-5), .ANSWER(TW-3-W), .C0W(C0_BITS), .C1W(C1_BITS),
+      .C0_AT(TW-4-C0_FRAC), .C1_AT(TW-4-C1_FRAC), .SLOPE(TW-4-SLOPE_FRAC), .DOWN(DOWN)
+  ) u_sum (
+      .clk(clk), .go(go), .choice(f_s), .by(s_other), .c0(c0), .c1(c1),
+      .p(p), .down(down), .minus(less), .carry(carry), .t(sum)
+  );
+  wire [XW-1:0] t = sum[TW-1-:XW];
+
+  // ---- T as a word, a mantissa with its shift count, or a result ----
+
+  wire none, q_low, zero, word_below_0;
+  wire [D-1:0] word, normal;
+  wire [5:0] pairs;
+  wire [W-1:0] result;
+  wire doubles_low = f_window == WINDOW_LOW && q_low;
+  wire doubled = f_window == WINDOW_DOUBLE || doubles_low;
+  ik_fold_word #(.W(W), .D(D), .XW(XW), .INNER(INNER), .ROOT(ROOT_FRAC), .SINE(SINE_FRAC), .SLOPE(SLOPE_FRAC)) u_word (
+      .t(t), .doubled(doubled), .limit(f_limit), .last(f_last), .low(doubles_low), .word(word), .negative(word_below_0),
+      .result(result)
+  );
+  ik_fold_norm #(.W(W), .D(D), .XW(XW), .LAST(LAST), .DROP(D-INNER)) u_norm (
+      .clk(clk), .go(go), .t(t), .kind(f_norm), .n(n), .word(normal), .pairs(pairs), .zero(zero)
+  );
+  ik_fold_count #(.D(SEEN)) u_count (
+      .clk(clk), .go(go), .base(f_n_base), .of(f_n_e), .minus(f_n_minus), .twice(f_n_twice), .set(f_e_set),
+      .pairs(pairs), .n(n), .none(none), .few(few), .low(q_low)
+  );
+  wire [W-1:0] in = s_axis_tdata[W*f_input+:W];
+  wire squared = f_input == INPUT_PHI || f_input == INPUT_D1 || f_input == INPUT_D2;  // with sums in ik_fold_word's format
+  wire [D-1:0] in_word = squared ? {in[W-1], in, {(D - W - 1) {1'b0}}} : {in, {(D - W) {1'b0}}};
+  // T is half a wrist coordinate, which saturates.
+  wire below = t[XW-1];
+  wire outside = t[XW-2-:3] != {3{below}};
+  wire [W:0] wrist = outside ? {below, below, {(W - 1) {!below}}} : t[XW-3-:W+1];
+  wire [W-1:0] answer;
+  reg [D-1:0] source;
+  always @*
+    case (f_source)
+      SOURCE_INPUT: source = in_word;
+      SOURCE_NORMAL: source = normal;
+      SOURCE_RESULT: source = {answer, {(D - W) {1'b0}}};
+      SOURCE_WRIST: source = {wrist, {(D - W - 1) {1'b0}}};
+      default: source = word;
+    endcase
+  assign w = source;
+
+  // ---- flags of the hand ----
+
+  // |Qh|^2, T's highest bits in units of 2^-16, lies from 1 - 2^-7 + 2^-16 to 1 + 2^-7.
+  wire [10:0] square_high = t[XW-1-:11];
+  wire no_more = t[XW-12-:9] == 9'd0;
+  reg not_unit, outside_x, outside_y, outside_z;
+  always @(posedge clk)
+    if (go)
+      case (f_sign)
+        SIGN_HAND_SQ:
+        not_unit <= !(square_high == 11'h080 || (square_high == 11'h07f && !no_more) || (square_high == 11'h081 && no_more));
+        SIGN_X: outside_x <= outside;
+        SIGN_Y: outside_y <= outside;
+        SIGN_Z: outside_z <= outside;
+        default: ;
+      endcase
+  // The constant 64 places further replaces a word of a bad hand: 1 or 0.
+  assign b_constant = f_b_by == B_BY_BAD_HAND && not_unit;
+  wire [1:0] hand_nodes = {outside_x || outside_y || outside_z, not_unit};
+
+  wire clamped, folded;
+  wire [7:0] flags;
+  wire [9:0] flag_nodes;
+  ik_fold_flags u_flags (
+      .clk(clk), .go(go), .sign(f_sign), .sum_below_0(t[XW-1]), .word_below_0(word_below_0),
+      .phi_loaded(f_source == SOURCE_INPUT && f_input == INPUT_PHI), .phi_below_0(in[W-1]), .e_set(f_e_set), .zero(zero),
+      .none(none), .a_by(f_a_by), .b_by(f_b_by), .w_by(f_w_by), .s_by(f_s_by), .minus_by(f_minus_by),
+      .a_second(a_second), .b_second(b_second), .w_second(w_second), .s_other(s_other), .minus(taken),
+      .clamp(clamped), .fold(folded), .nodes(flag_nodes), .flags(flags)
+  );
+
+  // ---- results ----
+
+  localparam [W-1:0] UNIT = {2'b01, {(W - 2) {1'b0}}};
+  // A clamped elbow is folded (1, 0) or straight (0, -1).
+  wire of_w = clamped && f_result == RESULT_ELBOW_W;
+  wire of_i = clamped && f_result == RESULT_ELBOW_I;
+  assign answer = of_w ? (folded ? UNIT : {W{1'b0}}) : of_i ? (folded ? {W{1'b0}} : -UNIT) : result;
+
+  reg [TAG_W-1:0] tag;
+  reg [2:0] branch_in, branch;  // shoulder, elbow, wrist: of the target taken last, and of the results
+  always @(posedge clk) begin
+    if (s_axis_tready) {branch_in, tag} <= s_axis_tuser;
+    if (go && f_first_result) branch <= branch_in;
+  end
+
+  // ---- angles ----
+
+  reg negative, half;
+  always @* begin
+    case (f_negative_by)
+      NEGATIVE_BY_SHOULDER: negative = branch[0];
+      NEGATIVE_BY_ELBOW: negative = branch_in[1];
+      NEGATIVE_BY_WRIST: negative = branch[2];
+      default: negative = 1'b0;
+    endcase
+    case (f_half_by)
+      HALF_BY_SHOULDER: half = branch[0];
+      HALF_BY_SHOULDER_ELBOW: half = branch[0] ^ branch[1];
+      HALF_BY_ELBOW_WRIST: half = branch[1] ^ branch[2];
+      HALF_BY_WRIST: half = branch[2];
+      default: half = 1'b0;
+    endcase
+  end
+  wire [W-1:0] th;
+  wire [W+2:0] length;
+  wire [W+3:0] z_node;
+  wire left, opposite;
+  ik_fold_angle #(.W(W)) u_angle (
+      .clk(clk), .go(go),
+      .word(answer), .load_x(f_load_x), .load_y(f_load_y), .opposite(f_opposite), .rounding(f_rounding),
+      .negative(negative), .over(f_over), .again(f_again), .to_h(f_to_h),
+      .minus(f_less), .twice(f_twice), .half(half), .th(th),
+      .length(length), .z_node(z_node), .left_node(left), .negative_node(opposite)
+  );
+
+  reg [2:0] joint;
+  always @*
+    case (f_result)
+      RESULT_TH1: joint = 3'd0;
+      RESULT_TH2: joint = 3'd1;
+      RESULT_TH3: joint = 3'd2;
+      RESULT_TH4: joint = 3'd3;
+      RESULT_TH5: joint = 3'd4;
+      RESULT_TH6: joint = 3'd5;
+      default: joint = 3'd6;
+    endcase
+  wire over;
+  ik_limit #(.W(W)) u_limit (
+      .clk(clk), .th(th), .low(limits[2*W*joint+:W]), .high(limits[2*W*joint+W+:W]), .over(over)
+  );
+
+  // ---- output ----
+
+  reg [TAG_W+8:0] head;  // tag and flags that leave with the first result
+  reg [6:0] over_limit;
+  assign m_axis_tuser = {over_limit, head};
+  reg compares;  // `over` is of joint `compared`
+  reg [2:0] compared;
+  always @(posedge clk) begin
+    compares <= go && giving && (f_result == RESULT_TH7 || joint != 3'd6);
+    compared <= joint;
+    if (compares) over_limit[compared] <= over;
+    if (go && giving) begin
+      if (f_first_result) head <= {not_unit, flags[7:6], hand_nodes[1], flags[4:0], tag};
+      case (f_result)
+        RESULT_QS_W: m_axis_tdata[0*W+:W] <= answer;
+        RESULT_QS_I: m_axis_tdata[1*W+:W] <= answer;
+        RESULT_QS_J: m_axis_tdata[2*W+:W] <= answer;
+        RESULT_QS_K: m_axis_tdata[3*W+:W] <= answer;
+        RESULT_QE_W: m_axis_tdata[4*W+:W] <= answer;
+        RESULT_QE_I: m_axis_tdata[5*W+:W] <= answer;
+        RESULT_QW_W: m_axis_tdata[6*W+:W] <= answer;
+        RESULT_QW_I: m_axis_tdata[7*W+:W] <= answer;
+        RESULT_QW_J: m_axis_tdata[8*W+:W] <= answer;
+        RESULT_QW_K: m_axis_tdata[9*W+:W] <= answer;
+        RESULT_TH1: m_axis_tdata[10*W+:W] <= th;
+        RESULT_TH2: m_axis_tdata[11*W+:W] <= th;
+        RESULT_TH3: m_axis_tdata[12*W+:W] <= th;
+        RESULT_TH4: m_axis_tdata[13*W+:W] <= th;
+        RESULT_TH5: m_axis_tdata[14*W+:W] <= th;
+        RESULT_TH6: m_axis_tdata[15*W+:W] <= th;
+        RESULT_TH7: m_axis_tdata[16*W+:W] <= th;
+        default: ;
+      endcase
+    end
+  end
+
+  // ---- dataflow nodes, for waves and testbenches only ----
+
+  wire [FRAC+2:0] p_plain = p[2*D-5-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};  // the product, rounded like its node
+  wire [FRAC+2:0] p_double = p[2*D-6-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};
+  function [W+3:0] angle(input [3:0] rounding, input half_turn);  // of the vector in the second stage
+    angle = (opposite ? {{W{1'b0}}, rounding} - z_node : z_node - {{W{1'b0}}, rounding}) ^ {half_turn, {(W + 3) {1'b0}}};
+  endfunction
+  wire unused = &{1'b0, p_plain, p_double, f_r_function, n, sum, flags, length, z_node, left, opposite};
+  `include "ik_fold_arm_nodes.vh"
+
+endmodule
+
+`default_nettype wire
