@@ -67,6 +67,7 @@ ARM = {
     "illegal_TILE": [{"TILE": 17}, {"TILE": 26}],
     "illegal_W": [{"W": 15}, {"W": 33}, *({"W": w, "TILE": 16} for w in (15, 25))],
 }
+FOLD_OF_ARM = {name: [{**one, "DATAPATH": 2} for one in sets] for name, sets in FOLD.items()}
 LEAN_ARM = {name: sets for name, sets in ARM.items() if name != "illegal_DATAPATH"}
 
 DIV, SQRT, MUL3 = "NW DW SH QW LAT", "NW SH QW LAT", "AW BW SH OW"
@@ -92,7 +93,9 @@ CORES = (
     ("ik_paper", "ik_paper", PAPER),
     ("ik_fold", "ik_fold", FOLD),
     ("ik_arm", "ik_arm", ARM),
+    ("ik_arm", "ik_arm", FOLD_OF_ARM),
     ("ik_lean_arm", "ik_lean_arm", LEAN_ARM),
+    ("ik_fold_arm", "ik_fold_arm", FOLD),
 )
 ILLEGAL = [
     # only the first of each name is in the quick gate
@@ -119,7 +122,8 @@ LEGAL = [
     ("ik_lean", {"W": 3, "TAG_W": 1}), ("ik_lean", {"W": 24, "TILE": 16}), ("ik_lean", {"TILE": 25}),
     ("ik_paper", {"W": 16, "TAG_W": 1, "DIGIT": 1}),
     ("ik_arm", {"W": 16, "TAG_W": 1}), ("ik_arm", {"W": 32}), ("ik_arm", {"W": 24, "TILE": 16}),
-    ("ik_arm", {"TILE": 25}),
+    ("ik_arm", {"TILE": 25}), ("ik_arm", {"W": 20, "DATAPATH": 2}), ("ik_arm", {"W": 18, "TILE": 16, "DATAPATH": 2}),
+    ("ik_arm", {"W": 24, "TILE": 16, "DATAPATH": 2}), ("ik_fold_arm", {"W": 32, "TAG_W": 1}),
     ("ik_fold", {"W": 20, "TAG_W": 1}), ("ik_fold", {"W": 18, "TILE": 16}), ("ik_fold", {"W": 32}),
 ]  # fmt: skip
 

@@ -23,7 +23,7 @@ GROUPS = worst_targets.groups(worst_targets.read(worst_targets.LIST))
 ICARUS = simulator() == "icarus"
 
 QUICK = [("lean", 32), ("lean25", 18), ("lean16", 18), ("fold", 24), ("fold16", 18)]
-SLOW = [("lean", 18), ("paper", 18), ("arm", 18), ("arm", 32)]
+SLOW = [("lean", 18), ("paper", 18), ("arm", 18), ("arm", 32), ("fold_arm", 24), ("fold_arm", 32), ("fold_arm16", 18)]
 if ICARUS:  # builds are cheap
     QUICK += [("paper", 32)]
     SLOW += [("lean", 16), ("lean", 24), ("lean", 27), ("fold", 32), ("arm", 16), ("arm", 24), ("arm", 27)]
@@ -53,7 +53,7 @@ def listed(datapath: str, width: int) -> np.ndarray:
 def targets(datapath: str, width: int) -> np.ndarray:
     """Return the hardest targets and others of every kind; Icarus, a hundred times slower, runs fewer."""
     if MODELS[datapath].side:
-        return arm_targets(40 if ICARUS else 5000, width, 4)
+        return arm_targets(40 if ICARUS else 5000 if MODELS[datapath].period == 1 else 1000, width, 4)
     few = ICARUS and (datapath, width) not in itertools.product(DATAPATHS, (18, 32))
     words = [listed(datapath, width), mixed(40 if few else 300, width, 4)]
     if not ICARUS:
