@@ -60,12 +60,14 @@ module ik_fold_arm #(
   `include "ik_fold_arm_program.vh"
   `include "ik_fold_arm_fields.vh"
 
-  reg current, previous;  // this lap's target is in progress; the previous lap's is
+  reg current, previous, earlier;  // this lap's target is in progress; the previous lap's is; that of the lap before
   wire begins = clock == 8'd0;
   wire here = begins ? s_axis_tvalid : current;
   wire last = clock == END;
-  wire waits = begins && !here && !previous;
-  wire back = f_last_result && previous && !here;  // no target is left in the datapath
+  wire waits = begins && !here && !previous && !earlier;
+  wire oldest = (LAST_LAP == 2) ? earlier : previous;
+  wire younger = here || (LAST_LAP == 2 && previous);
+  wire back = f_last_result && oldest && !younger;  // no target is left in the datapath
   always @(posedge clk) begin
     if (rst) begin  // no valid step number until the first step arrives
       read  <= 8'd255;
@@ -93,14 +95,20 @@ module ik_fold_arm #(
       go            <= 1'b1;
       current       <= 1'b0;
       previous      <= 1'b0;
+      earlier       <= 1'b0;
       given         <= 1'b0;
       m_axis_tvalid <= 1'b0;
     end else begin
       go <= !full || (go && !(f_hold && of_hold));
       if (go) begin
         current <= here && !last;
-        if (last) previous <= (LAST_LAP != 0) && here;
-        else if (f_last_result) previous <= 1'b0;
+        if (last) begin
+          previous <= (LAST_LAP != 0) && here;
+          earlier  <= (LAST_LAP == 2) && previous;
+        end else if (f_last_result) begin
+          earlier <= 1'b0;
+          if (LAST_LAP != 2) previous <= 1'b0;
+        end
         given <= giving && !f_last_result;
       end
       if (go && f_last_result && giving) m_axis_tvalid <= 1'b1;

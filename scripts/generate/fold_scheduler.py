@@ -159,6 +159,7 @@ class _Problem:
             self.model.add(written["elbow_w"] <= taken + self.period)
         lap, place = self.model.new_int_var(0, 3, "lap"), self.model.new_int_var(0, self.period - 1, "place")
         self.model.add(last == lap * self.period + place)
+        self.model.add(lap <= (2 if joints else 1))  # laps of a target that the RTL keeps
         self.model.add(place < self.period - timing.FETCH)
         self.model.add(last <= self.latency)
         self.model.minimize(last)
