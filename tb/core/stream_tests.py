@@ -60,7 +60,12 @@ async def one_result_per_clock(dut):
     assert (np.diff(clocks) == bench.period).all(), f"results come {sorted(set(np.diff(clocks)))} clocks apart"
     expected = datapath_latency(bench) + bench.behind
     assert set(bench.latencies) == {expected}, f"latencies {sorted(set(bench.latencies))}, expected {expected}"
-    limits = {"paper": (363, 363), "fold": (115, 115), "arm": (105, 130), "fold_arm": (320, 320)}  # specified: at W = 18 and 32
+    limits = {
+        "paper": (363, 363),
+        "fold": (115, 115),
+        "arm": (105, 130),
+        "fold_arm": (320, 320),
+    }  # specified: at W = 18 and 32
     most = limits.get(bench.datapath, (38, 44))[bench.width > 18]
     assert expected <= most, f"latency {expected}, more than {most}"
 
@@ -143,7 +148,9 @@ async def reset_in_traffic(dut, after):
     latency = datapath_latency(bench)
     bench.sink.pause = after == "full"
     bench.send(bench.mixed(1000, seed=5))
-    for _ in range({"few": 3, "many": latency // 2, "out": latency + 30, "full": 2 * latency + 20}[after]):
+    for _ in range(
+        {"few": 3, "many": latency // 2, "out": latency + bench.period + 30, "full": 2 * latency + 20}[after]
+    ):
         await RisingEdge(dut.clk)
     await bench.reset(clocks=1)
     before = len(bench.results)
