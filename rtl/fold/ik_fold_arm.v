@@ -22,7 +22,7 @@ module ik_fold_arm #(
     output wire                s_axis_tready,
     input  wire [    14*W-1:0] limits,         // lower and upper of th1 .. th7, lowest bits first; static
     // Results
-    output reg  [    17*W-1:0] m_axis_tdata,   // qs_w .. qs_k, qe_w, qe_i, qw_w .. qw_k, th1 .. th7, lowest bits first
+    output reg  [    17*W-1:0] m_axis_tdata,   // th1 .. th7, qs_w .. qs_k, qe_w, qe_i, qw_w .. qw_k, lowest bits first
     output wire [TAG_W+16-1:0] m_axis_tuser,   // tag, flags of the core, bad_hand, over_limit 1 .. 7
     output reg                 m_axis_tvalid,
     input  wire                m_axis_tready
@@ -329,23 +329,23 @@ module ik_fold_arm #(
     if (go && giving) begin
       if (f_first_result) head <= {not_unit, flags[7:6], hand_nodes[1], flags[4:0], tag};
       case (f_result)
-        RESULT_QS_W: m_axis_tdata[0*W+:W] <= answer;
-        RESULT_QS_I: m_axis_tdata[1*W+:W] <= answer;
-        RESULT_QS_J: m_axis_tdata[2*W+:W] <= answer;
-        RESULT_QS_K: m_axis_tdata[3*W+:W] <= answer;
-        RESULT_QE_W: m_axis_tdata[4*W+:W] <= answer;
-        RESULT_QE_I: m_axis_tdata[5*W+:W] <= answer;
-        RESULT_QW_W: m_axis_tdata[6*W+:W] <= answer;
-        RESULT_QW_I: m_axis_tdata[7*W+:W] <= answer;
-        RESULT_QW_J: m_axis_tdata[8*W+:W] <= answer;
-        RESULT_QW_K: m_axis_tdata[9*W+:W] <= answer;
-        RESULT_TH1: m_axis_tdata[10*W+:W] <= th;
-        RESULT_TH2: m_axis_tdata[11*W+:W] <= th;
-        RESULT_TH3: m_axis_tdata[12*W+:W] <= th;
-        RESULT_TH4: m_axis_tdata[13*W+:W] <= th;
-        RESULT_TH5: m_axis_tdata[14*W+:W] <= th;
-        RESULT_TH6: m_axis_tdata[15*W+:W] <= th;
-        RESULT_TH7: m_axis_tdata[16*W+:W] <= th;
+        RESULT_TH1: m_axis_tdata[0*W+:W] <= th;
+        RESULT_TH2: m_axis_tdata[1*W+:W] <= th;
+        RESULT_TH3: m_axis_tdata[2*W+:W] <= th;
+        RESULT_TH4: m_axis_tdata[3*W+:W] <= th;
+        RESULT_TH5: m_axis_tdata[4*W+:W] <= th;
+        RESULT_TH6: m_axis_tdata[5*W+:W] <= th;
+        RESULT_TH7: m_axis_tdata[6*W+:W] <= th;
+        RESULT_QS_W: m_axis_tdata[7*W+:W] <= answer;
+        RESULT_QS_I: m_axis_tdata[8*W+:W] <= answer;
+        RESULT_QS_J: m_axis_tdata[9*W+:W] <= answer;
+        RESULT_QS_K: m_axis_tdata[10*W+:W] <= answer;
+        RESULT_QE_W: m_axis_tdata[11*W+:W] <= answer;
+        RESULT_QE_I: m_axis_tdata[12*W+:W] <= answer;
+        RESULT_QW_W: m_axis_tdata[13*W+:W] <= answer;
+        RESULT_QW_I: m_axis_tdata[14*W+:W] <= answer;
+        RESULT_QW_J: m_axis_tdata[15*W+:W] <= answer;
+        RESULT_QW_K: m_axis_tdata[16*W+:W] <= answer;
         default: ;
       endcase
     end
