@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lint every Verilog module as its own top with Verilator, Icarus and slang; check the Python with ruff and others.
 
-A module is linted at each parameter set below. Any message is a finding; the exit status is then 1. Waivers of
-Verilator are in rtl/lint.vlt, those of slang below. The first set is also linted by the distribution's Verilator if it
-has one (5.006 in Debian 12).
+A module is linted at each parameter set below, with and without each macro. Any message is a finding; the exit status
+is then 1. Waivers of Verilator are in rtl/lint.vlt, those of slang below. The first set is also linted by the
+distribution's Verilator if it has one (5.006 in Debian 12).
 """
 
 import importlib.util
@@ -114,16 +114,17 @@ def lint_module(source: Path) -> tuple[str, str]:
     folders = [*dict.fromkeys(path.parent for path in sources()), *(ROOT / f for f in (*FOLDERS, "tb/icebreaker"))]
     where = [f"-I{folder}" for folder in (*includes(), *folders)]
     where += [word for folder in folders for word in ("-y", str(folder))]
+    macros = [[], *([f"-D{name}"] for name in sorted(set(re.findall(r"`ifdef (\w+)", text))))]
     found, lines = {}, []  # several parameter sets may give the same message
-    for top, each in itertools.product(modules, sets):
-        verilator = ["--lint-only", "-Wall", "--default-language", "1364-2001", "--top-module", top]
+    for top, each, macro in itertools.product(modules, sets, macros):
+        verilator = ["--lint-only", "-Wall", "--default-language", "1364-2001", "--top-module", top, *macro]
         verilator += [*where, *(f"-G{k}={v}" for k, v in each.items()), str(ROOT / "rtl" / "lint.vlt"), str(source)]
         for program in verilators() if each == sets[0] else verilators()[:1]:
             found[findings([*program, *verilator])] = None
-        icarus = ["iverilog", "-g2001", "-Wall", "-t", "null", "-s", top]
+        icarus = ["iverilog", "-g2001", "-Wall", "-t", "null", "-s", top, *macro]
         icarus += [*where, *(f"-P{top}.{k}={v}" for k, v in each.items()), str(source)]
         found[findings(icarus)] = None
-        slang = ["slang", "-Wextra", *(f"-Wno-{warning}" for warning in WAIVED), "--top", top]
+        slang = ["slang", "-Wextra", *(f"-Wno-{warning}" for warning in WAIVED), "--top", top, *macro]
         slang += [*where, *(f"-G{k}={v}" for k, v in each.items()), str(source)]
         lines.append(shlex.join(slang))
     if importlib.util.find_spec("pyslang"):

@@ -3,7 +3,8 @@
 //
 // One segment of a table function (model/dataflow/quadratic.py); u is the argument's offset from the segment's middle.
 // High parts have at most 18 bits. Slope times u takes one tile, or three: the tile of the low parts is omitted. The
-// slope has the fraction bits of c1, the sum those of c0, SUM_FRAC.
+// slope has the fraction bits of c1, the sum those of c0, SUM_FRAC. With the macro IK_LOGIC_TILES, a tile with at most
+// 6 bits of u is built from logic, for devices with too few multipliers; bits and latency are the same.
 // Throughput: one result per clock.
 // Latency: 4 clocks: operands, tile products, sum (three tiles: outer and mixed sums), result; three more with C2W > 0:
 // operands, c2 u, slope. A name's suffix is the clock in which it is valid, counted from the slope.
@@ -96,8 +97,38 @@ module ik_quadratic #(
       localparam integer LHW = SLOPE_LOW + UH;
       wire signed [U_LOW:0] u_lo_1 = {1'b0, u_1[U_LOW-1:0]};
       wire signed [SLOPE_LOW:0] slope_lo_1 = {1'b0, slope_1[SLOPE_LOW-1:0]};
-      reg signed [HLW-1:0] hl_2;
+      wire signed [HLW-1:0] hl_2;
       reg signed [LHW-1:0] lh_2;
+`ifdef IK_LOGIC_TILES
+      localparam integer LOGIC = (U_LOW <= 6) ? 1 : 0;
+`else
+      localparam integer LOGIC = 0;
+`endif
+      if (LOGIC != 0) begin : g_logic
+        // hl = slope_hi (pair 0 + 4 pair 1 + 16 pair 2) of u_lo; products by a pair are registered instead of operands
+        localparam integer PW = SH + 2;
+        wire [PW-1:0] hi_0 = {{2{slope_0[SW-1]}}, slope_0[SW-1:SLOPE_LOW]};
+        wire [PW-1:0] twice_hi_0 = hi_0 << 1;
+        wire [5:0] lo_0 = {{(6 - U_LOW) {1'b0}}, u_0[U_LOW-1:0]};
+        reg [PW-1:0] pair0_1;
+        reg [PW-1:0] pair1_1;
+        reg [PW-1:0] pair2_1;
+        wire [PW+3:0] pair0_x = {{4{pair0_1[PW-1]}}, pair0_1};
+        wire [PW+3:0] pair1_x = {{2{pair1_1[PW-1]}}, pair1_1, 2'b0};
+        reg [PW+3:0] pairs_2;
+        always @(posedge clk) begin
+          pair0_1 <= ({PW{lo_0[0]}} & hi_0) + ({PW{lo_0[1]}} & twice_hi_0);
+          pair1_1 <= ({PW{lo_0[2]}} & hi_0) + ({PW{lo_0[3]}} & twice_hi_0);
+          pair2_1 <= ({PW{lo_0[4]}} & hi_0) + ({PW{lo_0[5]}} & twice_hi_0);
+          pairs_2 <= pair0_x + pair1_x + {pair2_1, 4'b0};
+        end
+        assign hl_2 = pairs_2[HLW-1:0];
+        wire unused_pairs = &{1'b0, pairs_2};
+      end else begin : g_multiplier
+        reg signed [HLW-1:0] product_2;
+        always @(posedge clk) product_2 <= slope_hi_1 * u_lo_1;
+        assign hl_2 = product_2;
+      end
       localparam integer HLC = HLW - DROP - U_LOW;
       localparam integer LHC = LHW - DROP - SLOPE_LOW;
       localparam integer MW = ((HLC > LHC) ? HLC : LHC) + 1;
@@ -106,14 +137,13 @@ module ik_quadratic #(
       reg signed [MW-1:0] mid_3;
       reg [SUM_FRAC:0] outer_3;
       always @(posedge clk) begin
-        hl_2    <= slope_hi_1 * u_lo_1;
         lh_2    <= slope_lo_1 * u_hi_1;
         mid_3   <= hl_x + lh_x;
         outer_3 <= outer;
       end
       wire [SUM_FRAC:0] mid_x = {{(SUM_FRAC + 1 - MW) {mid_3[MW-1]}}, mid_3};
       assign sum = (RISES != 0) ? outer_3 + mid_x : outer_3 - mid_x;
-      wire unused_tiles = &{1'b0, hl_2, lh_2};
+      wire unused_tiles = &{1'b0, hl_2, lh_2, u_lo_1};
     end else begin : g_tile
       reg [SUM_FRAC:0] sum_3;
       always @(posedge clk) sum_3 <= outer;

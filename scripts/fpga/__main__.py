@@ -6,9 +6,9 @@
 
 Synthesizes with Yosys for the paper's family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on an
 ECP5-85k with nextpnr; the fold datapath targets the smallest chips. Each netlist is simulated next to the RTL; one that
-differs has no figures. Every run is cached in build/fpga under a hash of its sources, options and tools: a repeated
-command is quick, an interrupted one resumes. With --farm, Dask workers execute the runs in parallel
-(scripts/parallel.py). The figures go to fpga.json, the source of the page fpga.md; --page only renders the page.
+differs has no figures. The figures go to fpga.json, the source of the page fpga.md; --page only renders the page. A run
+is repeated only if the hash of its sources, options and tools is neither there nor in the cache in build/fpga, so an
+interrupted command resumes. With --farm, Dask workers execute the runs in parallel (scripts/parallel.py).
 """
 
 from __future__ import annotations
@@ -75,13 +75,15 @@ class Measurement:
         self.left_out: list[str] = []
 
     def execute(self, runs: Sequence[Run]) -> dict[str, dict]:
-        """Execute the runs that are not cached; record and return the figures of each by its title.
+        """Execute the runs without recorded or cached figures of their key; record and return the figures of each by title.
 
         Of the seeds of a placement the fastest counts; ``tried`` has the clocks of all.
         """
+        recorded = {run.title: (run, self.data["runs"].get(run.title, {})) for run in runs}
+        best = {title: of for title, (run, of) in recorded.items() if of.get("key") == run.key()}
+        runs = [run for run in runs if run.title not in best]
         known = [attempts(run, cached=True) for run in runs]
         fresh = iter(self.each(attempts, [run for run, found in zip(runs, known, strict=True) if not found]))
-        best = {}
         with progress("fpga", len(runs)) as meter:
             for done, (run, found) in enumerate(zip(runs, known, strict=True)):
                 meter(done, run.title)
@@ -96,7 +98,7 @@ class Measurement:
                 best[run.title] = max(found, key=lambda figures: figures["mhz"]) if run.aim else found[0]
                 extra = {"tried": [figures["mhz"] for figures in found]} if run.aim else {}
                 date = datetime.date.today().isoformat()
-                self.data["runs"][run.title] = {"date": date, **best[run.title], **extra}
+                self.data["runs"][run.title] = {"date": date, "key": run.key(), **best[run.title], **extra}
                 self.write()
         return best
 
@@ -105,7 +107,7 @@ class Measurement:
         for design in chosen:
             self.data["designs"].setdefault(design.name, {}).update(describe(design))
         runs = [design.run(family) for design in chosen for family in design.families]
-        runs += [d.run("xc2vp", "tree") for d in chosen if d.sections and d.width in page.BROKEN_DOWN]
+        runs += [d.run("xc2vp", "tree") for d in chosen if d.width in page.BROKEN_DOWN.get(d.datapath, ())]
         done = self.execute(runs)
         placements: list[Run] = []
         for design in chosen:
@@ -114,11 +116,7 @@ class Measurement:
                 if synthesized and fits(family, synthesized["cells"]):
                     placements.append(design.run(family, "place"))
             placements += [design.run("ecp5", "place", module) for module in design.sections]
-        done = self.execute(placements)
-        for design in chosen:
-            if design.sections:
-                whole = design.run("ecp5", "place").title in done
-                self.data["designs"][design.name]["placed"] = "whole" if whole else "by module"
+        self.execute(placements)
         self.write()
 
     def write(self) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from model.dataflow.datapaths import CONFIGURATIONS
 from scripts.fpga.runs import Run
 from tb.sim.env import GENERATED
-from tb.sim.sources import closure, digest
+from tb.sim.sources import digest
 
 FIGURES = GENERATED / "fpga.json"
 PAGE = GENERATED / "fpga.md"
@@ -21,7 +21,7 @@ class Design:
     """Top module with parameters, and the families for which it is synthesized or placed.
 
     parameters: all but W. aims: family -> MHz at which no further placement seed is tried; clocks vary by a tenth
-    between seeds. sections: modules that are placed alone as well.
+    between seeds. whole: the module that is placed, if not the top. sections: modules that are placed alone as well.
     """
 
     datapath: str
@@ -30,6 +30,7 @@ class Design:
     families: tuple[str, ...]
     aims: dict[str, float] = field(default_factory=dict)
     parameters: dict[str, int] = field(default_factory=dict)
+    whole: str = ""
     sections: tuple[str, ...] = ()
 
     @property
@@ -45,23 +46,25 @@ class Design:
         """Return a run of the top, or of a module alone."""
         values = {"W": self.width, **self.parameters}
         aim = self.aims.get(family) if kind == "place" else None
-        return Run(kind, family, module or self.top, values, aim, echo=self.datapath == "echo")
+        top = (kind == "place" and self.whole) or self.top
+        return Run(kind, family, module or top, values, aim, echo=self.datapath == "echo")
 
 
 FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
-LEAN = ("ik_lean_guard", "ik_lean_direction", "ik_lean_triangle", "ik_lean_turn")
 PAPER = ("ik_guard", "ik_swivel", "ik_elbow", "ik_elbow_q", "ik_to_elbow", "ik_to_wrist")
 FOLD, FOLD16 = (
     {key: CONFIGURATIONS[name].parameters[key] for key in ("DATAPATH", "TILE")} for name in ("fold", "fold16")
 )
+MEMORY = ("xc2vp", "xc7", "ecp5")
 SMALL = ("ecp5-12k", "xc7", "gowin")
 
 DESIGNS = (
-    *(Design("lean", width, "ik_lean", FAMILIES, {"ecp5": 200}, {}, LEAN) for width in (18, 24, 32)),
+    Design("lean", 18, "ik_lean", FAMILIES, {"ecp5": 190}, whole="ik_axis"),
+    *(Design("lean", width, "ik_lean", FAMILIES, {"ecp5": 170}, whole="ik_axis") for width in (24, 32)),
     Design("lean25", 18, "ik_lean", ("xc7", "xcup"), {}, {"TILE": 25}),
-    Design("paper", 32, "ik_paper", FAMILIES, {"ecp5": 150}, {"DIGIT": 1}, PAPER),
-    Design("echo", 32, "ik_axi", FAMILIES, {"ecp5": 200}),
-    *(Design("memory", width, "ik_axi", FAMILIES, {"ecp5": 200}) for width in (18, 32)),
+    Design("paper", 32, "ik_paper", FAMILIES, {"ecp5": 150}, {"DIGIT": 1}, sections=PAPER),
+    Design("echo", 32, "ik_axi", MEMORY, {"ecp5": 200}),
+    *(Design("memory", width, "ik_axi", MEMORY, {"ecp5": 200}) for width in (18, 32)),
     *(Design("fold16", width, "ik_axis", ("up5k",), {"up5k": 33}, FOLD16) for width in (18, 24)),
     *(Design("fold", width, "ik_axis", SMALL, {"ecp5-12k": 100}, FOLD) for width in (24, 32)),
 )
@@ -81,7 +84,8 @@ CHIPS = {
 
 def find(datapath: str, width: int) -> Design | None:
     """Return the design of a datapath at any word length."""
-    return next((replace(one, width=width) for one in DESIGNS if one.datapath == datapath), None)
+    known = [one for one in DESIGNS if one.datapath == datapath]
+    return next((replace(one, width=width) for one in sorted(known, key=lambda one: one.width != width)), None)
 
 
 def select(groups: Sequence[str], widths: Sequence[int]) -> list[Design]:
@@ -130,7 +134,7 @@ def size(data: dict, datapath: str, width: int) -> tuple[dict | None, str]:
 
 
 def code(design: Design) -> str:
-    return digest(closure(design.top))
+    return digest({path for kind in ("synth", "place") for path in design.run("", kind).files()})
 
 
 def recorded() -> dict[str, str]:

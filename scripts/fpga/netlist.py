@@ -189,14 +189,15 @@ def steps(path: list[dict]) -> list[str]:
 # -- registers packed into ECP5 multipliers and memories --------------------------------------------------------------
 
 
-PACKER = "3"
+PACKER = "5"
 """Version of the function below."""
 
 
 def pack_registers(module: dict) -> dict:
     """Move registers into MULT18X18D and DP16KD, as Lattice's tools do and Yosys does not (module of write_json).
 
-    Output register of a multiplier or memory port: used if all its readers are plain flip-flops of one clock.
+    Output register of a multiplier or memory port: used if all its readers are plain flip-flops of one clock. A word of
+    36 bits leaves a memory on both ports, which side B clocks: both have the register or neither.
     Input registers of a multiplier: used if A and B both come from plain flip-flops of that clock or are constant. A
     flip-flop with other readers is kept for them; one behind a memory, whose outputs are late, stays near it. Returns
     the number of registers of each kind and of removed flip-flops.
@@ -256,9 +257,12 @@ def pack_registers(module: dict) -> dict:
     for name, cell in cells.items():
         nets, parameters = cell["connections"], cell["parameters"]
         if cell["type"] == "DP16KD":
-            for side in "AB":
-                if absorb(nets, [f"DO{side}{k}" for k in range(18)], nets[f"CLK{side}"][0]):
-                    parameters[f"REGMODE_{side}"] = "OUTREG"
+            for sides in ("AB",) if int(parameters.get("DATA_WIDTH_B", "0"), 2) == 36 else "AB":
+                ports = [f"DO{side}{k}" for side in sides for k in range(18)]
+                if absorb(nets, ports, nets[f"CLK{sides[-1]}"][0]):
+                    parameters |= {f"REGMODE_{side}": "OUTREG" for side in sides}
+                    nets |= {f"OCE{side}": ["1"] for side in sides}
+                    cell["port_directions"] |= {f"OCE{side}": "input" for side in sides}
                     counts["memory"] += 1
         if cell["type"] != "MULT18X18D":
             continue

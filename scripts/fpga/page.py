@@ -6,13 +6,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from model.dataflow.datapaths import CONFIGURATIONS
-from scripts.fpga.designs import CHIPS, Design, clock, find, measured, run_of, slowest
+from scripts.fpga.designs import CHIPS, Design, clock, find, measured, run_of
 from scripts.fpga.netlist import HOLDS, KINDS, MULTIPLIER_NS
 from scripts.generate.render import render, table
 from scripts.paper import tables
 
-BROKEN_DOWN = (32, 18)
-"""Widths whose logic is counted by section."""
+BROKEN_DOWN = {"lean": (32, 18), "paper": (32,)}
+"""Datapath -> widths whose logic is counted by section."""
 
 CELLS = {
     "xc2vp": ("LUT4 on xc2vp", "of them SRL16", "flip-flops", "carry bits (MUXCY)", "MULT18X18", "RAMB16"),
@@ -65,8 +65,8 @@ def comparison(data: dict) -> str:
     mhz = [clock(data, d.datapath, d.width) for d in designs]
     both = list(zip(facts, mhz, strict=True))
     put("clock (MHz)", mhz, "{:.0f}")
-    put("placed", [d.get("placed") for d in facts])
-    put("slowest of its modules alone (MHz)", [slowest(data, d) for d in designs], "{:.0f}")
+    whole = [run_of(data, d.run("ecp5", "place")) and "whole" for d in designs]
+    put("placed", [one or (m and "by module") for one, m in zip(whole, mhz, strict=True)])
     put("latency (clocks)", [d["latency"] for d in facts])
     put("latency (ns)", [m and 1000 * d["latency"] / m for d, m in both], "{:.0f}")
     put("100 targets (us)", [m and (d["latency"] + 100) / m for d, m in both], "{:.2f}")
@@ -134,12 +134,12 @@ def critical(data: dict) -> str:
     """Return the table of each placement's slowest path."""
     rows = []
     for design in measured(data, "lean", "paper"):
-        for module in (design.top, *design.sections):
-            if not (found := run_of(data, design.run("ecp5", "place", module))):
+        for run in (design.run("ecp5", "place", module) for module in ("", *design.sections)):
+            if not (found := run_of(data, run)):
                 continue
             path = found["path"]
             rows.append([
-                f"{design.datapath} {design.width}", f"`{module}`", f"{found['mhz']:.0f}", f"`{path['from']}`",
+                f"{design.datapath} {design.width}", f"`{run.top}`", f"{found['mhz']:.0f}", f"`{path['from']}`",
                 f"`{path['to']}`", ", ".join(path["through"]), f"{path['ns']:.2f}", f"{path['routing_ns']:.2f}",
                 found["used"].get("MULT18X18D", 0), _clocks(found), found["place_s"],
             ])  # fmt: skip
@@ -155,7 +155,7 @@ def sources(data: dict, designs: Sequence[Design]) -> str:
 
 def page(data: dict) -> str:
     dates = sorted(run["date"] for run in data["runs"].values())
-    broken = [one for width in BROKEN_DOWN for name in ("lean", "paper") if (one := find(name, width))]
+    broken = [find(name, width) for name, widths in BROKEN_DOWN.items() for width in widths]
     return render(
         "fpga",
         dates=" to ".join(sorted({dates[0], dates[-1]})),
@@ -166,7 +166,7 @@ def page(data: dict) -> str:
         multipliers=HOLDS["MULT18X18D"],
         multiplier_ns=MULTIPLIER_NS,
         multiplier_mhz=f"{1000 / MULTIPLIER_NS:.0f}",
-        aim={name: find(name, 32).aims["ecp5"] for name in ("paper", "lean")},
+        aim={"paper": find("paper", 32).aims["ecp5"], **{f"w{w}": find("lean", w).aims["ecp5"] for w in (18, 32)}},
         critical=critical(data),
         memory=memory(data),
         memory_code=sources(data, measured(data, "memory")),

@@ -10,7 +10,7 @@ import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from scripts.fpga import netlist
+from scripts.fpga import floorplan, netlist
 from scripts.fpga.simulation import Ports, simulated
 from scripts.fpga.tools import LeftOutError, call, program, version
 from tb.sim.env import ROOT
@@ -20,6 +20,9 @@ BUILD = ROOT / "build" / "fpga"
 SRL16_MAP = ROOT / "scripts" / "fpga" / "srl16_map.v"
 ECHO = (ROOT / "tb" / "axi" / "ik_lean.v",)
 """Stand-in for the datapath, to measure its surroundings alone."""
+
+DATAPATHS = {0: "ik_paper", 1: "ik_lean", 2: "ik_fold"}
+"""Parameter DATAPATH of `ik_axis` -> the module."""
 
 TOOLS = ("yosys", "nextpnr-ecp5", "nextpnr-ice40")
 
@@ -40,6 +43,9 @@ SYNTHESIZE = {
     "gowin": PERIOD + "synth_gowin -family gw2a -noiopads -top {top}",
 }
 """Family -> Yosys commands."""
+
+MACROS = {"ecp5": " -DIK_LOGIC_TILES"}
+"""Family -> macros of Verilog: at W = 24 and 32 the lean datapath has more products than the ECP5-85k multipliers."""
 
 PLACE = {
     "ecp5": "nextpnr-ecp5 --85k --speed 8 --package CABGA381 --out-of-context --freq 200 --timing-allow-fail",
@@ -87,8 +93,10 @@ class Run:
         return self.title + f"-seed{self.seed}" * (self.kind == "place")
 
     def files(self) -> list[Path]:
-        """Return the source files, the module's own first."""
-        return closure(self.top, instead=ECHO if self.echo else ())
+        """Return the source files, the module's own first; of the datapaths only the one that is instantiated."""
+        others = {name for number, name in DATAPATHS.items() if number != self.values.get("DATAPATH", 1)}
+        others = {*others, "ik_arm"} - {self.top}
+        return closure(self.top, instead=ECHO if self.echo else (), without=others)
 
     def ports(self) -> Ports:
         return Ports(self.files()[0].read_text())
@@ -99,7 +107,8 @@ class Run:
         if self.kind == "place":
             top = "fpga_top"
             files.append(f"{top}.v")
-        lines = [f"read_verilog -defer -I. {' '.join(files)}"]  # deferred: a top has only one of the three datapaths
+        # deferred: a top has only one of the three datapaths
+        lines = [f"read_verilog -defer{MACROS.get(self.family, '')} -I. {' '.join(files)}"]
         if self.kind != "place":
             given = "".join(f" -chparam {key} {value}" for key, value in self.values.items())
             lines.append(f"hierarchy -check -top {top}{given}")
@@ -119,6 +128,7 @@ class Run:
         if self.kind == "place" and placed:
             command = PLACE[self.family]
             parts += [command, str(self.seed), netlist.PACKER, version(command.split()[0])]
+            parts += [floorplan.VERSION] * (self.family == "ecp5")
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
 
     def _file(self) -> Path:
@@ -152,6 +162,8 @@ class Run:
         if self.kind == "tree":
             figures["sections"] = netlist.by_section(stat, self.family)
         if self.kind == "place":
+            if self.family == "ecp5":
+                floorplan.floorplan(design["modules"]["fpga_top"], self.seed)
             packed = folder / "packed.json"
             packed.write_text(json.dumps(design))
             figures["place_s"], report = self._nextpnr(packed, folder, "--seed", str(self.seed))

@@ -67,12 +67,14 @@ class Ports:
   localparam integer OUT = {bits["output"]};
 {wires}
   reg [IN-1:0] in_q;
+  reg [OUT-1:0] wide;
   reg [OUT-1:0] out_q;
   reg [{len(self.single["input"])}:0] pins;
   always @(posedge clk) begin
     in_q <= {{in_q[IN-2:0], in[0]}};
     pins <= in;
-    out_q <= {{1'b0, out_q[OUT-1:1]}} ^ {{{joined["output"] or "1'b0"}}};
+    wide <= {{{joined["output"] or "1'b0"}}};
+    out_q <= {{1'b0, out_q[OUT-1:1]}} ^ wide;
     out <= {{{"".join(f"{label}, " for label in reversed(self.single["output"]))}out_q[0]}};
   end
 {feed}{pins}  {inner or self.name} {given} dut (

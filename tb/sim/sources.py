@@ -53,10 +53,11 @@ def headers(root: Path = ROOT) -> list[Path]:
     return [path for folder in includes(root) for path in sorted(folder.glob("*.vh"))]
 
 
-def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = ()) -> list[Path]:
+def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = (), without: Iterable[str] = ()) -> list[Path]:
     """Return the files of module ``top`` and of everything it instantiates or includes, its own first; a file in
-    ``instead`` replaces the one of the same name."""
+    ``instead`` replaces the one of the same name; modules ``without`` are left out."""
     known = {path.name: path for path in [*sources(root), *headers(root), *instead]}
+    known = {name: path for name, path in known.items() if path.stem not in without}
     wanted, found = [f"{top}.v"], {}
     while wanted:
         name = wanted.pop(0)
