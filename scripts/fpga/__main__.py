@@ -75,7 +75,7 @@ class Measurement:
         self.left_out: list[str] = []
 
     def execute(self, runs: Sequence[Run]) -> dict[str, dict]:
-        """Execute the runs without recorded or cached figures of their key; record and return the figures of each by title.
+        """Execute the runs without recorded or cached figures of their key; record and return the figures by title.
 
         Of the seeds of a placement the fastest counts; ``tried`` has the clocks of all.
         """
