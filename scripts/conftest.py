@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fixtures for tests of commands."""
 
+from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from scripts import console
+from scripts import console, run
 from scripts.report.tests.browser import WIDE, Browser, Page
 
 
@@ -22,6 +24,12 @@ def command(tmp_path, monkeypatch, capsys):
         return status, captured.out.splitlines(), captured.err.splitlines()
 
     return command
+
+
+@pytest.fixture
+def cli(simulator, command, monkeypatch):
+    monkeypatch.setattr(run, "hand_bar", lambda words, width, datapath: np.full(len(words), 2.0 ** (8 - width)))
+    return partial(command, run.main)
 
 
 @pytest.fixture

@@ -14,18 +14,11 @@ import pygltflib
 import pytest
 
 from model.bounds import tolerances
-from model.dataflow.datapaths import DATAPATHS, MODELS
+from model.dataflow.datapaths import DATAPATHS
 from model.io import trajectories
-from model.io.files import format_csv
-from model.io.flags import OVER_BIT
 from model.motion import clip as clips
-from model.motion.arms import ROBOTS, Arm
-from model.motion.hands import limit_words
-from model.motion.pose import parse_axis, soft_reach, solve
+from model.motion.pose import soft_reach, solve
 from model.motion.tests import figure, second_reader
-from model.motion.tests.test_arms import CHAINS, urdf
-from model.motion.tests.test_joints import poses
-from model.reference.kinematics import angle_between
 from scripts import run
 from scripts.fpga.designs import clock, load
 from scripts.generate import pages
@@ -33,12 +26,6 @@ from tb.sim import simulate
 from tb.sim.env import cores
 from tb.sim.env import simulator as simulator_of_tests
 from tb.sim.simulate import SimulationError
-
-
-@pytest.fixture
-def cli(simulator, command, monkeypatch):
-    monkeypatch.setattr(run, "hand_bar", lambda words, width, datapath: np.full(len(words), 2.0 ** (8 - width)))
-    return partial(command, run.main)
 
 
 def scores(path="build/run/score.json"):
@@ -167,166 +154,6 @@ def test_a_run_that_ends_early_leaves_files_as_they_were(cli, simulator, files, 
     simulator.spoil = spoil
     assert cli("--out", "o", "--waves", "--datapath", "lean") == (status, [], [f"run: {message}"])
     assert files() == ["o/waves.vcd"] and Path("o/waves.vcd").read_text(encoding="utf-8") == "old"
-
-
-# -- poses of a hand -------------------------------------------------------------------------------
-
-TH = [f"th{n}" for n in range(1, 8)]
-
-
-def write_poses(points, hands, **columns):
-    """Write t.csv; columns: name -> values (N,)."""
-    names = ["x", "y", "z", "qw", "qx", "qy", "qz", *columns]
-    cells = np.column_stack([points, hands, *columns.values()])
-    Path("t.csv").write_text("\n".join([",".join(names), *(",".join(map(repr, row)) for row in cells.tolist())]))
-
-
-@pytest.mark.parametrize(("width", "axis"), [(32, "z"), (18, "0,-1,1")])
-def test_hand_poses_of_a_file(cli, simulator, width, axis):
-    """Their words, and so the joints, are those of `solve`; the results are a file of the same poses."""
-    tool, branch = np.linspace(0.0, 0.2, 40), np.arange(40) % 8
-    points, q, phi = poses(40, tool=tool[:, None])
-    write_poses(points, q, phi=phi, tool=tool, branch=branch)
-    words = "--trajectory", "t.csv", "--out", "o", f"--axis={axis}", "--width", str(width)
-    assert cli(*words)[0] == 0
-    (call,) = simulator.calls
-    free = [(-(1 << width - 1), (1 << width - 1) - 1)] * 7
-    assert (call["datapath"], call["limits"]) == ("arm", free)
-    pose = solve(points, phi, axis=parse_axis(axis), width=width, hand=q, tool=tool, branch=branch)
-    np.testing.assert_array_equal(table(*TH), pose.joints)
-    arrays, first = np.load("o/results.npz"), Path("o/results.csv").read_bytes()
-    np.testing.assert_array_equal(arrays["joints"], pose.joints)
-    np.testing.assert_allclose(table("elbow_x", "elbow_y", "elbow_z"), pose.elbow, atol=1e-15)
-    np.testing.assert_allclose(np.abs((arrays["qw"] * pose.qw).sum(axis=1)), 1, atol=2.0 ** (6 - width))
-    (result,) = scores("o/score.json")
-    reached = np.linalg.norm(pose.hand - points, axis=1) / (0.6 + tool)
-    assert 0 < result["hand_error_max"] < max(2 * reached.max(), 3 * 2.0 ** (2 - width)) < result["hand_error_bar"]
-    assert 0 < result["orientation_error_max"] < result["orientation_error_bar"] and result["over_limit"] == 0
-    Path("t.csv").write_bytes(first)
-    assert cli(*words)[0] == 0 and Path("o/results.csv").read_bytes() == first
-
-
-BAD = [
-    ("x,y,z,qw\n1,2,3,1\n", "row 1, column qx: is missing; the header is 'x,y,z,qw'"),
-    (
-        "x,y,z,qx,qy,qz,qw\n1,2,3,0,0,0,1\n1,2,3,0,0.5,0,1\n",
-        "row 3, column qw: '1' is part of a quaternion of length 1.11803, not 1",
-    ),
-    ("x,y,z,qw,qx,qy,qz\n1,2,3,1,0,a,0\n", "row 2, column qy: 'a' is not a number"),
-    ("x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n", "row 2, column qw: '0' is part of a quaternion of length 0, not 1"),
-    ("x,y,z,qw,qx,qy,qz,tool\n.1,.2,.3,1,0,0,0,\n", "row 2, column tool: '' is empty"),
-    (
-        "x,y,z,qw,qx,qy,qz,tool\n.1,.2,.3,1,0,0,0,40\n",
-        "row 2, column tool: '40.0' is too long for the format that fits this arm",
-    ),
-    ("x,y,z,QW,qx,qy,qz,branch\n.1,.2,.3,1,0,0,0,8\n", "row 2, column branch: '8' is not a whole number from 0 to 7"),
-    (
-        "x,y,z,QW,qx,qy,qz,branch\n.1,.2,.3,1,0,0,0,.5\n",
-        "row 2, column branch: '0.5' is not a whole number from 0 to 7",
-    ),
-]
-
-
-@pytest.mark.parametrize(("content", "message"), BAD)
-def test_bad_poses_are_named(cli, files, content, message):
-    Path("t.csv").write_text(content, encoding="utf-8")
-    assert cli("--trajectory", "t.csv") == (2, [], [f"run: t.csv: {message}"])
-    assert files() == ["t.csv"]
-
-
-@pytest.mark.parametrize("robot", ["iiwa14", "human", "t.urdf"])
-def test_poses_of_a_robot(cli, simulator, robot):
-    """Joints are the robot's own and lead to the tip; limits are those of the robot; without phi they hold."""
-    own = urdf(Path("t.urdf"), CHAINS["reversed"], limits=[(-0.5, 5.6), *[(-2.0, 2.0)] * 5, None])
-    arm = ROBOTS.get(robot) or Arm.from_urdf(own)
-    low, high = arm.limits.T
-    th = np.random.default_rng(3).uniform(np.maximum(low, -2), np.minimum(high, 2), (60, 7))
-    points, q = arm.forward(th)
-    for phi in ({}, {"phi": np.linspace(-3, 3, 60)}):
-        write_poses(points, q, **phi)
-        assert cli("--trajectory", "t.csv", "--out", "o", "--robot", robot)[0] == 0
-        found, over = table(*arm.names), table("over_limit")[:, 0].astype(int)
-        reached, turned = arm.forward(found)
-        assert np.linalg.norm(reached - points, axis=1).max() < 3e-8 and angle_between(turned, q).max() < 2.1e-8
-        outside = ((found < low - 1e-8) | (found > high + 1e-8)) @ (1 << np.arange(7))
-        np.testing.assert_array_equal(over, outside)
-        feasible = arm.feasible_swivel(points, q).feasible
-        assert 20 < feasible.sum() and ((over == 0).tolist() == feasible.tolist() if not phi else len(set(over)) > 5)
-        expected = arm.solve(points, q, table("phi")[:, 0])
-        np.testing.assert_allclose(table("elbow_x", "elbow_y", "elbow_z"), expected.elbow, atol=1e-7)
-        np.testing.assert_allclose(np.load("o/results.npz")[arm.names[0]], found[:, 0])
-        assert simulator.calls[-1]["limits"] == limit_words(arm.bounds, 32)
-        assert scores("o/score.json")[0]["over_limit"] == np.count_nonzero(over)
-
-
-SLIPS = [
-    ("--robot kuka", "argument --robot: unknown robot 'kuka'; valid: iiwa14, human, a URDF file"),
-    ("--robot iiwa14 --base l1", "argument --robot: --base and --tip are links of a URDF file"),
-    ("--robot t.urdf --tip x", "argument --robot: t.urdf: no chain of joints leads from base to x"),
-    ("--robot bent.urdf", "argument --robot: links are bent: the joints of ik_arm are along or across its bones"),
-    ("--robot fork.urdf", "argument --robot: fork.urdf: no link stands out as tip: other, tip"),
-    ("--robot none.urdf", "cannot read or write 'none.urdf': No such file or directory"),
-    ("--robot iiwa14 --d1 2", "--robot and --d1 exclude each other"),
-    (
-        "--robot iiwa14 --trajectory circle",
-        "argument --robot: circle has no orientations of a hand, such as columns qw,qx,qy,qz",
-    ),
-    ("--soft 0.1", "argument --soft: applies to wrist targets, not to hand poses"),
-    ("--datapath fold", "argument --datapath: hand poses run on arm, not on fold"),
-]
-
-
-@pytest.mark.parametrize(("words", "message"), SLIPS)
-def test_slips_with_robots(cli, words, message):
-    write_poses([(0.3, 0.1, 0.2)], [(1, 0, 0, 0)])
-    text = urdf(Path("t.urdf"), CHAINS["reversed"]).read_text()
-    urdf(Path("bent.urdf"), CHAINS["bent"])
-    fork = '<joint name="f" type="fixed"><parent link="l7"/><child link="other"/></joint></robot>'
-    Path("fork.urdf").write_text(text.replace("</robot>", fork))
-    assert cli("--trajectory", "t.csv", *words.split()) == (2, [], [f"run: {message}"])
-
-
-def test_lengths_of_a_file_that_differ_from_the_robots(cli):
-    write_poses([(0.3, 0.1, 0.5)], [(1, 0, 0, 0)], d1=[0.42], tool=[0.2])
-    assert cli("--trajectory", "t.csv", "--robot", "iiwa14")[2] == ["warning: t.csv: ROBOT= overrides tool of the file"]
-
-
-@pytest.mark.parametrize(
-    ("name", "spoil", "message"),
-    [
-        ("th1", 2**12, "hand error "),
-        ("th7", 2**6, "orientation error "),
-        ("flags", 2 << OVER_BIT, "1 targets with wrong flags; first: target 3 has over_2 instead of -"),
-    ],
-)
-def test_a_wrong_angle_fails(cli, simulator, name, spoil, message):
-    def spoiled(run):
-        column = MODELS["arm"].results.index(name) if name in MODELS["arm"].results else None
-        np.add.at(run.flags if column is None else run.results[:, column], 3, spoil)
-
-    simulator.spoil = spoiled
-    status, _, err = cli("--trajectory", "pick_and_place")
-    assert status == 1 and err[0].startswith(f"run: pick_and_place fails: {message}"), err
-
-
-@pytest.mark.parametrize("name", trajectories.HANDS)
-def test_built_in_hands(cli, name):
-    """They are smooth, within reach and limits, and also run as files."""
-    targets = trajectories.make(name)
-    step = np.diff(targets.position, axis=0)
-    assert len(targets) == 100 and np.linalg.norm(step, axis=1).max() < 0.05
-    assert np.linalg.norm(np.diff(step, axis=0), axis=1).max() < 0.02
-    robot = ["--robot", trajectories.ROBOTS[name]] if name in trajectories.ROBOTS else []
-    Path(f"{name}.csv").write_text(format_csv(targets))
-    first = b""
-    for trajectory in (name, f"{name}.csv"):
-        assert cli("--trajectory", trajectory, "--out", "o", *robot[: 2 * (trajectory != name)])[::2] == (0, [])
-        assert not table("flags", "over_limit").any()
-        first = Path("o/results.csv").read_bytes() if trajectory == name else first
-    assert Path("o/results.csv").read_bytes() == first
-    arm = ROBOTS[robot[1]] if robot else Arm(0.33, 0.27, 0.12)
-    lengths = np.column_stack((targets.d1, targets.d2, targets.tool))
-    np.testing.assert_array_equal(lengths, [(arm.d1, arm.d2, *arm.tool)] * 100)
 
 
 # -- clips of motion capture ------------------------------------------------------------------------
@@ -540,19 +367,6 @@ def outcome(tmp_path_factory):
         return out, run_all(datapath, out, simulator_of_tests())
 
     return outcome
-
-
-@pytest.mark.sim
-@pytest.mark.cost(20)
-def test_a_robot_in_the_rtl(command, tmp_path):
-    """Limits reach the ports: half of the poses are outside those of the robot."""
-    tight = urdf(tmp_path / "t.urdf", CHAINS["reversed"], limits=[(-0.2, 0.1)] * 7)
-    points, q = Arm.from_urdf(tight).forward(np.random.default_rng(1).uniform(-0.2, 0.1, (9, 7)))
-    write_poses(points, q, phi=np.linspace(-3, 3, 9))
-    words = "--trajectory", "t.csv", "--robot", str(tight), "--out", "o", "--width", "18", "--sim", simulator_of_tests()
-    assert command(run.main, *words)[0] == 0
-    (result,) = scores("o/score.json")
-    assert (result["targets"], result["bit_mismatches"], result["passed"]) == (9, 0, True) and result["over_limit"] > 4
 
 
 PAPER = pytest.param("paper", marks=pytest.mark.slow)
