@@ -128,7 +128,6 @@ async def many_jobs(dut, stalled):
             file.write(f"{jobs} {solved}\n")
 
 
-@cocotb.test(skip=not ARM or os.environ.get("IK_AXI_CORE") == "echo")
 async def limits(dut):
     """over_limit follows the limit registers: of a word all bits that the core has."""
     bench = await started(dut, seed=11)
@@ -144,6 +143,10 @@ async def limits(dut):
         assert seen >> 8 == 255 or seen >> 8 == 127, f"flags {seen:#x}: a joint is never over its limits"
         await bench.solve(BASE, BASE + 0x8000, 60)
     bench.check()
+
+
+if ARM and os.environ.get("IK_AXI_CORE") != "echo":  # a filter of tests would also run a skipped one
+    limits = cocotb.test()(limits)
 
 
 @cocotb.test()
