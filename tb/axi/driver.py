@@ -367,7 +367,7 @@ async def aborted(dut, interrupt):
 @MODES
 async def memory_hangs(dut, interrupt):
     """A call times out when the memory hangs; further calls return busy until the memory responds."""
-    platform = await ready(dut, interrupt, polls=30)
+    platform = await ready(dut, interrupt, polls=60)
     bench = platform.bench
     bench.channel("r").pause = True
     await platform.call(platform.targets(5), "timeout")
