@@ -95,7 +95,7 @@ def test_pictures_have_a_size_and_the_latency_of_the_core():
     assert list(map(int, inside)) == [clocks, clocks - 2, 2]
 
 
-TOPS = "ik_axis", "ik_axis_bytes", "ik_axi"
+TOPS = "ik_axis", "ik_axis_bytes", "ik_arm", "ik_axi"
 
 
 @pytest.mark.parametrize("module", TOPS)
