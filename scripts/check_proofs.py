@@ -7,8 +7,6 @@ A page carries digests of the code it describes, without comments and blanks. A 
 or a failure (1) with --strict, as for a release.
 """
 
-from __future__ import annotations
-
 import sys
 from types import SimpleNamespace
 

@@ -5,8 +5,6 @@ Exit status of a command: 0 success, 1 a check or a simulation fails, 2 bad inpu
 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import os

@@ -10,8 +10,6 @@ The trajectory runs as in `make run`; targets count from 0.
 With --waves: OUT/waves.vcd, OUT/aligned.vcd with all nodes of a target in one clock, and save files.
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence

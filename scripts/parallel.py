@@ -7,8 +7,6 @@ makes this machine a worker of the scheduler (`make farm-worker`). Work consists
 arguments; a worker refuses it if its sources differ from the client's. Work begun by a worker that died is repeated.
 """
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import logging

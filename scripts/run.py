@@ -8,8 +8,6 @@ trajectory and a datapath it runs both datapaths on the paper's scenario, with t
 and prints them next to tables 5 and 6 of the paper.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager as ContextManager

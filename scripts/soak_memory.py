@@ -11,8 +11,6 @@ in turn, first with the datapaths, then with an echo instead of the core.
 The run stops at the first piece in which a test fails, and prints seed and piece.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 import tempfile

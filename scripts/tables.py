@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tables of `make run`, with the figures of each trajectory, their limits and the verdict, and of `make soak`."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of commands that run the core, and the targets of --trajectory as words; all input is checked here."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterable, Iterator, Sequence

@@ -16,8 +16,6 @@ GTKWave shows a fixed-point word through its "fixed point shift", correct for wo
 3.3.107. It cannot show a decimal word of more than 64 bits; only the first 64 bits of longer words are shown.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterator, Sequence

@@ -5,8 +5,6 @@ Target: A5, tag, x, y, z, phi, d1, d2 (3 bytes each, little endian), CRC-16. Ans
 qs_k, qe_w, qe_i (likewise), CRC-16.
 """
 
-from __future__ import annotations
-
 import binascii
 from collections.abc import Sequence
 

@@ -7,8 +7,6 @@ Builds the SoC and its headers, the program main.c for its CPU, and a simulator;
 UART.
 """
 
-from __future__ import annotations
-
 import logging
 import subprocess
 import sys

@@ -6,8 +6,6 @@ Only the decisions of the bit-true model are used: shift counts and masks.  A pr
 conditioning of the equations at the pose, and measured errors can be compared with it.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -13,8 +13,6 @@ intended saturation are stated at the nodes (:mod:`model.dataflow.annotations`),
   bits and are unused.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass, replace

@@ -6,8 +6,6 @@ paper's equations near their singular poses, where their error grows without bou
 checked, and accuracy only on request (``BAR=``).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..dataflow.datapaths import CONFIGURATIONS, MODELS

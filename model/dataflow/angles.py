@@ -10,8 +10,6 @@ bits, one turn = 2^(W+ANGLE).  Rotation i turns by atan(2^-i); y is held as Y = 
 The length is K = 1.6468 times the vector's, in all vectors alike.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

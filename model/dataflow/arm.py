@@ -22,8 +22,6 @@ K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  Bits
 turn or negate them, as in :mod:`model.reference.joints`.  over_k: th_k is outside its limits, exactly.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 from ..io.words import BRANCHES, JOINTS, RESULT_FIELDS

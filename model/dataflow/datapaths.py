@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Datapaths by name, with the properties needed to run, check or draw them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial

@@ -5,8 +5,6 @@ A node's value is an int64 array over targets (an object array of Python integer
 depends on a float: products and sums are exact and rounded once, division and root take the floor.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cache

@@ -17,8 +17,6 @@ Rounding.  ``mul3`` omits the product of the two low parts and rounds half up.  
 the results are rounded half up to W - 2 fraction bits.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

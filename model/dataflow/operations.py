@@ -6,8 +6,6 @@ Each function acts on integer words: int64 arrays, or object arrays of Python in
 :func:`saturate` and :func:`wrap` have no effect.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any

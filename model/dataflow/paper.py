@@ -10,8 +10,6 @@ L_m.  Each is a power of two chosen by a count of leading sign bits
 near the z axis lose no precision.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

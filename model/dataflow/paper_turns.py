@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dataflow of ``rtl/paper`` from the elbow point on, sections 3.3 to 3.5: the two quaternions (14)-(18)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

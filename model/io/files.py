@@ -4,8 +4,6 @@
 Every error in a file is a `TargetError`, whose text is one line that names file, row, column and value.
 """
 
-from __future__ import annotations
-
 import codecs
 import contextlib
 import csv

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Monte Carlo runs of the paper's dataflow: words, errors and overflows observed at every node."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

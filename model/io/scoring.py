@@ -16,8 +16,6 @@ The bar for an error comes from one table, `model.bounds.tolerances`, unless the
 either, `outcome` states that no accuracy was requested.
 """
 
-from __future__ import annotations
-
 import csv
 import dataclasses
 import io

@@ -4,8 +4,6 @@
 Columns are ``FIELDS`` of :mod:`model.io.files`: x, y, z, phi, d1, d2.
 """
 
-from __future__ import annotations
-
 from math import isqrt
 
 import numpy as np

@@ -13,8 +13,6 @@ Trajectories in `REGULAR` keep at least 0.2 rad from every singular pose of the 
 This command made the files of `EXAMPLES` in `examples/`; a test fails when they are out of date.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Callable, Sequence

@@ -9,8 +9,6 @@ chooses one power of two for a set of targets that brings every length into the 
 * phi: a binary angle, one turn = 2^width, as a signed word
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any

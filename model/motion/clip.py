@@ -6,8 +6,6 @@ wrist.  Each target is relative to the shoulder, in a frame that may move: with 
 whose outward-and-up axis no hand comes near.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

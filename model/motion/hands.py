@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Poses of a hand: checks, wrist targets, and the seven joint angles of the arm that holds it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -10,8 +10,6 @@ and reaches a limit where such a form is 0: at most two phi for each limit (Shim
 Between neighbouring ones, the circle of phi is feasible or infeasible as a whole.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

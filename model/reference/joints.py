@@ -11,8 +11,6 @@ z points along each bone, and all angles are 0 where the arm is straight along z
 Arrays here have components first: quaternions (4, N), angles (7, N) in radians, between -pi and pi.
 """
 
-from __future__ import annotations
-
 from enum import IntFlag
 
 import numpy as np

@@ -6,8 +6,6 @@ right-handed rotation (4). Vectors are arrays (N, 3). Nothing here normalizes: a
 rotated vector by its squared length, so errors of length are visible.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -21,8 +21,6 @@ it keeps its relative precision next to the z axis, the stretched and the folded
 to half of its digits.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Accuracy of the datapaths by workspace region: hand and joint angle errors of the bit-true model."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -4,8 +4,6 @@
 Pages and pictures are drawn from it. Formats and clocks do not depend on the target.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import replace

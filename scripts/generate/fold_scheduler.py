@@ -10,8 +10,6 @@ the dataflow.
 Exit status: 0 a schedule was found, 1 none exists or none was found in time, 2 bad input.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Callable, Iterable

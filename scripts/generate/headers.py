@@ -4,8 +4,6 @@
 python -m scripts.generate.headers      writes the headers that are out of date
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path

@@ -6,8 +6,6 @@
 Runs all trajectories, and `ik_axi` with buses of 32, 64 and 128 bits, through the RTL.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import tempfile

@@ -6,8 +6,6 @@
 The project has its own templates: PeakRDL's C header names registers that share a type by a hash.
 """
 
-from __future__ import annotations
-
 import textwrap
 from pathlib import Path
 

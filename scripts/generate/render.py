@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Templates and table formatting for the generated pages."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Iterable, Mapping, Sequence

@@ -6,8 +6,6 @@
 Each part writes its page in docs/generated; a failed check stops the command. Table 5 is `make fpga`.
 """
 
-from __future__ import annotations
-
 import sys
 from types import SimpleNamespace
 

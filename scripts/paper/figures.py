@@ -5,8 +5,6 @@ A balancing delay lasts from the clock in which a node is ready to the last cloc
 draws the graph; the picture carries the digest of its graph, so a test can check without graphviz that it is current.
 """
 
-from __future__ import annotations
-
 import hashlib
 import re
 import shutil

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tables 5 and 6 of the paper: their figures, and the table of `make run` of several datapaths next to them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Word lengths (section 4.3 of the paper): proved and observed ranges, hand error at each word length."""
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bench of ``ik_axi``: clock, registers, a memory with injected faults, a monitor of its port, and result checks."""
 
-from __future__ import annotations
-
 import logging
 import os
 import random

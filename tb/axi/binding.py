@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """ctypes binding of the C driver in examples/driver; Python implements the driver's platform callbacks."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import re

@@ -5,8 +5,6 @@ Target words in memory and result values equal the model's. Each bus error retur
 succeeds. `Linux` is the same on ik_uio.c.
 """
 
-from __future__ import annotations
-
 import ctypes
 import os
 import socket

@@ -4,8 +4,6 @@
 After each fault the bus is quiet, only the job's areas have been accessed, and the next job succeeds.
 """
 
-from __future__ import annotations
-
 import os
 
 import cocotb

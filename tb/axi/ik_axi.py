@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Job tests of ``ik_axi``: results equal the model's, only the areas are accessed; limits, counters and throughput."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -4,8 +4,6 @@
 Written by `python -m scripts.generate.registers` from rtl/axi/ik_axi.rdl; do not edit.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

@@ -5,8 +5,6 @@ Most jobs run on an echo instead of the datapath (tb/axi/ik_lean.v, ik_lean_arm.
 around the datapath is unchanged.
 """
 
-from __future__ import annotations
-
 import shutil
 import tempfile
 from pathlib import Path

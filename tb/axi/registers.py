@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Register tests of ``ik_axi`` against rtl/axi/ik_axi.rdl: every field of every register is read and written."""
 
-from __future__ import annotations
-
 import cocotb
 from cocotb.triggers import ClockCycles
 from cocotbext.axi import AxiResp

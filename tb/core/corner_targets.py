@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Targets at the corners of the arithmetic: arms of all sizes, and angles close to a rounding boundary."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -4,8 +4,6 @@
 :class:`tb.core.pipeline.Pipeline` samples each result that leaves, and writes the samples once a test has checked them.
 """
 
-from __future__ import annotations
-
 import functools
 import itertools
 import uuid

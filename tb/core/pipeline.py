@@ -5,8 +5,6 @@
 falling edge of the clock, when inputs and registers have settled in both simulators.
 """
 
-from __future__ import annotations
-
 import itertools
 import logging
 from collections.abc import Iterable

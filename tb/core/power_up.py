@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Power-up test of ``ik_axis`` and ``ik_axi``: valid and irq are low before the first clock, and ready under reset."""
 
-from __future__ import annotations
-
 import cocotb
 from cocotb.triggers import Timer
 

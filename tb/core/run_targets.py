@@ -7,8 +7,6 @@ latency, clocks from first in to last out, mismatching bits, and ``first_k``, th
 names a file for the number of results so far.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

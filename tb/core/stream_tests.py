@@ -5,8 +5,6 @@ Each test compares every result, tag and flag with the bit-true model; some also
 simulation time. tb/rules checks the AXI4-Stream rules in every clock.
 """
 
-from __future__ import annotations
-
 import os
 
 import cocotb

@@ -7,8 +7,6 @@ holds the datapath, the word length, the six input words, the hand error / reach
 equals) and where it was found.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Iterable

@@ -4,8 +4,6 @@
 Each question's assumptions are checked to be satisfiable.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor

@@ -4,8 +4,6 @@
 Keys are proofs, or the first words of their names; ``fails`` is the property or question with a counterexample.
 """
 
-from __future__ import annotations
-
 from tb.sim.seeded_bugs import Bug
 
 AXIS = "rtl/ik_axis.v"

@@ -9,8 +9,6 @@ other decision is free. A proof therefore holds for any outcome of rounding.
 The questions are in :mod:`tb.formal.lean_proofs`.
 """
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Callable

@@ -6,8 +6,6 @@ equations of :mod:`tb.formal.lean_exact` and the lemmas of :mod:`tb.formal.lean_
 errors of :mod:`model.bounds.ranges`. A test checks that range and error together fit the node's format.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

@@ -4,8 +4,6 @@
 A bit is followed through delays, ports, concatenations and shifts by a constant, in the top and in its sections.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proofs about streams, dividers, roots and the engines of AXI: modules, parameters, and facts of each property."""
 
-from __future__ import annotations
-
 from tb.formal.induction import Proof
 
 CORE = {"lean": "IK_CORE=ik_lean IK_LEAN=1 IK_IS_LEAN", "paper": "IK_CORE=ik_paper IK_LEAN=0"}

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A row of docs/generated/proofs.md: one proof, its runner, and the digest of the proved code."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor

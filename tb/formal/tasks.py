@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """All proofs, in the order of docs/generated/proofs.md."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from functools import partial
 

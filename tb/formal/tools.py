@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Programs used by proofs, from the environment that `make formal` sets up; an interrupt ends them all."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from importlib import metadata

@@ -4,8 +4,6 @@
 With constants instead of functions of a state, z3 recognizes equal expressions without reasoning about multiplication.
 """
 
-from __future__ import annotations
-
 import re
 import time
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of examples/icebreaker at its pins: every answer equals the bit-true model's; invalid frames get none."""
 
-from __future__ import annotations
-
 import binascii
 import logging
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Simulation of the top of examples/icebreaker."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tb.icebreaker.bench import PARAMETERS

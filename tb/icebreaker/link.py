@@ -5,8 +5,6 @@
 output; ``IK_LOST`` two JSON lists of the bytes to drop, by index: to the board and from the board.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import pty

@@ -5,8 +5,6 @@
 without a mutant it runs the netlist itself. `place` is an empty folder.
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import json

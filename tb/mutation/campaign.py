@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A campaign: the designs that are mutated, the order of the mutants, the verdict on each, and the file of results."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 import json

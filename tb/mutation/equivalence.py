@@ -6,8 +6,6 @@ the rest is proved. If a module is not equivalent, the modules that instantiate 
 logic: they hold for a chip and ignore X.
 """
 
-from __future__ import annotations
-
 import re
 import time
 from pathlib import Path

@@ -5,8 +5,6 @@ Under Icarus it finishes in the few seconds that cocotb takes to start. It stops
 selects a mutant.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path

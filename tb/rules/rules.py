@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """cocotb side of ``test_rules.py``: traces for the monitors, and drivers that break a rule of a running core."""
 
-from __future__ import annotations
-
 import os
 
 import cocotb

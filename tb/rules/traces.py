@@ -5,8 +5,6 @@ A trace lists differences from an idle port: clock -> signal -> value; reset is 
 rule usually overlays a legal one; it ends in the last clock of the overlay.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

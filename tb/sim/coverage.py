@@ -5,8 +5,6 @@ With it, builds go to ``build/coverage``, and each simulation that passes writes
 and parameters. Files that differ from the checkout's, such as the echo of tb/axi, do not count.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import tempfile

@@ -5,8 +5,6 @@
 targets and the bit-true model's words through the program that Verilator builds from it.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re

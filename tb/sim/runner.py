@@ -4,8 +4,6 @@
 Every set of toplevel, parameters and options has its own folder under ``build/sim``, kept between runs.
 """
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import json

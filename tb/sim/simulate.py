@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Library that runs targets through the RTL in a simulator, for ``scripts/run.py`` and the tests."""
 
-from __future__ import annotations
-
 import subprocess
 import tempfile
 import threading

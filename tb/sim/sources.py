@@ -6,8 +6,6 @@ The lists use the simulators' format (``verilator -F``): one file per line, rela
 copy with the same layout that contains ``rtl/``.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import re

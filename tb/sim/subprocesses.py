@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Subprocesses for compilers and simulators; they and their own children end with the process that started them."""
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import os

@@ -5,8 +5,6 @@ A wrapper replaces a module's inputs with registers and its outputs with wires o
 wrapper like the module. Each wrapper has its own clock, so that only the module under test runs.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from pathlib import Path

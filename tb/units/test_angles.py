@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """``ik_vector`` and ``ik_fold_angle`` against their model, ``ik_limit`` against its definition."""
 
-from __future__ import annotations
-
 import itertools
 import random
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Modules of the folded core, which hold their state while ``go`` is 0, against their definitions."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Iterable
 

@@ -6,8 +6,6 @@ A bench is a function that maps a module's parameters to the cocotb tests of an 
 and model: they use Python integers and fractions.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

@@ -17,8 +17,6 @@ Units: fraction of the reach for a hand, radians for an angle, ulps of the resul
 * ``inner``: the hand of the lean datapath before results are rounded, which masks inner errors at most word lengths.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

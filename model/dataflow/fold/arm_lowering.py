@@ -5,8 +5,6 @@ The hand's words have weight 1, as results do, so that their products are those 
 squares wrap at 8.  A wrist coordinate is summed as half its value.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from ...io.words import ARM_FIELDS, ARM_RESULT_FIELDS, BRANCHES, FIELDS

@@ -9,8 +9,6 @@ places.  ``weight`` w of a word: its first bit weighs -2^w.  The product of two 
 2 ``bits`` - 2 weighs 2^(w + w'); the word written back is its :data:`PLAIN` or :data:`DOUBLE` window.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -5,8 +5,6 @@ A node is a written word, T, a product, a mantissa, a count, a flag or a result;
 register of its name, which no logic reads.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 

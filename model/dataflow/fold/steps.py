@@ -9,8 +9,6 @@ A program repeats with the period of a lap, and around the lap's end two targets
 the start of the target's own lap: modulo the period they are places in the program.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

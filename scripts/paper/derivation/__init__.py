@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Symbolic derivations of the paper's equations and of the lean dataflow, and their pages derivation.md and lean.md."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping
 

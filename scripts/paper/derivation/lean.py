@@ -5,8 +5,6 @@ The lean side is the table of model/reference/lean_equations.py, the paper's sid
 their statements appear in docs/generated/lean.md.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterable, Mapping
 

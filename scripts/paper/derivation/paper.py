@@ -4,8 +4,6 @@
 Steps and their statements appear in docs/generated/derivation.md.
 """
 
-from __future__ import annotations
-
 import sympy as sp
 
 from model.reference import cga, geometry

@@ -5,8 +5,6 @@ A statement is "left = right" in the names of the model. It is evaluated with sy
 for the page.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Callable, Iterable, Mapping

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """equations.c, compiled with the local compiler and called through ctypes."""
 
-from __future__ import annotations
-
 import ctypes
 import shutil
 import subprocess

@@ -9,8 +9,6 @@ solves this arm in closed form, but from the full pose of the hand. It gets the 
 which contains the swivel angle, and returns all sets of joint angles; the smallest hand error counts.
 """
 
-from __future__ import annotations
-
 import importlib
 import itertools
 from collections.abc import Callable, Iterator

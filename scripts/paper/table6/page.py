@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Page of table6.json: throughput, latency and accuracy of software and of the core."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 
