@@ -2,7 +2,7 @@
 """Lint every Verilog module as its own top with Verilator, Icarus and slang; check the Python with ruff and others.
 
 A module is linted at each parameter set below, with and without each macro. Any message is a finding; the exit status
-is then 1. Waivers of Verilator are in rtl/lint.vlt, those of slang below. The first set is also linted by the
+is then 1. Verilator's waivers are in rtl/lint.vlt, slang's below. The first set is also linted by the
 distribution's Verilator if it has one (5.006 in Debian 12).
 """
 

@@ -86,7 +86,7 @@ OPTIONS = [
 
 
 def _check(options: SimpleNamespace) -> None:
-    """Check combinations of options, and complete those of --special. Raises InputError."""
+    """Check combinations of options; set seed and targets for --special. Raises InputError."""
     for name, excluded in EXCLUDED.items():
         if getattr(options, name) and (others := sorted(options.given & excluded)):
             raise InputError(f"argument --{others[0].rstrip('_')}: not allowed with --{name}")

@@ -18,7 +18,7 @@ from tb.core.random_targets import Core, Found
 LATENCY, CLOCKS, RATE = "latency (clocks)", "clocks for all targets", "results per clock while they flow"
 
 EXPLAINED = (
-    "limit: largest permitted error, BAR= or that of the table of tolerances; predicted: error that rounding can cause "
+    "limit: largest permitted error, from BAR= or the table of tolerances; predicted: error that rounding can cause "
     "at these poses, an explanation and no limit"
 )
 

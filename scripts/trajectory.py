@@ -82,7 +82,7 @@ def trajectory_options(
     )
     pole = "point the elbow at X,Y,Z (CSV file: from the shoulder; clip: world) or at a clip's joint; overrides phi"
     soft = "outer fraction of the reach, 0 to 1, in which CSV or clip targets are pulled in smoothly"
-    robot = "arm of hand poses, which are those of its tip in its base frame: lengths, tool and limits of joints"
+    robot = "arm with its lengths, tool and joint limits; hand poses are poses of its tip in its base frame"
     link = "of a URDF file, if its chain is not the only one"
     bar = (
         "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "

@@ -33,7 +33,7 @@ from .lean import Lean
 from .nodes import HALF_UP, Domain, Format, Node
 
 SECTIONS = {"hand": "wrist target of a hand pose", **lean.SECTIONS, "frame": "wrist quaternion", "joints": "angles"}
-"""Section name -> description; those of the core are the lean datapath's."""
+"""Section name -> description; the core's sections are the lean datapath's."""
 
 LENGTH = Within(0.0, 1.01, "the squared length of a good hand")
 ROW = Within(-0.51, 0.51, "half a component of a unit vector, times |Qh|^2 < 1.01")
@@ -76,7 +76,7 @@ def hand(d: Domain, target: dict[str, Node]) -> None:
     """Build the wrist's point, the words of Qh that the wrist's orientation uses, and their flags."""
     f, L = Lean(d.width), d.line
     d.at("hand")
-    # Four squares can be 16, and wrap at 8: the wrapped sum is that of no good hand.
+    # Four squares add up to at most 16; the sum wraps at 8. A wrapped sum is far from 1, so the hand is still bad.
     exact, total = Format(2 * d.width, 2 * d.width - 4, "2*W - 4"), "hi_sq"
     for c in "ijkw":
         L(62).op(f"h{c}_sq", (f"qh_{c}",), exact, ops.square, "square", within=LENGTH, grows=SAME)

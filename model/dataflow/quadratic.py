@@ -85,7 +85,7 @@ class Table:
     short: Form
     long: Form
     small: Form  # for tiles of less than 18 bits
-    besides: int  # clocks of its module besides those of ik_quadratic
+    besides: int  # clocks of its module in addition to ik_quadratic's
 
     def form(self, frac: int, tile: int = TILE) -> Form:
         """Return the form for ``frac`` fraction bits of the result and tiles of ``tile`` bits."""

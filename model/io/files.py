@@ -198,8 +198,8 @@ def _value_reason(column: str, value: float) -> str | None:
 
 
 def format_csv(targets: Targets) -> str:
-    """Return the text of a target file: a header with all six columns, of hands those of :data:`OF_HANDS` as well, and
-    one row per target, exact to the last bit."""
+    """Return the text of a target file, exact to the last bit: a header with all six columns (hand poses: the columns
+    :data:`OF_HANDS` as well) and one row per target."""
     cells = {field: [*map(repr, getattr(targets, field).tolist())] for field in FIELDS}
     cells |= {column: targets.others[column] for column in OF_HANDS if column in targets.others}
     lines = [",".join(cells), *map(",".join, zip(*cells.values(), strict=True))]

@@ -68,8 +68,12 @@ def singular_distance(targets: Targets) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Hand:
-    """Hands of N poses: point (N, 3) in scaled lengths and the user's frame, joints (N, 7), rad, `over_limit` (N, 7)
-    and the error of the orientation (N,), rad."""
+    """Hands of N poses.
+
+    * point (N, 3): scaled lengths, in the user's frame
+    * joints (N, 7): rad; over_limit (N, 7): bool
+    * orientation_error (N,): rad
+    """
 
     point: np.ndarray
     joints: np.ndarray
@@ -79,8 +83,8 @@ class Hand:
 
 @dataclass(frozen=True, eq=False)
 class Each:
-    """Score components per target: points (N, 3) in scaled lengths and the user's frame, errors (N,) relative to the
-    reach, that of a hand with its tool, or in rad.
+    """Score components per target: points (N, 3) in scaled lengths and the user's frame; errors (N,), relative to the
+    reach (with a hand's tool) or in rad.
 
     `hand_error` is against the target; for an unreachable one (`clamped`), `judged_error` is against the nearest pose
     instead.
@@ -170,7 +174,7 @@ def score(
     * run: the core's output, with the attributes of `tb.sim.job.Run`
     * predicted (N,): hand error / reach explained by word length and conditioning; None if not computed
     * bar: hand error / reach requested by the user, replacing the table of tolerances
-    * placed: elbows and wrists (N, 3) to score, from the shoulder, in the user's units; by default those of forward
+    * placed: elbows and wrists (N, 3) to score, from the shoulder, in the user's units; by default from forward
       kinematics
     * limits: of the joints of hand poses, words; none by default
 

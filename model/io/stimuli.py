@@ -409,8 +409,8 @@ def arm_limits(width: int) -> list[tuple[int, int]]:
 
 
 def any_hands(count: int, width: int, seed: int) -> np.ndarray:
-    """Return input words (N, 11) of the whole arm without a meaning: those of :func:`mixed` and any tool and hand, half
-    of them words at the ends of the format, 0 or 1."""
+    """Return arbitrary input words (N, 11) of the whole arm: targets of :func:`mixed` with any tool and hand; in every
+    other row, tool and hand are near an end of the format, half of it, 0, 1 or -1 ulp."""
     random, low = np.random.default_rng((seed, width, 5)), -(1 << width - 1)
     anything = random.integers(low, -low, (count, 5))
     edge = random.choice([low, -1, 0, 1, -low // 2, low // 2, -low - 1], (count, 5))

@@ -48,7 +48,7 @@ class Arm:
       turn about anything but z stands for a bent link
     * names (7,): of the joints
 
-    Quaternions are w, i, j, k.  Points and orientations in the methods are those of the tip, in the base frame.
+    Quaternions are w, i, j, k.  The methods take and return points and orientations of the tip in the base frame.
     """
 
     def __init__(

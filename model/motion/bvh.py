@@ -217,7 +217,7 @@ def parse(content: bytes, path: Path) -> Clip:
 
 
 class _Parser:
-    """Text of a BVH file; comments are blanks in `plain`, so that positions are those of the text."""
+    """Text of a BVH file; `plain` has blanks instead of comments, so positions in both are equal."""
 
     def __init__(self, path: Path, text: str, encoding: str) -> None:
         self.path, self.text, self.encoding = path, text, encoding

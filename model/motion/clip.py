@@ -88,14 +88,14 @@ def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None, l
     """
     if len(LIMBS[limbs]) > 1:
         if joints is not None:
-            raise ClipError(f"{clip.path}: joints {','.join(joints)}: LIMB= says which limbs, arms or legs")
+            raise ClipError(f"{clip.path}: joints {','.join(joints)}: choose one limb, LIMB=arms or LIMB=legs")
         return [arm for one in ("arms", "legs") for arm in arms(clip, which, None, one)]
     (limb,), sides = LIMBS[limbs], SIDES if which == "both" else (which,)
     found: dict[str, tuple[int, int, int]] = {}
     if joints is not None:
         text = f"joints {','.join(joints)}"
         if len(sides) == 2 and len(joints) == 3:
-            raise ClipError(f"{clip.path}: {text} are those of one {limb}: ARM= says which, left or right")
+            raise ClipError(f"{clip.path}: {text} name one {limb}: choose its side, ARM=left or ARM=right")
         if len(joints) != 3 * len(sides):
             raise ClipError(f"{clip.path}: {text}: expected three per side, such as upper arm, forearm and hand")
         for n, side in enumerate(sides):
@@ -215,7 +215,7 @@ def rest_up(clip: Clip) -> np.ndarray:
 
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "cmu": 0.0254 / 0.45}
-"""Units of length, m; cmu: that of the conversions of the CMU database."""
+"""Units of length, m; cmu: used by the conversions of the CMU database."""
 
 ARM = 0.55
 """Length of a human arm to the wrist, m."""
@@ -248,7 +248,7 @@ class Motion:
 
     @property
     def arm_length(self) -> float:
-        """Typical length of the arm, or that of an arm to such a leg."""
+        """Median length of the arm, or of the arm in proportion to a leg."""
         return float(np.median(self.d1 + self.d2)) * (1.0 if self.arm.limb == "arm" else 0.65)
 
     @property

@@ -44,7 +44,7 @@ class Swivels:
 
     @property
     def feasible(self) -> NDArray[np.bool_]:
-        """Whether a pose has any interval, (N,)."""
+        """True for a pose with at least one interval, (N,)."""
         return np.asarray(np.isfinite(self.intervals[..., 0]).any(axis=1))
 
     def reason(self, n: int) -> str:

@@ -125,8 +125,8 @@ CORRECTIONS = {
     },
     "(17)": {
         "c3": f"clip({TEXT['(17)']['c3']})",
-        # A straight or folded arm has P_w in pi_yz2 for every theta_3. The side of P_w is then that of p_e x pi_swivel,
-        # by the same formula. Elsewhere an inner product of 0 means Q_3 = 1 or +-k: either sign is right.
+        # A straight or folded arm has P_w in pi_yz2 for every theta_3. Then p_e x pi_swivel takes its place in
+        # the same formula. Elsewhere an inner product of 0 means Q_3 = 1 or +-k: either sign is right.
         "side_x": "p_e_y*pi_swivel_z - p_e_z*pi_swivel_y",
         "side_y": "p_e_z*pi_swivel_x - p_e_x*pi_swivel_z",
         "side_z": "p_e_x*pi_swivel_y - p_e_y*pi_swivel_x",
@@ -292,7 +292,7 @@ def pose_flags(x, y, z, d1, d2):
 
 
 def solve_clamped(x, y, z, phi, d1, d2):
-    """Return a pose for any N targets, with flags: that of `solve` where the target can be reached, else the nearest.
+    """Return a pose and flags for any N targets: from `solve` where the target can be reached, else the nearest pose.
 
     Arguments as for `solve`, but lengths need not be positive nor targets in reach. Returns a dict of arrays
     (N,): qs_w, qs_i, qs_j, qs_k (k >= 0), qe_w, qe_i, p_e_x, p_e_y, p_e_z (user's unit), flags (int64). Raises

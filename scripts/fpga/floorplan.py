@@ -72,7 +72,7 @@ def coupling(module: dict, names: list[str]) -> np.ndarray:
 
 
 def annealed(weights: np.ndarray, seed: int) -> np.ndarray:
-    """Return a site for each of as many cells, by simulated annealing of the weighted sum of distances."""
+    """Return a site for each cell, by simulated annealing of the weighted sum of distances."""
     draw = np.random.default_rng(seed)
     places = np.array(SITES)[:, :2]
     distance = np.abs(places[:, None] - places).sum(axis=2).astype(float)

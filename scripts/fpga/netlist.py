@@ -230,7 +230,7 @@ def pack_registers(module: dict) -> dict:
         return {pin(name, "CLK") for name in names}
 
     def absorb(nets, ports, clock=None):
-        """Connect ports to the nets of the flip-flops behind them, which are removed; merge those of one bit.
+        """Replace the flip-flops behind ports by their nets; merge flip-flops of the same bit.
 
         Returns their clock, empty and without a change if the ports have other readers or not one clock.
         """

@@ -152,7 +152,7 @@ class _Problem:
             self._needs(registers, self.lowering.registers(Selector(name)), first)
         self.model.add(first <= taken + self.period)
         self.model.add(last + bool(joints) < first + self.period)
-        if joints:  # the elbow's, by the branch of the target taken last; the others by that of the results
+        if joints:  # the elbow uses the branch of the target taken last, the others the results' branch
             self.model.add(written["elbow_w"] > taken)
             self.model.add(written["elbow_w"] <= taken + self.period)
         lap, place = self.model.new_int_var(0, 3, "lap"), self.model.new_int_var(0, self.period - 1, "place")

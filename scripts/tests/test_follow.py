@@ -143,7 +143,7 @@ def test_aligned_vcd(command, simulator):
 
 
 def test_a_hand_pose(command, simulator):
-    """All nodes of the arm, those of its core within it; limits are the robot's."""
+    """All nodes of the arm are printed, also its core's; limits are the robot's."""
     simulator.wrong = [("w_1", 2), ("th6", 2)]
     words = "--trajectory", "pick_and_place", "--target", "2", "--waves", "--out", "o"
     status, out, _ = command(follow.main, *words)

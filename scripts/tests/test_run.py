@@ -161,7 +161,7 @@ def test_a_run_that_ends_early_leaves_files_as_they_were(cli, simulator, files, 
 
 @pytest.fixture
 def clip_cli(cli):
-    """Run a clip; the one that is written has all joints of the one that is read, but for arms with another angle."""
+    """Run a clip; the written clip has all joints of the one that is read, except arms with another angle."""
 
     def run_clip(*options, limit=1e-6):
         answer = cli("--trajectory", "t.bvh", "--out", "o", *options)
@@ -328,7 +328,7 @@ def test_an_arm_by_the_names_of_its_joints(clip_cli):
     assert status == 2 and err[0].startswith("run: t.bvh: no left arm recognized; choose its three with JOINTS= from")
     assert clip_cli("--arm", "right", "--joints", ",".join(figure.joints("own", "right")))[0] == 0
     assert {row["arm"] for row in rows()} == {"right"}
-    said = "run: t.bvh: joints a,b,c are those of one arm: ARM= says which, left or right"
+    said = "run: t.bvh: joints a,b,c name one arm: choose its side, ARM=left or ARM=right"
     assert clip_cli("--joints", "a,b,c")[2] == [said]
 
 

@@ -32,7 +32,7 @@ def write_poses(points, hands, **columns):
 
 @pytest.mark.parametrize(("width", "axis"), [(32, "z"), (18, "0,-1,1")])
 def test_hand_poses_of_a_file(cli, simulator, width, axis):
-    """Their words, and so the joints, are those of `solve`; the results are a file of the same poses."""
+    """Words and joints equal `solve`'s; the results are a file of the same poses."""
     tool, branch = np.linspace(0.0, 0.2, 40), np.arange(40) % 8
     points, q, phi = poses(40, tool=tool[:, None])
     write_poses(points, q, phi=phi, tool=tool, branch=branch)
@@ -85,7 +85,7 @@ def test_bad_poses_are_named(cli, files, content, message):
 
 @pytest.mark.parametrize("robot", ["iiwa14", "human", "t.urdf"])
 def test_poses_of_a_robot(cli, simulator, robot):
-    """Joints are the robot's own and lead to the tip; limits are those of the robot; without phi they hold."""
+    """Joints are the robot's own and lead to the tip; limits are the robot's; without phi they hold."""
     own = urdf(Path("t.urdf"), CHAINS["reversed"], limits=[(-0.5, 5.6), *[(-2.0, 2.0)] * 5, None])
     arm = ROBOTS.get(robot) or Arm.from_urdf(own)
     low, high = arm.limits.T
@@ -181,7 +181,7 @@ def test_built_in_hands(cli, name):
 @pytest.mark.sim
 @pytest.mark.cost(20)
 def test_a_robot_in_the_rtl(command, tmp_path):
-    """Limits reach the ports: half of the poses are outside those of the robot."""
+    """Limits reach the ports: half of the poses are outside the robot's limits."""
     tight = urdf(tmp_path / "t.urdf", CHAINS["reversed"], limits=[(-0.2, 0.1)] * 7)
     points, q = Arm.from_urdf(tight).forward(np.random.default_rng(1).uniform(-0.2, 0.1, (9, 7)))
     write_poses(points, q, phi=np.linspace(-3, 3, 9))

@@ -292,7 +292,7 @@ def test_uio_reports_what_is_missing(library, tmp_path, name, text):
 
 @pytest.mark.parametrize("error", [0, errno.EIO, errno.EPIPE, errno.EINTR], ids=["silent", "gone", "deaf", "signal"])
 def test_uio_wait_ends(library, tmp_path, error):
-    """No interrupt; a device that is gone before or after its interrupt; an abort and a signal."""
+    """A wait ends without an interrupt, after the device has gone, on an abort and on a signal."""
     core, uio = RegisterModel(), Uio()
     core.run = lambda count: None  # no job ends
     driver = Driver(library, core, *core.areas, COUNT, polls=9)

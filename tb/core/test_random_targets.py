@@ -130,7 +130,7 @@ def test_merge_keeps_the_hardest_in_any_order():
     assert worst_targets.merge(kept) == kept
     error_of = dict(zip(map(tuple, words.tolist()), hand, strict=True))
     norm_of = dict(zip(map(tuple, words.tolist()), norm, strict=True))
-    assert [row.hand_error for row in kept] == [error_of[row.words] for row in kept], "errors are computed anew"
+    assert [row.hand_error for row in kept] == [error_of[row.words] for row in kept], "errors are recomputed"
     by_hand = sorted(hand, reverse=True)[:10]
     assert [row.hand_error for row in kept][:10] == by_hand
     others = {row.words for row in kept if error_of[row.words] < by_hand[-1]}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whole arm as steps of the fold datapath, around those of the core, and the vectors of its angle unit.
+"""Lower the whole arm to steps of the fold datapath, around the core's steps, and to vectors of its angle unit.
 
-The hand's words have weight 1, as results do, so that their products are those of inner words.  The sums of their
-squares wrap at 8.  A wrist coordinate is summed as half its value.
+The hand's words have weight 1, as results do, so that their products have the weight of inner words' products.  The
+sums of their squares wrap at 8.  A wrist coordinate is summed as half its value.
 """
 
 from dataclasses import replace

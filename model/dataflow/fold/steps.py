@@ -165,13 +165,13 @@ ELBOW = ("elbow_w", "elbow_i")
 # ---- angle unit ------------------------------------------------------------------------------------------------------
 
 ITERATED, SHOWN, AGAIN = 16, 17, 18
-"""Clocks of ``ik_fold_angle`` at its longest words: from loading y to handing over; from there to the angle; to handing
-over the vector of two lengths."""
+"""Clocks of ``ik_fold_angle`` at its longest words: from loading y to the second stage; from there to the angle; from
+there until the vector of two lengths enters the second stage."""
 
 
 @dataclass(frozen=True)
 class Vector:
-    """Vector of two result words, x and y or -y, or of two lengths: those of the two vectors before."""
+    """Vector of two result words, x and y or -y, or of the lengths of the two preceding vectors."""
 
     angle: str
     length: str | None

@@ -22,7 +22,7 @@ every_table = pytest.mark.parametrize("table", [INVERSE_ROOT, SINE], ids=["root"
 @every_form
 @every_table
 def test_largest_interpolation_error_is_close_to_its_bound(table, size):
-    """In segments of nearly constant derivative."""
+    """Errors reach their bound in segments of nearly constant derivative."""
     form = getattr(table, size)
     some = range(form.rows) if table is INVERSE_ROOT else range(form.rows // 10, form.rows - form.rows // 10, 7)
     with mpmath.workdps(100):

@@ -170,7 +170,7 @@ NARROW = np.radians([(-40, 60), (-9, 100), (-30, 20), (-9, 100), (-35, 30), (-9,
 
 @pytest.mark.parametrize("arm", [IIWA14, HUMAN, Arm(0.33, 0.27, 0.1, limits=NARROW)], ids=["iiwa14", "human", "narrow"])
 def test_straight_arms(arm):
-    """Arm and hand are straight: only sums of th1 and th3, and of th5 and th7, count; some lie along axis 1, too."""
+    """Only the sums of th1 and th3, and of th5 and th7, count if arm and hand are straight; some lie along axis 1."""
     th = np.random.default_rng(4).uniform(*arm.limits.T, (40, 7)) * (1, 1, 1, 0, 1, 0, 1)
     th[:, 1], th[0], th[1:10, 1] = np.abs(th[:, 1]), 0, 0
     points, q = arm.forward(th)

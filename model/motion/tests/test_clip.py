@@ -116,7 +116,7 @@ def hinged(path):
 
 
 def test_twist_of_the_core(tmp_path):
-    """The core's hinge is that of an elbow which is one, and no bone turns about itself faster than it swings."""
+    """The core's hinge is the elbow's own if the elbow is a hinge; no bone turns about itself faster than it swings."""
     path = figure.write(tmp_path / "clip.bvh")
     free = written(path, read(path), "core")
     with pytest.raises(AssertionError):
@@ -226,7 +226,7 @@ def test_a_lone_arm(tmp_path):
 @pytest.mark.parametrize(
     ("which", "joints", "message"),
     [
-        ("both", ("LeftArm", "LeftForeArm", "LeftHand"), "ARM= says which, left or right"),
+        ("both", ("LeftArm", "LeftForeArm", "LeftHand"), "choose its side, ARM=left or ARM=right"),
         ("left", ("LeftArm", "LeftElbow", "LeftHand"), "no joint 'LeftElbow' among Hips, Spine"),
         ("left", ("LeftArm", "LeftHand"), "expected three per side"),
         ("left", ("LeftArm", "LeftForeArm", "LeftHand") * 2, "expected three per side"),

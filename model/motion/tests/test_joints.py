@@ -70,7 +70,7 @@ def apart(a, b):
 @pytest.mark.parametrize("tool", [0.0, TOOL])
 @pytest.mark.parametrize("axis", ["z", "-z", "x", "-y", (0.3, 1.0, -0.2)])
 def test_joints_lead_to_the_hand(axis, tool):
-    """In all branches, which are different joints of one arm."""
+    """All branches lead to the hand, by different joints of one arm."""
     points, q, phi = poses(1000, tool=tool)
     found = [solve(points, phi, axis=axis, hand=q, tool=tool, branch=branch) for branch in range(8)]
     for pose in found:

@@ -189,7 +189,7 @@ def test_angles_of_degrees_warn():
 
 @pytest.mark.parametrize("axis", AXES)
 def test_elbow_points_at_the_pole(reachable, axis):
-    """No other swivel angle brings the elbow closer."""
+    """Other swivel angles leave the elbow farther from the pole."""
     points, _ = reachable
     pole = np.random.default_rng(4).normal(size=(COUNT, 3))
     phi = swivel_toward(points, pole, axis)

@@ -216,8 +216,8 @@ def without(run, *keys):
 def replay(monkeypatch, tmp_path):
     """Measure with the recorded figures instead of the tools; return the measurement and the names of the runs.
 
-    Begins without figures; later calls of the same test take those of the first. late: names of runs, or titles of all
-    their seeds, that time out; then nothing is known.
+    The first call of a test begins without figures; later calls reuse its figures. late: names of runs, or titles of
+    all their seeds, that time out; then nothing is known.
     """
     monkeypatch.setattr(runs, "version", lambda *_: "1")
     monkeypatch.setattr(fpga, "version", lambda *_: "1")
@@ -249,7 +249,7 @@ def replay(monkeypatch, tmp_path):
 
 @pytest.mark.slow
 def test_recorded_figures_give_the_same_runs_and_placements(replay):
-    """Runs are those of fpga.json: designs too large for the device are placed by module, seeds are tried up to the
+    """The runs equal fpga.json's: designs too large for the device are placed by module, seeds are tried up to the
     aim, each chip of the folded datapath is measured; a repeated command takes all figures from fpga.json."""
     for again in (False, True):
         found, ran = replay(designs.DESIGNS, on_farm)

@@ -17,7 +17,7 @@ QUOTED = (
 100 MHz in its authors' chapter in Geometric Algebra Computing (Springer, 2010)."""
 
 STREAMS = "stream to stream"
-"""Path through the logic around the datapath of `ik_axis`; the other one, memory to memory, is that of `ik_axi`."""
+"""Path through the logic around the datapath of `ik_axis`; `ik_axi` has the other one, memory to memory."""
 
 BUSY = 0.3
 """Load per processor core above which the page warns that the computer was busy."""

@@ -35,7 +35,7 @@ def test_regular_poses_are_regular_and_fit():
 
 @pytest.mark.slow
 def test_command_writes_the_page(tmp_path, monkeypatch):
-    """In a reduced run, every observed range lies within the proved range."""
+    """Every observed range of a reduced run lies within the proved range."""
     reduced = {"PAGE": tmp_path / "page.md", "TARGETS": 20000, "REGULAR_POSES": 200, "WIDTHS": range(31, 33)}
     for name, value in reduced.items():
         monkeypatch.setattr(wordlengths, name, value)

@@ -134,7 +134,7 @@ def test_words_equal_the_model(page, width):
 
 
 def test_every_axis_gives_the_hand_its_target(page):
-    """In the user's frame the wrist is at the target for every axis, with different quaternions."""
+    """The wrist is at the target in the user's frame for every axis, with different quaternions."""
     seen = set()
     for axis in playground.data([])["axes"]:
         page.choose("axis", axis)

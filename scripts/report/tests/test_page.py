@@ -82,7 +82,7 @@ def test_data_agree_with_the_score(cli, command, simulator, files):
 
 
 def test_several_datapaths(cli, command, simulator):
-    """Each datapath has its own simulation, results and files, equal to those of `make run`."""
+    """Each datapath has its own simulation, results and files, as `make run` writes them."""
 
     def spoil(run):
         if simulator.calls[-1]["datapath"] == "paper":
