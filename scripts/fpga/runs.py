@@ -10,7 +10,7 @@ import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from scripts.fpga import floorplan, netlist
+from scripts.fpga import netlist
 from scripts.fpga.simulation import Ports, simulated
 from scripts.fpga.tools import LeftOutError, call, program, version
 from tb.sim.env import ROOT
@@ -128,7 +128,10 @@ class Run:
         if self.kind == "place" and placed:
             command = PLACE[self.family]
             parts += [command, str(self.seed), netlist.PACKER, version(command.split()[0])]
-            parts += [floorplan.VERSION] * (self.family == "ecp5")
+            if self.family == "ecp5":
+                from scripts.fpga import floorplan  # needs scipy, which `make run` does not install
+
+                parts.append(floorplan.VERSION)
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
 
     def _file(self) -> Path:
@@ -163,6 +166,8 @@ class Run:
             figures["sections"] = netlist.by_section(stat, self.family)
         if self.kind == "place":
             if self.family == "ecp5":
+                from scripts.fpga import floorplan
+
                 floorplan.floorplan(design["modules"]["fpga_top"], self.seed)
             packed = folder / "packed.json"
             packed.write_text(json.dumps(design))

@@ -228,3 +228,14 @@ def test_lock_files_agree():
         text = (ROOT / bootstrap.LOCK.format(lock)).read_text()
         for name, version in dict(re.findall(r"^([\w.-]+)==([^\s;]+)", text, re.M)).items():
             assert versions.setdefault(name, version) == version, lock
+
+
+def test_commands_that_run_the_core_import_only_packages_of_run_lock():
+    loaded = (
+        "import sys, scripts.run, scripts.follow, scripts.soak; from importlib.metadata import packages_distributions; "
+        "of = packages_distributions()\nprint(*{one for name in [*sys.modules] for one in of.get(name.split('.')[0], '')})"
+    )
+    used = subprocess.run([sys.executable, "-c", loaded], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    locked = set(re.findall(r"^([\w.-]+)==", (ROOT / bootstrap.LOCK.format("run")).read_text(), re.M))
+    names = {re.sub(r"[-_.]+", "-", name).lower() for name in used.split()}
+    assert "numpy" in names and names - {"setuptools", "pip"} <= locked
