@@ -147,8 +147,10 @@ def main(options: SimpleNamespace) -> int:
             if status:
                 return status
             scores[datapath] = json.loads((Path(out) / "score.json").read_text())
-    rows = zip(*(measured(options.sim, {"DATA_W": bus}) for bus in BUSES), strict=True)
-    memory = render("memory", rows=list(rows), buses=BUSES, short=BATCH, long=LONG)
+    tables = [
+        list(zip(*(measured(options.sim, {"DATA_W": bus, "ARM": arm}) for bus in BUSES), strict=True)) for arm in (0, 1)
+    ]
+    memory = render("memory", tables=tables, buses=BUSES, short=BATCH, long=LONG)
     update({SCORES: scores_page(scores), GENERATED / "memory.md": memory, **pages()})
     return 0
 

@@ -16,7 +16,7 @@ from tb.sim.simulate import SimulationError, reason
 from tb.sim.subprocesses import started
 
 ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # Verilator takes minutes to compile it
-CORE = ({}, {"W": 18, "DATA_W": 128}, {"W": 18, "DATAPATH": 0, **ROWS}, {"W": 18, "DATA_W": 128, "ARM": 1})
+CORE = ({}, {"W": 18, "DATA_W": 128}, {"W": 18, "DATAPATH": 0, **ROWS}, {"W": 18, "DATA_W": 128, "ARM": 1}, {"ARM": 1})
 """Parameter sets for the real datapaths."""
 
 ECHO = (
