@@ -12,6 +12,7 @@ import numpy as np
 
 from model.io.words import FIELDS
 from tb.axi.ik_regs import CODES as HARDWARE
+from tb.axi.ik_regs import FIELDS as FIELDS_OF
 from tb.axi.ik_regs import OFFSETS
 from tb.sim.env import ROOT
 
@@ -88,10 +89,12 @@ class Uio(ctypes.Structure):
     _fields_ += [("kept", ctypes.c_void_p * 5)]
 
 
-def uio_device(folder: Path, page: int, size: int, offset: int) -> tuple[bytes, bytes]:
-    """Write a file as the device, a page per map, and what sysfs has on its maps: the registers, and the buffer as
-    given. Return the paths of both."""
-    (folder / "uio0").write_bytes(bytes(2 * os.sysconf("SC_PAGESIZE")))
+def uio_device(folder: Path, page: int, size: int, offset: int, arm: bool = False) -> tuple[bytes, bytes]:
+    """Write a file as the device, a page per map, and what sysfs has on its maps: the registers, which are 0 but for
+    CONFIG.arm, and the buffer as given. Return the paths of both."""
+    registers = np.zeros(2 * os.sysconf("SC_PAGESIZE") // 4, "<u4")
+    registers[OFFSETS["CONFIG"] // 4] = arm << FIELDS_OF["CONFIG"]["arm"].low
+    registers.tofile(folder / "uio0")
     for k, values in enumerate(((0x43C00000, 0x1000, 0), (page, size, offset))):
         (folder / f"map{k}").mkdir()
         for name, value in zip(("addr", "size", "offset"), values, strict=True):

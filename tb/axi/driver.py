@@ -19,9 +19,8 @@ from cocotb.triggers import ClockCycles, RisingEdge
 from cocotbext.axi import AxiResp
 
 from model.io.words import FIELDS, Targets, result_values, to_words
-from model.motion.hands import limit_words
 from tb.axi.bench import ARM, BYTES, CHANNELS, LAYOUT, Bench, started
-from tb.axi.binding import CODES, REGISTER, WAIT, Driver, Uio, uio_device
+from tb.axi.binding import REGISTER, WAIT, Driver, Uio, uio_device
 
 LIBRARY = Path(os.environ["IK_DRIVER"])
 
@@ -210,7 +209,7 @@ class Linux(Platform):
         super().__init__(bench, interrupt=True)
         self.interrupt = False  # no cache
         self.uio, page, offset = Uio(), 0x91000, 0x40
-        paths = uio_device(folder, page, offset + 2 * SIZE, offset)
+        paths = uio_device(folder, page, offset + 2 * SIZE, offset, ARM)
         assert self.driver.linked.ik_uio_open(ctypes.byref(self.uio), *paths, 20) == 0
         given = self.uio.bus
         for name in ("user", "source", "destination", "records", "flush", "invalidate"):
@@ -277,26 +276,6 @@ async def solves(dut, interrupt, stalled):
         await platform.call(platform.targets(count))
         assert len(platform.jobs) == -(-count // RECORDS)
     platform.bench.check()
-
-
-@cocotb.test(skip=not ARM or os.environ.get("IK_AXI_CORE") == "echo")
-async def joint_limits(dut):
-    """ik_limits rounds inward to words of the core, as `model.motion.hands.limit_words`."""
-    platform = await ready(dut, False)
-    bench, numbers = platform.bench, np.random.default_rng(3)
-    low = numbers.uniform(-4, 1, 7)
-    high = low + numbers.uniform(0, 5, 7)
-    high[2], low[4] = low[2] + 2 * np.pi, -np.inf
-    reals = [(ctypes.c_double * 7)(*ends) for ends in (low, high)]
-    assert await bridge(platform.driver.call)("ik_limits", *reals) == 0
-    bench.limits = limit_words(np.column_stack([low, high]), bench.width)
-    await platform.call(platform.targets(RECORDS))
-    for wrong in (np.nan, low[3] - 1, low[3] + 2.0**-60):  # no word is between them
-        reals[0][3], reals[1][3] = low[3], wrong
-        code = await bridge(platform.driver.call)("ik_limits", *reals)
-        assert (code, platform.driver.core.bad) == (CODES["bad_limits"], 3)
-    await platform.good_call()
-    bench.check()
 
 
 @cocotb.test()

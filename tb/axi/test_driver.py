@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from model.io.words import FIELDS, RECORDS, TargetError, Targets, result_values, to_words
+from model.motion.hands import limit_words
 from tb.axi.binding import CODES, FLAGS, REGISTER, SOURCE, Driver, Uio, compiled, uio_device
 from tb.axi.ik_regs import OFFSETS
 from tb.axi.instances import echoing, named
@@ -32,8 +33,9 @@ pytestmark = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 class RegisterModel:
     """Registers of a core whose jobs end at once with random words."""
 
-    def __init__(self, width: int = 32, identity: int = 0x494B0100) -> None:
-        self.registers = dict.fromkeys(OFFSETS, 0) | {"ID": identity, "CONFIG": 0x01204000 | width}
+    def __init__(self, width: int = 32, identity: int = 0x494B0100, arm: int = 0) -> None:
+        config = 0x01204000 | width | arm << 26
+        self.registers = dict.fromkeys(OFFSETS, 0) | {"ID": identity, "CONFIG": config}
         self.memory = ctypes.create_string_buffer(2 * COUNT * BYTES)
         self.random = np.random.default_rng(1)
         self.jobs: list[bytes] = []  # target records of each job
@@ -204,6 +206,52 @@ def test_bad_targets_are_refused(library):
     assert driver.solve(driver.targets(bad, tags))[0] == "none" and len(core.jobs) == 1
 
 
+def test_bad_hands_are_refused(library):
+    """Each wrong part of a pose has its code; both kinds of calls refuse the other core."""
+    core, wrists = RegisterModel(arm=1), RegisterModel()
+    driver, other = (Driver(library, one, *one.areas, COUNT // 2, arm=one is core) for one in (core, wrists))
+    good = dict.fromkeys((*FIELDS, "tool"), np.full(9, 0.25)) | {"hand": np.tile([1.0, 0, 0, 0], (9, 1))}
+    poses, reals = driver.targets(good, np.arange(9)), [(ctypes.c_double * 7)(*[k] * 7) for k in (0, 1)]
+    assert driver.solve(poses)[0] == "no_core" and driver.call("ik_limits", *reals) == CODES["no_core"]
+    assert driver.start_up() == other.start_up() == "none"
+    cases = [("tool", 0, value, "not_finite") for value in (np.nan, np.inf)]
+    cases += [("tool", 0, value, "too_far_out") for value in (16.0, -16.0)]
+    cases += [("hand", part, value, "not_a_hand") for part in range(4) for value in (np.nan, -np.inf, 2.0, -2.1)]
+    cases += [("x", 0, np.nan, "not_finite"), ("d2", 0, 0.0, "not_an_arm"), ("z", 0, 16.0, "too_far_out")]
+    for k, (name, part, value, code) in enumerate(cases):
+        bad = poses.copy()
+        bad[name].reshape(9, -1)[k % 9, part] = value
+        assert (driver.solve(bad)[0], driver.core.bad) == (code, k % 9), f"{name} {part} {value}"
+    assert driver.solve(poses[:0])[0] == "no_targets"
+    for call in (driver.linked.ik_solve_arm, driver.linked.ik_limits):
+        for null in range(3):
+            pointers = [None if k == null else one for k, one in enumerate((ctypes.byref(driver.core), *reals))]
+            assert call(*pointers, ctypes.c_size_t(9)) == CODES["null"]
+    driver.arm, other.arm = False, True
+    assert driver.solve(poses)[0] == other.solve(poses)[0] == "other_core"
+    assert other.call("ik_limits", *reals) == CODES["other_core"] and not core.jobs + wrists.jobs
+
+
+@pytest.mark.parametrize("width", [18, 32])
+def test_joint_limits(library, width):
+    """ik_limits rounds inward to words of the core, as `model.motion.hands.limit_words`; bad limits change nothing."""
+    core, random = RegisterModel(width, arm=1), np.random.default_rng(3)
+    driver = Driver(library, core, *core.areas, COUNT, arm=True)
+    assert driver.start_up() == "none"
+    low = random.uniform(-4, 1, 7)
+    high = low + random.uniform(0, 5, 7)
+    high[2], low[4] = low[2] + 2 * np.pi, -np.inf
+    words = np.array(limit_words(np.column_stack([low, high]), width)).T % (1 << width)
+    reals = [(ctypes.c_double * 7)(*ends) for ends in (low, high)]
+    for wrong in (None, np.nan, low[3] - 1, low[3] + 2.0**-60):  # no word is between the last two
+        if wrong is not None:
+            reals[1][3] = wrong
+        code = driver.call("ik_limits", *reals)
+        assert (code, driver.core.bad) == ((0, 0) if wrong is None else (CODES["bad_limits"], 3))
+        found = [[core.registers[f"LIMIT_{name}{k}"] for k in range(1, 8)] for name in ("LOW", "HIGH")]
+        np.testing.assert_array_equal(np.array(found) >> 32 - width, words)
+
+
 def test_start_up(library):
     for identity, code in (
         (0x494B0100, "none"),
@@ -255,8 +303,9 @@ def test_texts(library):
 BUFFER = (0x10000000, 0x640, 0x40)  # page, size, offset: 24 targets, 24 results
 
 
-def test_uio_maps_registers_and_buffer(library, tmp_path):
-    linked, uio, paths = ctypes.CDLL(str(library)), Uio(), uio_device(tmp_path, *BUFFER)
+@pytest.mark.parametrize("arm", [0, 1])
+def test_uio_maps_registers_and_buffer(library, tmp_path, arm):
+    linked, uio, paths = ctypes.CDLL(str(library)), Uio(), uio_device(tmp_path, *BUFFER, bool(arm))
     assert linked.ik_uio_open(ctypes.byref(uio), *paths, 20) == 0
     user, bus, page = ctypes.addressof(uio), uio.bus, os.sysconf("SC_PAGESIZE")
     bus.write(user, OFFSETS["COUNT"], 77)
@@ -264,7 +313,7 @@ def test_uio_maps_registers_and_buffer(library, tmp_path):
         ctypes.memmove(area.at, text, len(text))
         assert area.address == 0x10000000 + at and (tmp_path / "uio0").read_bytes()[page + at :].startswith(text)
     words = np.frombuffer((tmp_path / "uio0").read_bytes(), np.uint32)
-    assert bus.records == 24 and words[0] == 1, "the interrupt stays masked"
+    assert bus.records == 24 >> arm and words[0] == 1, "the interrupt stays masked"
     assert words[OFFSETS["COUNT"] // 4] == bus.read(user, OFFSETS["COUNT"]) == 77
     linked.ik_uio_close(ctypes.byref(uio))
     assert uio.file == -1 and str(tmp_path) not in Path("/proc/self/maps").read_text()
@@ -341,9 +390,7 @@ def run(library, tests: str, parameters: dict[str, int], env: dict[str, str], **
 @pytest.mark.cost(20)
 @pytest.mark.parametrize("parameters", INSTANCES, ids=named)
 def test_around_the_core(library, tmp_path, parameters):
-    # The echo takes no limits, and the uio device has no core behind it. A filter also runs tests marked skip.
-    tests = "^(?!.*(linux|joint_limits))" if parameters == ARM else FEW if ICARUS else ""
-    run(library, tests, parameters, {"IK_AXI_CORE": "echo"}, **echoing(tmp_path))
+    run(library, FEW if ICARUS else "", parameters, {"IK_AXI_CORE": "echo"}, **echoing(tmp_path))
 
 
 @pytest.mark.sim
@@ -351,4 +398,4 @@ def test_around_the_core(library, tmp_path, parameters):
 @pytest.mark.skipif(ICARUS, reason="Verilator runs the same tests in a tenth of the time")
 @pytest.mark.parametrize("parameters", [{}, pytest.param(ARM, marks=pytest.mark.slow)], ids=named)
 def test_with_the_core(library, parameters):
-    run(library, "solves/interrupt=True/stalled=False" + "|joint_limits" * (parameters == ARM), parameters, {})
+    run(library, "solves/interrupt=True/stalled=False", parameters, {})
