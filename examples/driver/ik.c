@@ -119,7 +119,7 @@ static ik_code scale(ik_core *core, const lists *of, size_t n, int *exponent) {
         core->bad = k;
         if (!finite(t->tool)) return IK_NOT_FINITE;
         for (int i = 0; i < 4; i++)
-            if (!finite(t->hand[i]) || fits(t->hand[i]) < 0) return IK_NOT_A_HAND;
+            if (fits(t->hand[i]) < 0) return IK_NOT_A_HAND;
         if (fits(t->tool < 0 ? -t->tool : t->tool) < tools) {
             tools = fits(t->tool < 0 ? -t->tool : t->tool);
             tool = k;

@@ -238,7 +238,7 @@ def test_joint_limits(library, width):
     core, random = RegisterModel(width, arm=1), np.random.default_rng(3)
     driver = Driver(library, core, *core.areas, COUNT, arm=True)
     assert driver.start_up() == "none"
-    low = random.uniform(-4, 1, 7)
+    low = random.uniform(-4, 4, 7)
     high = low + random.uniform(0, 5, 7)
     high[2], low[4] = low[2] + 2 * np.pi, -np.inf
     words = np.array(limit_words(np.column_stack([low, high]), width)).T % (1 << width)
