@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.generate.headers` from model/dataflow/fold/schedule_arm.json and model/dataflow/arm.py; do not edit.
 
-// For the body of ik_fold_arm: the program. The lap, 0 a target's own, 1 the next, in which the datapath may
+// For the body of ik_fold_arm: the program. The lap, 0 a target's own, 1 and 2 the next, in which the datapath may
 // stall before the target's first result (HOLD_LAP), writes it (FIRST_LAP) and writes the last (LAST_LAP).
 
 localparam integer PERIOD = 143;  // clocks of a lap

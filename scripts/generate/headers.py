@@ -301,10 +301,11 @@ def fold_program(of: str) -> str:
         notes[clock % period].append(f"-> {name}")
     first, last = made.results
     laps, clock = {"HOLD": first - 1, "FIRST": first, "LAST": last}, (period - 1).bit_length()
-    digits = -(-bits // 4)
+    digits, later = -(-bits // 4), " and ".join(map(str, range(1, last // period + 1)))
     words = (f"{bits}'h{made.word(n):0{digits}x};  // {'; '.join(notes[n]) or '-'}" for n in range(period))
     lines = [
-        f"// For the body of ik_{of}: the program. The lap, 0 a target's own, 1 the next, in which the datapath may",
+        f"// For the body of ik_{of}: the program. The lap, 0 a target's own, "
+        f"{later} the next, in which the datapath may",
         "// stall before the target's first result (HOLD_LAP), writes it (FIRST_LAP) and writes the last (LAST_LAP).",
         "",
         f"localparam integer PERIOD = {period};  // clocks of a lap",
