@@ -76,7 +76,7 @@ LICENCE = "SPDX-License-Identifier: Apache-2.0"
 LICENSED = re.compile(r"(.*\.(py|v|vh|vlt|f|c|h|cpp|js|css|html|j2|toml)|(.*/)?(Makefile|run))")
 LONGEST = 500
 """Lines of a hand-written source file."""
-GENERATED = re.compile(r"rtl/.*(_nodes|_table|latency|program)\.vh|.*/ik_regs\..*|docs/generated/.*")
+GENERATED = re.compile(r"rtl/.*(_nodes|_table|latency|program)\.vh|.*/ik_regs\.h|docs/generated/.*")
 
 TOOLS = {
     "ruff": ["ruff", "check", "--quiet", "."],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Registers of ik_axi from rtl/axi/ik_axi.rdl: C header, Python constants, page.
+"""C header and page of the registers of ik_axi.
 
     python -m scripts.generate.registers      writes the files that are out of date
 
@@ -9,30 +9,15 @@ The project has its own templates: PeakRDL's C header names registers that share
 import textwrap
 from pathlib import Path
 
-from systemrdl import RDLCompiler
-from systemrdl.node import FieldNode
-
 from scripts.generate.render import TEMPLATES, update
+from tb.axi.ik_regs import ENCODED, REGISTERS, TOP, access
 from tb.sim.env import GENERATED, ROOT
-
-SOURCE = ROOT / "rtl" / "axi" / "ik_axi.rdl"
 
 FILES = {
     ROOT / "examples" / "driver" / "ik_regs.h": "ik_regs.h.j2",
-    ROOT / "tb" / "axi" / "ik_regs.py": "ik_regs.py.j2",
     GENERATED / "registers.md": "registers.md.j2",
 }
 """File -> its template."""
-
-
-def access(field: FieldNode) -> str:
-    """Return the access of a field: r, rw, w1c (write 1 to clear) or w1 (a pulse, reads as 0)."""
-    if field.get_property("woclr"):
-        return "w1c"
-    if field.get_property("singlepulse"):
-        return "w1"
-    return "rw" if field.is_sw_writable else "r"
-
 
 TEMPLATES.filters |= {
     "access": access,
@@ -43,13 +28,8 @@ TEMPLATES.filters |= {
 
 def texts() -> dict[Path, str]:
     """Return file -> its text."""
-    compiler = RDLCompiler()
-    compiler.compile_file(str(SOURCE))
-    top = compiler.elaborate().top
-    registers = list(top.registers())
-    encodings = [field.get_property("encode") for register in registers for field in register.fields()]
-    codes = [(code.name, code.value, code.rdl_desc) for encoding in encodings if encoding for code in encoding]
-    given = {"top": top, "registers": registers, "codes": codes}
+    codes = [(code.name, code.value, code.rdl_desc) for code in ENCODED]
+    given = {"top": TOP, "registers": REGISTERS, "codes": codes}
     return {path: TEMPLATES.get_template(name).render(given) for path, name in FILES.items()}
 
 
