@@ -34,14 +34,11 @@ from tb.sim.env import SIMULATORS
 from tb.sim.simulate import SimulationError
 from tb.sim.subprocesses import end_with_parent
 
-PLAIN_COLUMNS = 120
-"""Columns of a table that is not printed on a terminal."""
+PLAIN_COLUMNS = 120  # columns of a table that is not printed on a terminal
 
-EVERY = 5.0
-"""Seconds between lines of progress without a terminal."""
+EVERY = 5.0  # seconds between lines of progress without a terminal
 
-RECENT = 120.0
-"""Seconds over which a rate is averaged."""
+RECENT = 120.0  # seconds over which a rate is averaged
 
 
 class InputError(click.ClickException):

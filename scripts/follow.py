@@ -45,9 +45,6 @@ def chosen(arguments: SimpleNamespace) -> Prepared:
     return item
 
 
-# -- output -------------------------------------------------------------------------------
-
-
 def _operand(node: Node, of: Node) -> str:
     """Return the name of an operand of the node `of`, with its section if that is another one."""
     if node.op == "constant":
@@ -108,9 +105,6 @@ def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[s
     if len(found) > 1:
         more = len(found) - 1
         yield f"            then: {more} more node{'s' * (more > 1)} of this target, marked with !"
-
-
-# -- the run ---------------------------------------------------------------------------------------
 
 
 @command(

@@ -57,8 +57,7 @@ lints all modules below with the parameters that they get there."""
 FOLDERS = ("examples/icebreaker", "tb/rules")
 """Folders of modules that are linted with rtl/; models of vendor primitives are in tb/icebreaker."""
 
-OLDEST = "5.006"
-"""Oldest supported Verilator."""
+OLDEST = "5.006"  # oldest supported Verilator
 SLANG = """import sys
 from pyslang.driver import Driver
 for line in sys.argv[1:]:
@@ -74,8 +73,7 @@ WAIVED = {"shift-count-overflow": "the low part of a product may have no bits (i
 
 LICENCE = "SPDX-License-Identifier: Apache-2.0"
 LICENSED = re.compile(r"(.*\.(py|v|vh|vlt|f|c|h|cpp|js|css|html|j2|toml)|(.*/)?(Makefile|run))")
-LONGEST = 500
-"""Lines of a hand-written source file."""
+LONGEST = 500  # lines of a hand-written source file
 GENERATED = re.compile(r"rtl/.*(_nodes|_table|latency|program)\.vh|.*/ik_regs\.h|docs/generated/.*")
 
 TOOLS = {

@@ -29,8 +29,7 @@ from tb.sim.simulate import SimulationError
 from tb.sim.sources import digest
 from tb.sim.subprocesses import end_with_parent
 
-CONNECT = 10
-"""Seconds to wait for a scheduler."""
+CONNECT = 10  # seconds to wait for a scheduler
 
 CODE = {".py", ".v", ".vh", ".f", ".c", ".cc", ".cpp", ".h", ".rdl", ".vlt", ".lock"}
 

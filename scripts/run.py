@@ -71,9 +71,6 @@ def simulated(
         return simulate(jobs, waves=waves, progress=lambda done, _: meter(done), **core)
 
 
-# -- files -----------------------------------------------------------------------------------------
-
-
 def result_paths(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
     """Return the paths of the results.csv of each trajectory."""
     many = len(prepared) > 1
@@ -138,9 +135,6 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))
-
-
-# -- the command -----------------------------------------------------------------------------------
 
 
 def _show(done: Done) -> None:

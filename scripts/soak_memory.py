@@ -25,8 +25,7 @@ from tb.sim.env import ROOT
 from tb.sim.simulate import SimulationError
 
 INSTANCES = [(parameters, False) for parameters in CORE] + [(parameters, True) for parameters in ECHO]
-PIECE = 100
-"""Jobs of a piece, including jobs with pauses on one channel."""
+PIECE = 100  # jobs of a piece, including jobs with pauses on one channel
 
 ECHO_PLACE = ROOT / "build" / "soak-memory"
 

@@ -25,8 +25,7 @@ from model.motion.pose import NAMED_AXES, elbow_jumps, hanging, soft_reach, swiv
 from scripts.console import POSITIVE, Finite, InputError, core_options, option, point, reference_axis, swivel_angle
 from tb.sim.env import CORES
 
-MOST_DATAPATHS = 3
-"""Number of datapaths that a command can compare."""
+MOST_DATAPATHS = 3  # number of datapaths that a command can compare
 
 
 @dataclass(frozen=True)
@@ -44,9 +43,6 @@ class Prepared:
     notes: tuple[str, ...] = ()
     robot: arms.Arm | None = None
     limits: Limits | None = None
-
-
-# -- the options -----------------------------------------------------------------------------------
 
 
 def trajectory_options(
@@ -124,9 +120,6 @@ def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[
             raise InputError(f"argument --datapath: hand poses run on {ARM.name}, not on {', '.join(chosen)}")
         chosen = [ARM.name]
     return {each: arguments.out / each for each in chosen} if len(chosen) > 1 else {chosen[0]: arguments.out}
-
-
-# -- the targets -----------------------------------------------------------------------------------
 
 
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"

@@ -44,8 +44,7 @@ WAVES = [Path(name).with_suffix(suffix) for name in (VCD, ALIGNED) for suffix in
 
 Nodes = Sequence[Node]
 
-SHOWN_BITS = 64
-"""Longest word that GTKWave shows as a decimal number."""
+SHOWN_BITS = 64  # longest word that GTKWave shows as a decimal number
 
 STREAMS = ("s_axis_tvalid", "s_axis_tready", "s_axis_tuser", "m_axis_tvalid", "m_axis_tready", "m_axis_tuser")
 

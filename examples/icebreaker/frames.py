@@ -8,8 +8,7 @@ qs_k, qe_w, qe_i (likewise), CRC-16.
 import binascii
 from collections.abc import Sequence
 
-WIDTH = 24
-"""Word length W."""
+WIDTH = 24  # word length W
 WORD = WIDTH // 8
 TARGET, ANSWER = b"\xa5", b"\x5a"
 ANSWER_BYTES = 1 + 2 + 6 * WORD + 2

@@ -37,8 +37,7 @@ from tb.sim.simulate import LONG, Run, SimulationError
 WINDOW = 64
 """Targets in flight. With two stop bits a target takes longer than its answer, so the board imposes no limit; a
 window far below 256 keeps 8-bit tags unique."""
-TRIES = 4
-"""Transmissions of a target before the board counts as silent."""
+TRIES = 4  # transmissions of a target before the board counts as silent
 
 
 class Board:

@@ -39,8 +39,7 @@ EQUATIONS = ROOT / "scripts" / "paper" / "table6" / "equations.c"
 ROM, SRAM, MAIN_RAM = 0x10000, 0x4000, 0x3000
 """Bytes of the memories. The core's areas are the halves of main RAM. With few targets, results of the first job are
 still in the CPU's cache when the second has ended, which fails without `invalidate`."""
-LATEST = 20_000_000
-"""Clocks after which the simulation gives up."""
+LATEST = 20_000_000  # clocks after which the simulation gives up
 
 PICOLIBC = (
     *("libc/string/memcpy.c", "libc/string/memset.c"),

@@ -29,8 +29,7 @@ from ..io.words import ARMS
 SLACK = 2.0**-48
 """Relative allowance for the double precision in which the paper's bounds themselves are computed."""
 
-UP = 1 + 2.0**-50
-"""The same for the lean dataflow's errors, rounded upwards."""
+UP = 1 + 2.0**-50  # the same for the lean dataflow's errors, rounded upwards
 
 
 class RangeError(Exception):

@@ -29,11 +29,9 @@ the tolerance at 18 bits is 3.28 ulps."""
 REGULAR = 1e-4
 """Tolerance of the paper's equations where all targets are regular: the paper group's 1/16 mm on an arm of 0.6 m."""
 
-REGULAR_DISTANCE = 0.2
-"""Minimum distance of a regular target from every singular pose (rad)."""
+REGULAR_DISTANCE = 0.2  # minimum distance of a regular target from every singular pose (rad)
 
-REGULAR_WIDTH = 32
-"""Word length at which a regular trajectory has this fixed tolerance."""
+REGULAR_WIDTH = 32  # word length at which a regular trajectory has this fixed tolerance
 
 LEAN_NORMS = {
     16: (2.1, 1.46), 17: (2.21, 1.5), 18: (2.43, 1.6), 19: (2.21, 1.5), 20: (2.21, 1.5), 21: (2.21, 1.5),

@@ -18,11 +18,9 @@ import numpy as np
 
 from .operations import magnitude, round_shift, wrap
 
-GUARD = 3
-"""Bits of X and Y below a word's LSB."""
+GUARD = 3  # bits of X and Y below a word's LSB
 
-ANGLE = 4
-"""Bits of an angle below the LSB of a word of one turn."""
+ANGLE = 4  # bits of an angle below the LSB of a word of one turn
 
 LONGEST = 2.4
 """Length up to which X and Y fit; a unit quaternion's lengths are at most 1, and K in :func:`iterate`."""

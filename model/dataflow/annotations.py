@@ -107,8 +107,6 @@ def cases(width: int) -> list[Case]:
     return [replace(c, p=p, b=b, ulp=ulp) for c in whole for p, b in boxes]
 
 
-# ---- annotations -----------------------------------------------------------------------------------------------------
-
 Limits = tuple[float, float]
 ANYTHING = -math.inf, math.inf
 
@@ -176,8 +174,7 @@ class Facts:
 
 COSINE = Rule("a sine or cosine", lambda c: (-1.0, 1.0))
 
-SAME = Growth(exact=True)
-"""Growth of a selection: the result is one of the operands."""
+SAME = Growth(exact=True)  # growth of a selection: the result is one of the operands
 
 SUM = Growth(added=True, exact=True)
 

@@ -83,11 +83,9 @@ PERIOD = program.schedule().period
 FOLD = replace(LEAN, name="fold", number=2, widths=range(20, 33, 2), times=shown.times, period=PERIOD, behind=0)
 FOLD16 = replace(FOLD, name="fold16", tile=16, widths=range(18, 25, 2))
 
-DATAPATHS = {"lean": LEAN, "paper": PAPER}
-"""Dataflows by name."""
+DATAPATHS = {"lean": LEAN, "paper": PAPER}  # dataflows by name
 
-DEFAULT = "lean"
-"""Default datapath."""
+DEFAULT = "lean"  # default datapath
 
 TILED = replace(LEAN, name="lean25", tile=25), replace(LEAN, name="lean16", tile=16, widths=range(16, 25))
 

@@ -26,8 +26,7 @@ SINCOS_GUARD = 6
 FIFO_CLOCKS = 2
 """Clocks that the output FIFO of ``ik_axis`` adds to a datapath's latency: memory, output register."""
 
-WIDE = 0.999 * 2.0**62
-"""Largest sum of squares that is computed in 64 bits."""
+WIDE = 0.999 * 2.0**62  # largest sum of squares that is computed in 64 bits
 
 
 @cache

@@ -33,8 +33,7 @@ from .annotations import Case, Facts, Within, leading
 from .operations import TILE, Unrounded, mul3_error, room
 from .quadratic import INVERSE_ROOT, SINE, SINE_FRACS, rsqrt_places
 
-GUARD = 8
-"""Extra fraction bits of a product that feeds a sum."""
+GUARD = 8  # extra fraction bits of a product that feeds a sum
 
 EXACT = (0.0, 0.0)
 HALF_UP = (-0.5, 0.5)
@@ -44,8 +43,7 @@ CORDIC = (-2.0, 2.0)
 """Error range of each rounding rule, in ulps of the result.  CORDIC: W iterations drop less than one of 2^6 guarded
 ulps each in both coordinates, the residual angle is below one ulp, and the result is rounded."""
 
-WIDTHS = range(16, 33)
-"""Word lengths supported by the datapaths."""
+WIDTHS = range(16, 33)  # word lengths supported by the datapaths
 
 INNER_FRAC = 33
 """Maximum fraction bits of an inner word of the lean datapath: with two integer bits it fits two tiles of 18 bits."""
@@ -217,16 +215,14 @@ class Negated:
     node: Node
 
 
-Limits = Sequence[tuple[int, int]]
-"""Lower and upper limit of each joint, words of a turn."""
+Limits = Sequence[tuple[int, int]]  # lower and upper limit of each joint, words of a turn
 
 
 class Domain:
     """Operations of a dataflow.  Each creates one or more named nodes.  ``limits``: of the whole arm's joints."""
 
     limits: Limits | None = None
-    since: Node | None = None
-    """Last of :meth:`words`: no later operation starts before its clock."""
+    since: Node | None = None  # last of :meth:`words`: no later operation starts before its clock
 
     def __init__(self, width: int, widths: range = WIDTHS, tile=TILE) -> None:
         if width not in widths:
@@ -261,11 +257,9 @@ class Domain:
         """Return the format of an unrounded product: ``i`` integer bits, ``GUARD`` more fraction bits than a word."""
         return Format(self.width + GUARD, self.width + GUARD - 1 - i, f"W + GUARD - {1 + i}")
 
-    bit = Format(1, 0, "0", signed=False)
-    """Format of a mask."""
+    bit = Format(1, 0, "0", signed=False)  # format of a mask
 
-    count = Format(6, 0, "0", signed=False)
-    """Format of a shift count."""
+    count = Format(6, 0, "0", signed=False)  # format of a shift count
 
     # ---- making nodes --------------------------------------------------------------------------------------------
 

@@ -25,8 +25,7 @@ OF_HANDS = (*QUATERNION, "tool", "branch")
 
 SEPARATORS = (",", ";", "\t")
 
-Place = Callable[[Path], Path]
-"""Function that returns where to write a file for now."""
+Place = Callable[[Path], Path]  # function that returns where to write a file for now
 
 # Other forms that float() accepts (underscores, non-ASCII digits) are errors in a target file.
 _NUMBER = re.compile(r"[+-]?(([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?|nan|inf|infinity)", re.IGNORECASE)

@@ -35,8 +35,7 @@ class Flag(IntFlag):
 
 TOO_FAR, TOO_NEAR, ON_AXIS, AT_SHOULDER, BAD_LENGTH, SATURATED, BAD_HAND = map(int, Flag)
 
-FLAG_BITS = 8
-"""Width of the flag field; unnamed bits are 0."""
+FLAG_BITS = 8  # width of the flag field; unnamed bits are 0
 
 UNREACHABLE = TOO_FAR | TOO_NEAR | BAD_LENGTH
 """Flags of a target whose pose is clamped: the hand cannot reach the target."""
@@ -45,16 +44,14 @@ UNREACHABLE = TOO_FAR | TOO_NEAR | BAD_LENGTH
 FLAGS = {name.lower(): flag for name, flag in Flag.__members__.items() if flag < 1 << FLAG_BITS}
 """The flags by the names of the dataflow's nodes."""
 
-CORE_FLAGS = {name: flag for name, flag in FLAGS.items() if flag != SATURATED}
-"""Flags of the core."""
+CORE_FLAGS = {name: flag for name, flag in FLAGS.items() if flag != SATURATED}  # flags of the core
 
 ARM_FLAGS = {**FLAGS, "bad_hand": BAD_HAND, **{f"over_{k}": BAD_HAND << k for k in range(1, 8)}}
 """Flags of the whole arm: a wrist target outside the format is saturated; a joint is over its limits."""
 
 ARM_FLAG_BITS = 16
 
-OVER_BIT = 9
-"""Bit of over_1."""
+OVER_BIT = 9  # bit of over_1
 
 
 def names(flags: int) -> str:

@@ -13,8 +13,7 @@ from .scoring import singular_distance
 from .stimuli import edges, random_reachable, unreachable
 from .words import from_words
 
-CHUNK = 20000
-"""Targets in one chunk."""
+CHUNK = 20000  # targets in one chunk
 
 
 def chunk(number: int, count: int, width: int, seed: int) -> np.ndarray:

@@ -195,8 +195,7 @@ def special(width: int) -> tuple[int, ...]:
     return (low, low + 1, -one, -1, 0, 1, top // 3, one - 1, one, one + 1, top - 1, top)
 
 
-SPECIAL = 12 ** len(FIELDS)
-"""Number of targets made of special words only."""
+SPECIAL = 12 ** len(FIELDS)  # number of targets made of special words only
 
 
 def of_special(first: int, count: int, width: int) -> np.ndarray:

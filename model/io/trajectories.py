@@ -23,25 +23,21 @@ from numpy.typing import ArrayLike
 from .files import QUATERNION, format_csv
 from .words import DEFAULT_D1, DEFAULT_D2, Targets
 
-STEPS = 100
-"""Targets per trajectory: the paper's test scenario has 100 steps."""
+STEPS = 100  # targets per trajectory: the paper's test scenario has 100 steps
 
 DEFAULT = "reach"
 
 TRAJECTORIES: dict[str, Callable[[], Targets]] = {}
 """All built-in trajectories by name, in the order in which they are listed and run."""
 
-HANDS: dict[str, Callable[[], Targets]] = {}
-"""Built-in trajectories of hand poses by name."""
+HANDS: dict[str, Callable[[], Targets]] = {}  # built-in trajectories of hand poses by name
 
-ROBOTS = {"pick_and_place": "iiwa14"}
-"""Trajectories in the base frame of a robot."""
+ROBOTS = {"pick_and_place": "iiwa14"}  # trajectories in the base frame of a robot
 
 REGULAR = ("reach", "circle", "figure_eight", "wave", "drinking", "handwriting", "unequal_arms", "two_arms")
 """Trajectories that keep away from singular poses."""
 
-EXAMPLES = ("reach", "two_arms")
-"""Trajectories that are also in `examples/` as CSV files."""
+EXAMPLES = ("reach", "two_arms")  # trajectories that are also in `examples/` as CSV files
 
 
 def make(name: str) -> Targets:
@@ -86,11 +82,7 @@ def hands(function: Callable[[], tuple]) -> Callable[[], tuple]:
     return function
 
 
-# -- building blocks -------------------------------------------------------------------------------
-
-
-TIME = np.linspace(0.0, 1.0, STEPS)
-"""Times from 0 to 1, both included."""
+TIME = np.linspace(0.0, 1.0, STEPS)  # times from 0 to 1, both included
 
 
 def _minimum_jerk(t: np.ndarray) -> np.ndarray:
@@ -126,9 +118,6 @@ def _spherical(r: ArrayLike, azimuth: ArrayLike, elevation: ArrayLike) -> np.nda
     return _points(
         r * np.cos(azimuth) * np.cos(elevation), r * np.sin(azimuth) * np.cos(elevation), r * np.sin(elevation)
     )
-
-
-# -- the trajectories ------------------------------------------------------------------------------
 
 
 @trajectory

@@ -24,8 +24,7 @@ FIELDS = ("x", "y", "z", "phi", "d1", "d2")
 RESULT_FIELDS = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i")
 """Fields of a result word, lowest bits first; all signed with width-2 fraction bits."""
 
-ARMS = ("d1", "d2")
-"""Arm lengths; unless both are positive, the target is clamped."""
+ARMS = ("d1", "d2")  # arm lengths; unless both are positive, the target is clamped
 
 LENGTHS = ("x", "y", "z", *ARMS)
 
@@ -36,8 +35,7 @@ width-2 fraction bits."""
 BRANCHES = ("branch_shoulder", "branch_elbow", "branch_wrist")
 """Bits of a target of the whole arm above its tag, lowest first: which of the eight solutions for the joints."""
 
-JOINTS = tuple(f"th{k}" for k in range(1, 8))
-"""Joint angles of the whole arm, one turn = 2^width."""
+JOINTS = tuple(f"th{k}" for k in range(1, 8))  # joint angles of the whole arm, one turn = 2^width
 
 WRIST_FIELDS = ("qw_w", "qw_i", "qw_j", "qw_k")
 """Quaternion of the wrist, with width-2 fraction bits."""
@@ -48,8 +46,7 @@ ARM_RESULT_FIELDS = (*JOINTS, *RESULT_FIELDS, *WRIST_FIELDS)
 DEFAULT_D1 = 0.33
 """Upper arm of the default arm (m); with `DEFAULT_D2` it reaches the 0.6 m of the paper group's arm."""
 
-DEFAULT_D2 = 0.27
-"""Forearm of the default arm (m)."""
+DEFAULT_D2 = 0.27  # forearm of the default arm (m)
 
 LENGTH_TOLERANCE = 2.0**-8
 """Largest error of a hand quaternion's length; `ik_arm` flags longer and shorter ones with bad_hand."""
@@ -307,8 +304,7 @@ def result_values(words: np.ndarray, width: int) -> np.ndarray:
 # Records are 32-bit words, little endian, whatever the word length of the core: lengths and quaternions in Q2.30,
 # angles with one turn = 2^32.
 
-TAG_BITS = 24
-"""Bits of a tag that a result record returns."""
+TAG_BITS = 24  # bits of a tag that a result record returns
 
 
 @dataclass(frozen=True)

@@ -372,5 +372,4 @@ along the fingers; the tip is in the palm. Limits are the norms of the AAOS, wit
 is measured with the arm held sideways.
 """
 
-ROBOTS = {"iiwa14": IIWA14, "human": HUMAN}
-"""Built-in arms by name."""
+ROBOTS = {"iiwa14": IIWA14, "human": HUMAN}  # built-in arms by name

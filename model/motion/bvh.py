@@ -24,8 +24,7 @@ COMMENT = re.compile(r"(?<!\S)(?:#|//).*")
 WORD = re.compile(r"[{}]|[^\s{}]+")
 TABLE = re.compile(r"(?im)^[^\S\n]*MOTION\s+Frames\s*:?\s*(\S+)\s+Frame\s*Time\s*:?\s*(\S+)")
 CHANNEL = re.compile(r"([xyz])(position|rotation)", re.IGNORECASE)
-PERIOD = 1 / 30
-"""Seconds from frame to frame of a file whose frame time is 0."""
+PERIOD = 1 / 30  # seconds from frame to frame of a file whose frame time is 0
 
 
 class ClipError(TargetError):

@@ -23,8 +23,7 @@ from .pose import Axis, direction, swivel, to_z
 __all__ = ["Clip", "ClipError", "arms", "motion", "parse", "read", "targets", "turned"]
 
 SIDES = ("left", "right")
-TORSO = "torso"
-"""Name of the axis that points outward and up from the torso."""
+TORSO = "torso"  # name of the axis that points outward and up from the torso
 
 ARM_NAMES = (
     ("upperarm|uparm|uarm", "forearm|lowerarm|lowarm|farm|larm", "hand|wrist|palm"),  # Unity, 3ds Max, Blender, Motive
@@ -217,8 +216,7 @@ def rest_up(clip: Clip) -> np.ndarray:
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "cmu": 0.0254 / 0.45}
 """Units of length, m; cmu: used by the conversions of the CMU database."""
 
-ARM = 0.55
-"""Length of a human arm to the wrist, m."""
+ARM = 0.55  # length of a human arm to the wrist, m
 
 
 def metres(unit: str, arm: float) -> float:
@@ -346,8 +344,7 @@ def turned(clip: Clip, moves: Sequence[tuple[Motion, np.ndarray, np.ndarray]], t
     return clip.turned(world)
 
 
-HINGE = (1.0, 0.0, 0.0)
-"""The core's arm bends so that upper arm x forearm points along it."""
+HINGE = (1.0, 0.0, 0.0)  # the core's arm bends so that upper arm x forearm points along it
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

@@ -160,8 +160,6 @@ STRAIGHT = 1e-7
 """Angle (rad) from 0 or pi below which th2 or th6 counts as 0 or pi for limits; th4 of a straight arm has half of a
 double's digits."""
 
-SINGULAR = 1e-9
-"""The same for paths, where every such pose is changed."""
+SINGULAR = 1e-9  # the same for paths, where every such pose is changed
 
-ROUNDING = 1e-9
-"""Tolerance of a limit (rad): a joint that has been put on its limit is within it."""
+ROUNDING = 1e-9  # tolerance of a limit (rad): a joint that has been put on its limit is within it

@@ -37,8 +37,7 @@ KIND_OF = {
 }  # fmt: skip
 """Operation of `Latency.TABLE` -> its kind."""
 
-VECTORS = ("norm", "sincos", "trig")
-"""Units with several results."""
+VECTORS = ("norm", "sincos", "trig")  # units with several results
 
 
 class _Counted(np.ndarray):

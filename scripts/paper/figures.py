@@ -51,8 +51,6 @@ def _arrows(nodes: Nodes) -> list[tuple[str, str]]:
     return [(o, name) for name, node in nodes.items() for o in operands(node)]
 
 
-# -- dataflow graphs, figure 6 -----------------------------------------------------------------------------------------
-
 COLOURS = ("#dbeafe", "#dcfce7", "#fde2c8", "#ede4fd", "#fbd5e5", "#fef3c7", "#e2e8f0")
 """Colours of the sections, in order."""
 
@@ -107,8 +105,6 @@ def svg(text: str) -> str:
     return f"<!-- of the graph {digest(text)} -->\n{drawn}"
 
 
-# -- pipeline schedules, figure 7 --------------------------------------------------------------------------------------
-
 ROW, LABEL = 17, 200
 """Height of a row and width of the labels in pixels."""
 
@@ -154,9 +150,6 @@ def schedule(nodes: Nodes) -> str:
     drawn["colours"] = {name: colours for name, (_, *colours) in KINDS.items()}
     drawn["legend"] = [(name, flow.KINDS[name]) for name in KINDS if name in kinds]
     return render("schedule.svg", title=title, **size, **axis, **drawn)
-
-
-# -- files -------------------------------------------------------------------------------------------------------------
 
 
 def figures() -> dict[str, str]:

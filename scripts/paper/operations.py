@@ -55,9 +55,6 @@ PRINTED = {n: {name: parse(text, evaluate=False) for name, text in lines.items()
 """Equation -> line -> right side as printed, unevaluated, so that operations can be counted."""
 
 
-# -- expressions -----------------------------------------------------------------------------------------------------
-
-
 def count(expression: sympy.Expr) -> Ops:
     """Count the operations of an expression tree, without sharing."""
     if expression.is_Symbol or expression.is_Number:
@@ -136,9 +133,6 @@ def lines_with_19() -> dict[str, sympy.Expr]:
     return result
 
 
-# -- the elaborated RTL ----------------------------------------------------------------------------------------------
-
-
 def operators(top: str, **parameters: int) -> Counter:
     """Count the ``add`` and ``mul`` of all instances below `top` as elaborated by Verilator, except in constants,
     functions and initial blocks, which are tables. Verilator copies the right side of an assignment to a concatenation
@@ -176,9 +170,6 @@ def operators(top: str, **parameters: int) -> Counter:
         return sum((of(by_address[one]) if one in by_address else Counter([one]) for one in found), Counter())
 
     return of(modules[0])
-
-
-# -- the page --------------------------------------------------------------------------------------------------------
 
 
 def by_section(datapath: str) -> dict[str, Ops]:

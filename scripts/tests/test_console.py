@@ -105,8 +105,6 @@ def test_progress_is_printed_while_nothing_gets_done(monkeypatch, capsys):
     assert lines and lines[-1].startswith("some: half [3/4]: 1000 of 5000 done after ")
 
 
-# -- signals: make, a command and its simulator end within seconds and leave no temporary files ----
-
 COMMAND = """
 import os, sys, tempfile
 from scripts.console import command

@@ -26,8 +26,6 @@ def read(name):
     return (ROOT / name).read_text(encoding="utf-8")
 
 
-# -- integration.md --------------------------------------------------------------------------------
-
 PAGE, FROM_C = read("docs/integration.md").split("## From C\n")
 BLOCKS = re.findall(r"(?:^    \S.*\n)+", PAGE, re.MULTILINE)
 COMMANDS = [line.strip() for block in BLOCKS for line in block.splitlines() if not re.match(r" +(Qs|Qe|flags)", line)]
@@ -172,9 +170,6 @@ def test_a_dependent_core_sets_its_own_parameters(tmp_path, module, own, width):
     assert warned == [("UNUSEDPARAM", "T_OWN")], lint.stdout + lint.stderr
 
 
-# -- the package cga_ik ----------------------------------------------------------------------------
-
-
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
     """A folder with cga_ik installed, without network access."""
@@ -237,9 +232,6 @@ def test_programs_of_users_pass_mypy(installed, tmp_path, wrong, errors):
     assert ran.stdout.count(": error:") == errors and ran.returncode == (errors > 0), ran.stdout + ran.stderr
     if not errors:
         assert python(installed, USER.format(wrong=wrong)).startswith(__version__)
-
-
-# -- debugging.md ----------------------------------------------------------------------------------
 
 
 @pytest.fixture

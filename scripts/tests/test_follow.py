@@ -77,9 +77,6 @@ def marker(save_file):
     return int(at), [label for label, _, _, _, color in traces(save_file) if color is GTKWColor.red]
 
 
-# -- the command, with the model as simulator ------------------------------------------------------
-
-
 @pytest.mark.parametrize("datapath", ["lean", "paper"])
 def test_every_node_stands_in_its_line(command, files, simulator, datapath):
     """Lines are in dataflow order: clock, equation, both words, both values, operands. No file is written."""
@@ -172,9 +169,6 @@ def test_x_is_a_difference(tmp_path, simulator):
     assert found == [("w_1", k, "x" * 33 + "01") for k in range(3)]
     read.admitted.append(len(read.words["w_1"]))
     assert read.word(nodes[-1], 3) == "x" * nodes[-1].format.width
-
-
-# -- in the RTL ------------------------------------------------------------------------------------
 
 
 @pytest.mark.sim

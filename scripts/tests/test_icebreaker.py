@@ -50,9 +50,6 @@ def test_the_results_of_the_model_although_bytes_are_lost(tmp_path, command):
     assert score["passed"] and score["simulator"] == "icebreaker" and score["latency_cycles"] is None
 
 
-# -- without a simulator ---------------------------------------------------------------------------
-
-
 class Board(threading.Thread):
     """Model of the board at the other end of a pseudo-terminal; `spoil(n, answer)` returns the bytes to send as the
     n-th answer."""

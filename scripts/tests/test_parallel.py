@@ -56,9 +56,6 @@ def test_processes_keep_the_order_and_end_with_the_block(tmp_path):
         list(each(os._exit, [3]))
 
 
-# -- a farm ------------------------------------------------------------------------------------------------------------
-
-
 class Farm:
     """A scheduler and its workers, each in its own process group."""
 

@@ -346,8 +346,7 @@ def test_a_straight_arm_stays_straight(clip_cli):
 
 # -- in the RTL ------------------------------------------------------------------------------------
 
-AIM = 1e-6
-"""Largest permitted hand error of regular trajectories; their tolerance is wider."""
+AIM = 1e-6  # largest permitted hand error of regular trajectories; their tolerance is wider
 
 
 def run_all(datapath, out, sim):

@@ -25,14 +25,11 @@ from tb.axi.ik_regs import FIELDS, OFFSETS
 SEED = int(os.environ.get("IK_AXI_SEED", "0"))
 """Seed that changes the jobs, targets and pauses of every test."""
 
-PERIOD = 10
-"""Clock period in ns."""
+PERIOD = 10  # clock period in ns
 
-BURSTS = 8
-"""Maximum number of outstanding bursts in each direction."""
+BURSTS = 8  # maximum number of outstanding bursts in each direction
 
-PATIENCE = 50000
-"""Clocks without a beat on the memory port after which a test fails."""
+PATIENCE = 50000  # clocks without a beat on the memory port after which a test fails
 
 ARM = bool(getattr(getattr(getattr(cocotb, "top", None), "ARM", None), "value", 0))
 """Whether the simulated instance solves the whole arm."""

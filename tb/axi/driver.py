@@ -24,14 +24,12 @@ from tb.axi.binding import REGISTER, WAIT, Driver, Uio, uio_device
 
 LIBRARY = Path(os.environ["IK_DRIVER"])
 
-RECORDS = 24
-"""Capacity of each buffer in records."""
+RECORDS = 24  # capacity of each buffer in records
 
 SIZE = RECORDS * BYTES
 PAGE = 4096  # bytes of a segment of the simulated memory
 
-PATIENCE = 4000
-"""Limit in clocks for an interrupt to arrive."""
+PATIENCE = 4000  # limit in clocks for an interrupt to arrive
 
 
 def with_branch(targets: np.ndarray) -> np.ndarray:

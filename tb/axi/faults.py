@@ -13,8 +13,7 @@ from cocotbext.axi import AxiResp
 from tb.axi.bench import BYTES, CHANNELS, Bench, started
 from tb.axi.ik_regs import CODES
 
-ROUNDS = int(os.environ.get("IK_AXI_FAULTS", "12"))
-"""Number of random faults of each kind."""
+ROUNDS = int(os.environ.get("IK_AXI_FAULTS", "12"))  # number of random faults of each kind
 
 SOURCE, DESTINATION = 0x40000 - 5 * BYTES, 0x80000 - 2 * BYTES
 DONE, ERROR, REFUSED = 1, 2, 4  # bits of IRQ_STATUS

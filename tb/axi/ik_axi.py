@@ -20,8 +20,7 @@ JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))
 BASE = 0x40000 - 512
 """Base address of the areas; the smallest tested instance has an address space of 1 MiB."""
 
-QUICKEST = 2
-"""Clocks from AR accepted to the first R beat for a memory without added latency."""
+QUICKEST = 2  # clocks from AR accepted to the first R beat for a memory without added latency
 
 LATENCIES = tuple(QUICKEST + more for more in (0, 16, 32, 64, 128))
 """Memory latencies in clocks; B is delayed by the same additional clocks as R."""

@@ -38,8 +38,7 @@ LISTED = [
 ]
 """Name, offset and description of each register; those of an array are numbered from 1."""
 
-OFFSETS = {name: offset for name, offset, _ in LISTED}
-"""Register -> its offset in bytes."""
+OFFSETS = {name: offset for name, offset, _ in LISTED}  # register -> its offset in bytes
 
 FIELDS = {
     name: {f.inst_name: Field(f.msb, f.lsb, access(f), f.get_property("reset")) for f in of.fields()}
@@ -48,5 +47,4 @@ FIELDS = {
 """Register -> field -> where it is."""
 
 ENCODED = [code for of in REGISTERS for field in of.fields() for code in field.get_property("encode") or ()]
-CODES = {code.name: code.value for code in ENCODED}
-"""Values of STATUS.code."""
+CODES = {code.name: code.value for code in ENCODED}  # values of STATUS.code

@@ -22,8 +22,7 @@ from tb.axi.instances import echoing, named
 from tb.sim.env import simulator
 from tb.sim.runner import simulate
 
-COUNT = 400
-"""Capacity of each buffer in records of 32 bytes; less than the longest call."""
+COUNT = 400  # capacity of each buffer in records of 32 bytes; less than the longest call
 
 BYTES = RECORDS.size
 

@@ -19,11 +19,9 @@ from model.io.words import FIELDS
 from tb.sim import coverage
 from tb.sim.coverage import Point
 
-NEAR = 64
-"""A target is near a singular pose if it is within reach / NEAR of it."""
+NEAR = 64  # a target is near a singular pose if it is within reach / NEAR of it
 
-FILE = f"{uuid.uuid4().hex}.txt"
-"""Counts of this simulation."""
+FILE = f"{uuid.uuid4().hex}.txt"  # counts of this simulation
 
 REGIONS = ("regular", "axis", "shoulder", "stretched", "folded")
 STALLS = ("none", "gap", "held", "gap and held")
@@ -85,8 +83,7 @@ def every_kind(width: int, datapath: str = "", stall: str = "") -> np.ndarray:
     return np.array(list(dict.fromkeys(wanted))).reshape(-1, len(FIELDS))
 
 
-HITS: Counter[Point] = Counter()
-"""Samples of this simulation."""
+HITS: Counter[Point] = Counter()  # samples of this simulation
 
 
 def sample(flags: int, datapath: str, target: Sequence[int], gap: bool, held: bool) -> None:

@@ -291,8 +291,7 @@ class Pipeline:
             self.errors.append(f"target {target}: RTL {(words, tag, flags)}, model {expected}, in clock {self.clock}")
 
 
-PATTERNS = ("none", "single", "bursts", "long")
-"""Pause patterns of :func:`pause`."""
+PATTERNS = ("none", "single", "bursts", "long")  # pause patterns of :func:`pause`
 
 
 def pause(pattern: str, seed: int) -> Iterable[bool] | None:

@@ -22,8 +22,7 @@ from tb.core import worst_targets
 from tb.sim import native_run
 from tb.sim.simulate import Job, Run, SimulationError, simulate
 
-CHUNK = 20000
-"""Targets per chunk."""
+CHUNK = 20000  # targets per chunk
 
 CANDIDATES = 1000
 """Targets of a chunk with the largest hand errors, which are ranked by tolerance (paper: by prediction)."""

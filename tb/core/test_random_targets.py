@@ -20,9 +20,6 @@ ROWS = worst_targets.read(worst_targets.LIST)
 GROUPS = worst_targets.groups(ROWS)
 
 
-# ---- chunks ----------------------------------------------------------------------------------------------------------
-
-
 def test_a_chunk_depends_on_its_number_and_seed_only():
     first = chunk(3, 32, 1)
     assert (first == chunk(3, 32, 1)).all() and first.shape == (20000, 6)
@@ -75,9 +72,6 @@ def test_a_chunk_has_all_kinds():
     for name, value in near.items():
         for decade in range(1, decades[name] + 1):
             assert (value < 10.0**-decade).sum() >= 5, f"{name}: none below 1e-{decade}"
-
-
-# ---- list of the hardest targets -------------------------------------------------------------------------------------
 
 
 def test_the_list_is_sorted_and_bounded():

@@ -29,8 +29,7 @@ from tb.sim.env import ROOT
 LIST = ROOT / "tb" / "core" / "worst_targets.csv"
 COLUMNS = ("datapath", "width", *FIELDS, "hand_error", "found")
 
-KEPT = 10
-"""Targets kept for each measure of hardness, per datapath and word length."""
+KEPT = 10  # targets kept for each measure of hardness, per datapath and word length
 
 
 @dataclass(frozen=True)
@@ -69,9 +68,6 @@ def groups(rows: Iterable[Row]) -> dict[tuple[str, int], list[Row]]:
         return row.datapath, row.width
 
     return {k: list(group) for k, group in groupby(sorted(rows, key=key), key)}
-
-
-# -- file format -----------------------------------------------------------------------------------------------------
 
 
 def read(path: Path) -> list[Row]:
@@ -130,9 +126,6 @@ def text(rows: Iterable[Row]) -> str:
 
 def _written(error: float) -> str:
     return f"{error:.6e}"
-
-
-# -- selection of rows -----------------------------------------------------------------------------------------------
 
 
 def merge(rows: Iterable[Row]) -> list[Row]:

@@ -27,8 +27,7 @@ LONG = (1 << 60) - 1
 """Largest magnitude with which a decision is sampled: one that depends on magnitude does not depend on signs only."""
 
 
-WORDS = {"and", "or", "not", "ite", "true", "false"}
-"""Reserved words of SMT-LIB."""
+WORDS = {"and", "or", "not", "ite", "true", "false"}  # reserved words of SMT-LIB
 
 
 def number(value: float | Fraction) -> str:

@@ -21,8 +21,7 @@ from tb.formal.unrolled import ask
 
 SOLVER = "(check-sat-using qfnra-nlsat)"
 LIMIT = 60  # seconds for one question
-SEEDED = "wi_0"
-"""The node whose claim is made too narrow."""
+SEEDED = "wi_0"  # the node whose claim is made too narrow
 
 
 class Questions:

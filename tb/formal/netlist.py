@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-DELAYS = ("ik_delay", "ik_ring")
-"""Modules whose q is d delayed by N clocks."""
+DELAYS = ("ik_delay", "ik_ring")  # modules whose q is d delayed by N clocks
 
 
 class NetlistError(Exception):

@@ -27,8 +27,7 @@ from tb.sim.seeded_bugs import Bug, copy_rtl
 BUILD = ROOT / "build" / "formal_rsqrt"
 WIDE = 96
 SOLVER = "(check-sat-using (then simplify propagate-values solve-eqs smt))"
-FULL = 31
-"""Fraction bits at W = 32."""
+FULL = 31  # fraction bits at W = 32
 
 RSQRT = "rtl/lib/ik_rsqrt.v"
 QUADRATIC = "rtl/lib/ik_quadratic.v"

@@ -16,16 +16,12 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import FOLD16
 from model.io.stimuli import mixed
 
-PERIOD = 40
-"""Clock period in ns."""
-BIT = int(os.environ.get("IK_BIT", "6"))
-"""Clocks per bit."""
+PERIOD = 40  # clock period in ns
+BIT = int(os.environ.get("IK_BIT", "6"))  # clocks per bit
 BAUD = 1e9 / (PERIOD * BIT)
-QUIET = 512
-"""Clocks of silence that end a frame."""
+QUIET = 512  # clocks of silence that end a frame
 PARAMETERS = {"CLOCK": 10**9 // PERIOD, "BAUD": int(BAUD), "LOG2_QUIET": QUIET.bit_length() - 1}
-BYTE = 10 * BIT
-"""Clocks per byte."""
+BYTE = 10 * BIT  # clocks per byte
 TARGETS = 10
 
 

@@ -15,8 +15,7 @@ from tb.mutation.netlists import SECONDS, Mutant, relative, source_name
 
 CLOCKS = {"clk", "CLK", "WR_CLK"}
 """Ports that the equiv commands ignore: mutants there are not proved."""
-ROUNDS = 12
-"""Attempts to prove a module, each without the bits left open by the previous one."""
+ROUNDS = 12  # attempts to prove a module, each without the bits left open by the previous one
 UNPROVEN = re.compile(r"Unproven \$equiv \S+: \\(\S+)_gold ")
 PORT = re.compile(r"^ *wire .*\b(?:input|output) \d+ .*\\(\S+)$", re.M)
 

@@ -30,8 +30,7 @@ SECONDS = 120.0
 """Time limit of a Yosys script or an Icarus build for one mutant; ten times that for a whole netlist."""
 SELECT, BITS = "mutant", 16
 """Input of the top that selects a mutant, and its width; 0 selects none."""
-PER_FILE = 24
-"""Most mutants of one file of rtl/ in one netlist."""
+PER_FILE = 24  # most mutants of one file of rtl/ in one netlist
 EXCLUDED = {"RD_CLK", "RD_EN", "RD_ARST", "RD_SRST", "Q"}
 """Ports without mutants: read ports of memories are asynchronous and tied, and a changed register output would lose its
 initial value. A changed register input has the same effect."""

@@ -20,8 +20,7 @@ from tb.sim.native_run import columns
 
 TOP, DATA = "node_bench", "data.hex"
 TAG_W = 8
-RIGHT = "all right"
-"""Start of the last output line of a run without differences."""
+RIGHT = "all right"  # start of the last output line of a run without differences
 
 
 @dataclass(frozen=True)

@@ -92,9 +92,6 @@ async def each_rule(top):
     assert not unbroken, f"no trace for {sorted(unbroken)}"
 
 
-# ---- drivers ---------------------------------------------------------------------------------------------------------
-
-
 async def force(dut) -> None:
     """Override the bench in every second clock, which must end the simulation.
 

@@ -12,8 +12,7 @@ from model.dataflow.nodes import Format, Limits, Node
 from model.io.stimuli import arm_limits
 from model.io.words import pack
 
-KEPT = 1000
-"""Number of differences kept for the message; all are counted."""
+KEPT = 1000  # number of differences kept for the message; all are counted
 
 
 class SimulationError(Exception):

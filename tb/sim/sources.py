@@ -16,10 +16,8 @@ from pathlib import Path
 from tb.sim.env import ROOT
 
 LIST = "rtl/ik_axis.f"
-MEMORY = "rtl/ik_axi.f"
-"""List of the memory wrapper around the core."""
-ARM = "rtl/ik_arm.f"
-"""List of the whole arm around the core."""
+MEMORY = "rtl/ik_axi.f"  # list of the memory wrapper around the core
+ARM = "rtl/ik_arm.f"  # list of the whole arm around the core
 INCLUDE = "+incdir+"
 
 
@@ -73,8 +71,6 @@ def header(text: str) -> str:
     return text[: text.index("\n);\n")] + "\n);\nendmodule\n"
 
 
-# -- AXI rules ---------------------------------------------------------------------------------------------------------
-
 RULES = ROOT / "tb" / "rules"
 """AXI rules: Icarus 11 has no ``bind``, so NAME.vh is inserted before the end of a copy of module NAME."""
 
@@ -99,8 +95,6 @@ def _bound(path: Path, folder: Path) -> Path:
         copy.write_text(text, encoding="utf-8")
     return copy
 
-
-# -- digests -----------------------------------------------------------------------------------------------------------
 
 C_LIKE = re.compile(r'("(?:\\.|[^"\\\n])*")|//[^\n]*|/\*.*?\*/|\s+', re.S)
 

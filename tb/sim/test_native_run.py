@@ -13,8 +13,7 @@ from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import simulate
 
 WIDTH = 18
-QUICK = 3
-"""A word length that builds quickly."""
+QUICK = 3  # a word length that builds quickly
 
 
 def test_what_cannot_run_natively(tmp_path):

@@ -18,8 +18,7 @@ from tb.sim.native_run import build
 
 pytestmark = [pytest.mark.slow, pytest.mark.cost(20)]
 
-PIECE = 1 << 23
-"""Vectors per process, about one second."""
+PIECE = 1 << 23  # vectors per process, about one second
 
 
 class Case(NamedTuple):

@@ -10,8 +10,7 @@ from cocotb.triggers import FallingEdge, RisingEdge
 from model.dataflow.fold.steps import CUTS, NORMS
 from tb.units.unit import Case, Tests, runs, sets_of
 
-Ports = dict[str, int]
-"""Port -> word in one clock."""
+Ports = dict[str, int]  # port -> word in one clock
 
 
 async def check(dut, vectors: Iterable[Ports], clocks: int, expected: Callable[[list[Ports], Ports], Ports]) -> None:

@@ -66,9 +66,6 @@ def measured(**errors: np.ndarray) -> Figures:
     return found
 
 
-# -- arithmetic modules ------------------------------------------------------------------------------------------------
-
-
 def around(first: int, last: int, points: int, seed: int) -> np.ndarray:
     """Return words in [``first``, ``last``): 60000 random ones, the others around ``points`` equidistant points."""
     anywhere = np.random.default_rng(seed).integers(first, last, 60000)
@@ -106,9 +103,6 @@ def cordic(width: int) -> Figures:
     pairs = zip(fixed.cordic(phi, width), (np.sin(half), np.cos(half)), strict=True)
     errors = np.stack([word - exact * 2.0 ** (width - 2) for word, exact in pairs])
     return {"proved": fixed.sincos_bound(width)} | measured(error=errors)
-
-
-# -- datapaths ---------------------------------------------------------------------------------------------------------
 
 
 @cache
@@ -159,8 +153,7 @@ class Local(Real):
         return word
 
 
-NOISE = 1e-14
-"""Noise of double precision, where most words are exact."""
+NOISE = 1e-14  # noise of double precision, where most words are exact
 
 
 def nodes(width: int, datapath: str) -> Figures:
@@ -171,8 +164,6 @@ def nodes(width: int, datapath: str) -> Figures:
     rms = {f"{name} rms": float(np.sqrt(np.mean(error[reached] ** 2))) for name, error in off.items()}
     return {name: figure for name, figure in rms.items() if figure > NOISE}
 
-
-# -- all of them -------------------------------------------------------------------------------------------------------
 
 PATHS = {"lean": range(16, 33), "lean16": range(16, 25), "lean25": (18, 24, 32), "paper": (18, 24, 32)}
 
@@ -205,9 +196,6 @@ def test_figures(name):
         assert TOLERATED[name] / 8 < present["hand max"] <= TOLERATED[name]
 
 
-# -- tolerances --------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("width", (16, 24, 32))
 def test_rounding_of_results_alone(width):
     """Half an ulp to either side of six results: the worst of 64 combinations in many poses, and in the worst pose."""
@@ -229,9 +217,6 @@ def test_rounded_results_of_18_bits_miss_the_tolerance():
     (error,) = run.off(np.rint(run.exact * 2**16) / 2**16)[1]
     assert tolerances.lean(18) < error <= tolerances.sought(18)
     assert tolerances.sought(24) == tolerances.lean(24) and tolerances.sought(32) == tolerances.lean(32)
-
-
-# -- the file ----------------------------------------------------------------------------------------------------------
 
 
 def rounded(name: str, figure: float) -> float:

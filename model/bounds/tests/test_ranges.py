@@ -20,8 +20,6 @@ from model.io.stimuli import REGIONS, corners, edges, extremes, hand_poses, rand
 
 WIDTHS = (16, 18, 24, 32)
 
-# -- paper -------------------------------------------------------------------------------------------------------------
-
 
 @pytest.mark.parametrize("width", [w if w in (16, 32) else pytest.param(w, marks=pytest.mark.slow) for w in ALL_WIDTHS])
 def test_nothing_saturates_but_by_design(width):
@@ -86,9 +84,6 @@ def test_proved_errors_hold_in_the_swivel_plane(width):
         assert seen[name].worst <= table[name].error_ulps * (1 + 1e-6) + 1e-3, name
 
 
-# -- lean --------------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("width", ALL_WIDTHS)
 def test_every_lean_node_fits(width):
     assert ranges.LeanRanges(width).failed == ranges.LeanRanges(width, datapath="arm").failed == {}
@@ -139,8 +134,6 @@ def test_a_node_without_a_rule_is_named(monkeypatch):
     with pytest.raises(ranges.RangeError, match="cos_el"):
         ranges.LeanRanges(32)
 
-
-# -- error growth of selections, shifts and sums: `grows` at the node -------------------------------------------------
 
 OFF = 1024
 """Operand error in ulps, up or down; the operations' own rounding is small compared with it."""

@@ -13,8 +13,7 @@ from ..nodes import Node
 from .lowering import EXACT_WEIGHT, RESULT_WEIGHT, Lowering, Sum
 from .steps import ALWAYS, HALF, NEVER, ONE, ZERO, Joint, Pick, Selector, Step, Vector, Write
 
-HALF_ROW = "1/2 of r_z"
-"""Step of the constant in the third row."""
+HALF_ROW = "1/2 of r_z"  # step of the constant in the third row
 
 
 class ArmLowering(Lowering):

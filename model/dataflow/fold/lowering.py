@@ -40,14 +40,12 @@ from .steps import (
     Write,
 )
 
-EXACT_WEIGHT = 2
-"""Weight of input words and their sums, the operands of squares."""
+EXACT_WEIGHT = 2  # weight of input words and their sums, the operands of squares
 
 ONE_WEIGHT = 1
 """Weight of ``ONE`` and ``HALF``: a product with ``ONE`` is the other word in the plain window."""
 
-RESULT_WEIGHT = 1
-"""Weight of a result's first bit."""
+RESULT_WEIGHT = 1  # weight of a result's first bit
 
 POSITION = ("x", "y", "z")
 

@@ -38,11 +38,9 @@ class Schedule:
     starts: dict[str, int]
 
 
-WIDTH = 24
-"""A word length; steps and program are the same at all."""
+WIDTH = 24  # a word length; steps and program are the same at all
 
-PLACES = 64
-"""Read/write words of the memory; an equal number of powers follows."""
+PLACES = 64  # read/write words of the memory; an equal number of powers follows
 
 WINDOWS = ("plain", "double", "low")
 LASTS = ("inner", "root", "slope", "sine")

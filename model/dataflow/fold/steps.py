@@ -149,20 +149,14 @@ class Step:
         return [self.minus, *picks, self.addend_by]
 
 
-# ---- clocks ----------------------------------------------------------------------------------------------------------
-
 BEND, READ, ROW, ADD, SUM, WRITE, NORM = -1, 0, 1, 3, 4, 5, 7
 """Clocks of a step, from its issue: read the row for c2; read the words; read the row for the addend; take the addend
 and the product's sign; product ready; write T and take its sign; write the normalized word."""
 
-FETCH = 3
-"""Clocks from a step's place in the program to its issue."""
+FETCH = 3  # clocks from a step's place in the program to its issue
 
-ELBOW = ("elbow_w", "elbow_i")
-"""Steps whose results are constants where there is no elbow."""
+ELBOW = ("elbow_w", "elbow_i")  # steps whose results are constants where there is no elbow
 
-
-# ---- angle unit ------------------------------------------------------------------------------------------------------
 
 ITERATED, SHOWN, AGAIN = 16, 17, 18
 """Clocks of ``ik_fold_angle`` at its longest words: from loading y to the second stage; from there to the angle; from

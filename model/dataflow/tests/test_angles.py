@@ -8,8 +8,7 @@ import pytest
 from model.dataflow import angles
 from model.dataflow.operations import round_shift, wrap
 
-SHORT = (8, 9, 10)
-"""Word lengths whose vectors are all tested."""
+SHORT = (8, 9, 10)  # word lengths whose vectors are all tested
 
 
 def vectors(width: int) -> tuple[np.ndarray, np.ndarray]:

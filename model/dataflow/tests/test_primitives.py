@@ -13,8 +13,7 @@ from model.dataflow.fixed import Bits, floor_div, floor_root, round_shift
 from model.dataflow.nodes import Format, Node
 from model.dataflow.operations import TILE, cuts, mul3, mul3_error, unseen
 
-ROOT_LIMIT = 1 << 63
-"""Upper bound of floor_root's arguments; none in the datapath reaches 2^62."""
+ROOT_LIMIT = 1 << 63  # upper bound of floor_root's arguments; none in the datapath reaches 2^62
 
 
 def signed(width: int):
@@ -34,8 +33,6 @@ def half_up(value: Fraction) -> int:
 def test_round_shift_rounds_half_up(value, shift):
     assert round_shift(value, shift) == half_up(Fraction(value, 1 << shift))
 
-
-# ---- products and sums of the dataflow -------------------------------------------------------------------------------
 
 W = 16  # word length of these nodes; no operation depends on it
 ENDS = [-(1 << W - 1), -1, 0, 1, (1 << W - 1) - 1]
@@ -78,8 +75,6 @@ def test_sum_is_rounded_and_saturated(triples, integer_bits, b_sign, c_sign, thr
     check(bits, result, [Fraction(i + b_sign * j + three * c_sign * k, 1 << W - 1) for i, j, k in triples])
 
 
-# ---- division and square root ----------------------------------------------------------------------------------------
-
 NEAR_QUOTIENTS = st.tuples(st.integers(1, (1 << 31) - 1), signed(32), st.integers(-1, 1)).map(
     lambda drawn: ((drawn[0] * drawn[1] >> 22) + drawn[2], drawn[0])
 )
@@ -119,9 +114,6 @@ NEAR_SQUARES = st.tuples(st.integers(1, math.isqrt(ROOT_LIMIT)), st.integers(-1,
 def test_floor_root_is_isqrt(operands):
     n, shift = operands
     assert int(floor_root(np.array([n]), shift)[0]) == (math.isqrt(n << shift) if n > 0 else 0)
-
-
-# ---- product of three tiles ------------------------------------------------------------------------------------------
 
 
 @st.composite

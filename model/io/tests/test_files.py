@@ -55,9 +55,6 @@ def read(tmp_path):
     return read
 
 
-# -- files -----------------------------------------------------------------------------------------
-
-
 def test_defaults_and_columns_that_override_them(read):
     result = read("x,y,z\n0.1,0.2,0.3\n-4e-1,+.5,6.\n")
     assert_same(result, Targets("t", [0.1, -0.4], [0.2, 0.5], [0.3, 6.0], math.pi, DEFAULT_D1, DEFAULT_D2))
@@ -155,9 +152,6 @@ def test_files_keep_every_bit(tmp_path_factory, table):
     assert path.read_bytes() == format_csv(given_targets).encode()
 
 
-# -- fixed point -----------------------------------------------------------------------------------
-
-
 def test_far_targets_lower_the_exponent_until_the_headroom_ends():
     """An arm that reaches 1 ends the format at 2, and at 2 * 2^HEADROOM_BITS with all headroom used."""
     arm = {"d1": 0.5, "d2": 0.5}
@@ -209,8 +203,6 @@ def test_words_come_back_from_their_targets(width, exponent, data):
     np.testing.assert_array_equal(back, words)
     assert same == exponent
 
-
-# -- records in memory -----------------------------------------------------------------------------
 
 CORNERS = [0, 1, -1, 2**31 - 1, -(2**31), 2**30, -(2**30), 2**13 - 1, 2**13, -(2**13), -(2**13) - 1, 0x7FFFE000]
 

@@ -58,9 +58,6 @@ def arm(x, y=0.0, z=0.0, phi=3.0, d1=0.33, d2=0.27):
     return Targets("arm", x, y, z, phi, d1, d2)
 
 
-# -- distance from singular poses ------------------------------------------------------------------
-
-
 SIDE = {"d1": 0.3, "d2": 0.3}
 
 
@@ -86,9 +83,6 @@ def test_singular_distance(pose, distance, nearest):
     assert singular_distance(arm(**pose)) == pytest.approx([distance], abs=1e-7)
     distances = singular_distances(arm(**pose))
     assert nearest is None or min(distances, key=lambda name: distances[name][0]) == nearest
-
-
-# -- figures ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["reach", "two_arms", "unequal_arms"])
@@ -149,9 +143,6 @@ def test_signs_and_units_do_not_matter(case):
     np.testing.assert_array_equal(before.each.hand_error, scaled.each.hand_error)
 
 
-# -- reasons to fail -------------------------------------------------------------------------------
-
-
 def stretch(case, columns):
     case.results[60, columns] += np.rint(2e-6 * case.results[60, columns]).astype(np.int64)
 
@@ -199,9 +190,6 @@ def test_the_fixed_bar_and_the_worst_target():
     assert (result.hand_error_target, result.hand_error_pose) == (1, "0.050 rad from singular: wrist on the z axis")
 
 
-# -- targets out of reach --------------------------------------------------------------------------
-
-
 def test_clamped_targets_are_judged_apart():
     case = Case(arm([0.3, 0.7, 0.01], y=[0.1, 0.1, 0.0]))
     assert case.flags.tolist() == [0, TOO_FAR, TOO_NEAR]
@@ -243,9 +231,6 @@ def test_lost_rows_and_predictions_without_bound_are_refused(case):
         setattr(case, name, getattr(case, name)[:-1])
         with pytest.raises(ValueError, match=f"{name} has shape"):
             case.score()
-
-
-# -- files -----------------------------------------------------------------------------------------
 
 
 def test_results_file_gives_every_bit_back_and_can_be_read_again(tmp_path):

@@ -63,8 +63,6 @@ def test_command_line(capsys):
     assert capsys.readouterr().out == format_csv(trajectories.make("reach"))
 
 
-# -- flags -----------------------------------------------------------------------------------------
-
 LONG, SHORT = 2**30 + 1, 2**30 - 3
 LIMITS = [  # squares in double precision do not distinguish these
     (LONG + SHORT, 0, 0, 0, LONG, SHORT),

@@ -15,8 +15,7 @@ import numpy as np
 from model.motion.pose import solve
 from model.reference.joints import tool_offset
 
-SIZES = {1: 2000, 1000: 500, 10**6: 5}
-"""Number of targets -> repetitions."""
+SIZES = {1: 2000, 1000: 500, 10**6: 5}  # number of targets -> repetitions
 
 
 def two_bones(points, phi, d1, d2):

@@ -27,8 +27,7 @@ PHIS = np.linspace(-np.pi, np.pi, 17)
 HALF_OF_THE_DIGITS = 6e-8
 """Bound (rad, and relative to the reach) for the roots of (14) and (17) at a half angle of 0 or pi/2."""
 
-ROUNDOFF = 5e-15
-"""Bound (rad, and relative to the reach) for the lean equations."""
+ROUNDOFF = 5e-15  # bound (rad, and relative to the reach) for the lean equations
 
 
 def direct(*targets):

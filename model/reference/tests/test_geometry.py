@@ -137,8 +137,6 @@ def test_poses_made_by_hand():
         close(np.concatenate(kinematics.forward(qs, qe, 2.0, 0.5)), points, name, 1e-15)
 
 
-# -- section 3 ------------------------------------------------------------------------------------
-
 TARGETS = random_targets(10_000, seed=2)  # reachable, any theta_3, 0.05 rad or more off all other singular poses
 GEOMETRY = geometry.solve(*TARGETS)
 

@@ -10,8 +10,7 @@ from scripts.paper.derivation import lean, paper
 from scripts.paper.derivation.proofs import Step, aligned, derive, failures, tex
 from tb.sim.env import GENERATED
 
-STEPS = {"derivation": paper.STEPS, "lean": lean.STEPS}
-"""Page -> its steps."""
+STEPS = {"derivation": paper.STEPS, "lean": lean.STEPS}  # page -> its steps
 
 
 def page(name: str, steps: Mapping[str, Step]) -> str:

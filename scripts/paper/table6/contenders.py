@@ -77,8 +77,6 @@ def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> 
     return again, lambda: errors(again())
 
 
-# -- the lean equations on arrays ------------------------------------------------------------------
-
 CHEAPER = {
     "root_far": "sqrt(where(a_far > zero, a_far, zero))",
     "root_near": "sqrt(where(b_near > zero, b_near, zero))",
@@ -121,9 +119,6 @@ def lean_of(library: Any, real: Any) -> Callable[..., tuple]:
     return sympy.lambdify([*map(symbol, FIELDS)], results, [names], printer, cse=lambda _: (lines(), results))
 
 
-# -- functions from six arrays to six arrays -------------------------------------------------------
-
-
 def _bind_c(equations_: str, real: str, way: str, targets: Targets) -> Bound:
     solve = Solver(columns(targets), equations_, real, way)
     return solve, lambda: hand_errors(solve(), targets)
@@ -161,9 +156,6 @@ def _jax() -> Iterator[Contender]:
             group, bind = f"JAX {jax.__version__}" if jax else "JAX", partial(_bind_jax, device, kind)
             lacks = lacks if jax else "not installed"
             yield Contender(f"jax-{platform}-{real}", group, f"lean, {real}, {where}", bind, lacks)
-
-
-# -- EAIK ------------------------------------------------------------------------------------------
 
 
 def _hand_poses(targets: Targets) -> np.ndarray:

@@ -19,8 +19,7 @@ QUOTED = (
 STREAMS = "stream to stream"
 """Path through the logic around the datapath of `ik_axis`; `ik_axi` has the other one, memory to memory."""
 
-BUSY = 0.3
-"""Load per processor core above which the page warns that the computer was busy."""
+BUSY = 0.3  # load per processor core above which the page warns that the computer was busy
 
 
 def clock_of(fpga: dict, row: dict) -> float:

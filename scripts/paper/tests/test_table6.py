@@ -38,9 +38,6 @@ def difference(answers, expected):
     return max(np.abs(sign * answers[:, :4] - expected[:, :4]).max(), np.abs(answers[:, 4:] - expected[:, 4:]).max())
 
 
-# -- software --------------------------------------------------------------------------------------
-
-
 @needs_cc
 @pytest.mark.parametrize("real", REALS)
 @pytest.mark.parametrize("way", WAYS)
@@ -68,9 +65,6 @@ def test_software_reaches_the_hand(key):
             targets = first(REACH, 5) if contender.most else RANDOM
             exact = contender.most is None and "float" not in contender.key
             assert contender.bind(targets)[1]().max() < (1e-12 if exact else 1e-5)
-
-
-# -- the command and its page ----------------------------------------------------------------------
 
 
 def figures():
