@@ -4,10 +4,13 @@
 Columns are ``FIELDS`` of :mod:`model.io.files`: x, y, z, phi, d1, d2.
 """
 
+import itertools
 from math import isqrt
 
 import numpy as np
 
+from ..dataflow.nodes import inner_frac
+from ..dataflow.quadratic import SINE, SINE_FRACS, sine_sums
 from ..reference.joints import turned
 from ..reference.kinematics import multiply, rotate
 from ..reference.lean_equations import solve_lean
@@ -414,3 +417,16 @@ def any_hands(count: int, width: int, seed: int) -> np.ndarray:
     anything = random.integers(low, -low, (count, 5))
     edge = random.choice([low, -1, 0, 1, -low // 2, low // 2, -low - 1], (count, 5))
     return np.column_stack([mixed(count, width, seed), np.where(np.arange(count)[:, None] % 2, edge, anything)])
+
+
+def arithmetic_corners(width: int, tile: int) -> np.ndarray:
+    """Return targets and arms of all magnitudes, in words with few significant bits, and targets with angles whose sine
+    or cosine sum is one unit below the rounding boundary."""
+    sizes = itertools.product(range(0, width - 6, 3), range(width - 11))
+    shifted = [(29 << j, -26 << j, -25 << j, -10647, 0, 999 << k) for j, k in sizes]
+    frac = min(inner_frac(width), SINE_FRACS[-1])
+    form = SINE.form(frac, tile)
+    angles = np.random.default_rng(5).integers(0, 1 << width - 1, 100000)
+    dropped = (1 << form.sum_frac - frac) - 1
+    near = [angles[y & dropped == dropped >> 1][:10] for y in sine_sums(angles, width, form)]
+    return np.array([*shifted, *((999, -700, 444, angle, 999, 999) for angle in np.concatenate(near))])

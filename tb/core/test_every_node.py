@@ -12,9 +12,8 @@ import pytest
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS, MODELS
-from model.io.stimuli import arm_targets, mixed
+from model.io.stimuli import arithmetic_corners, arm_targets, mixed
 from tb.core import worst_targets
-from tb.core.corner_targets import corner_targets
 from tb.sim.env import simulator
 from tb.sim.job import Run, answer
 from tb.sim.simulate import Job, simulate
@@ -60,7 +59,7 @@ def targets(datapath: str, width: int) -> np.ndarray:
     few = ICARUS and (datapath, width) not in itertools.product(DATAPATHS, (18, 32))
     words = [listed(datapath, width), mixed(40 if few else 300, width, 4)]
     if not ICARUS:
-        words.append(corner_targets(width, MODELS[datapath].tile))
+        words.append(arithmetic_corners(width, MODELS[datapath].tile))
     return np.concatenate(words)
 
 

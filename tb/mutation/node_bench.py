@@ -13,8 +13,7 @@ import numpy as np
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS, Datapath
-from model.io.stimuli import mixed
-from tb.core.corner_targets import corner_targets
+from model.io.stimuli import arithmetic_corners, mixed
 from tb.mutation.netlists import BITS, SELECT
 from tb.sim.native_run import columns
 
@@ -50,7 +49,7 @@ class NodeBench:
         """Return the targets as words."""
         words = mixed(self.targets, self.width, 4)
         if self.corners:
-            words = np.concatenate([words, corner_targets(self.width, self.path.tile)])
+            words = np.concatenate([words, arithmetic_corners(self.width, self.path.tile)])
         return words
 
     def write(self, folder: Path) -> Path:

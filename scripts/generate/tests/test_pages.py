@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Documentation: pages are current, links resolve, named files and commands exist, pictures show every node."""
+"""Documentation: pages are current, links lead to files, named files and commands exist; pictures, regions."""
 
 import re
 from itertools import combinations
 
+import numpy as np
 import pytest
 
+from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
+from model.io.flags import UNREACHABLE, expected_flags
+from model.io.stimuli import REGIONS, region
+from model.io.words import result_values
+from model.reference.kinematics import forward
 from scripts.generate import pages
+from scripts.generate.accuracy import errors
 from scripts.generate.flow import design, start
 from tb.sim.env import ROOT
 
@@ -46,3 +53,38 @@ def test_every_operation_is_in_one_lane_at_its_clocks(datapath):
     for lane in lanes:
         pairs = combinations(lane, 2)
         assert all(end <= other or last <= begin for (_, begin, end, _), (_, other, last, _) in pairs), "overlap"
+
+
+def test_hand_error_by_its_definition():
+    words = region("near the z axis", 5, 24, 3)
+    value = result_values(fixed.run(words, 24, "lean").results, 24)
+    for n, (x, y, z, _, d1, d2) in enumerate(words.tolist()):
+        _, wrist = forward(value[n : n + 1, :4], value[n : n + 1, 4:], d1, d2)
+        expected = np.linalg.norm(wrist[0] - (x, y, z)) / (d1 + d2)
+        assert errors(words, 24, "lean")[0][n] == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("width", (16, 32))
+@pytest.mark.parametrize("name", REGIONS)
+def test_regions_are_in_reach_and_where_they_claim(name, width):
+    words = region(name, 1000, width, 2)
+    assert words.shape == (1000, 6)
+    assert not (expected_flags(words, width) & UNREACHABLE).any()
+    assert (words == region(name, 1000, width, 2)).all() and (words != region(name, 1000, width, 3)).any()
+    x, y, z, _, d1, d2 = words.T.astype(float)
+    distance, ratio = np.sqrt(x**2 + y**2 + z**2), np.maximum(d1, d2) / np.minimum(d1, d2)
+    lsb = 3 / np.maximum(distance, 1)
+    if "the z axis" in name and "elbow" not in name:
+        assert (np.hypot(x, y) <= (0.11 + lsb) * np.maximum(np.abs(z), 1) + 1).all()
+        assert (z > 0).any() and (z < 0).any()
+    if "stretch" in name:  # targets of short arms are at least an LSB away
+        assert ((d1 + d2 - distance) / (d1 + d2) <= 0.12 + 3 / (d1 + d2)).all()
+    if "fold" in name:
+        assert (distance - np.abs(d1 - d2) <= 0.12 * distance + 2).all()
+    if name == "unequal arms":
+        big = np.minimum(d1, d2) > 20
+        assert (ratio[big] > 4.7).all() and (ratio[big] < 21).all()
+    if name == "most unequal arms":
+        assert ratio.max() > 2.0 ** (width - 5) and np.median(ratio) > 20
+    if name == "short arms":
+        assert (d1 + d2 <= 185).all()
