@@ -35,9 +35,7 @@ from tb.sim.simulate import SimulationError
 from tb.sim.subprocesses import end_with_parent
 
 PLAIN_COLUMNS = 120  # columns of a table that is not printed on a terminal
-
 EVERY = 5.0  # seconds between lines of progress without a terminal
-
 RECENT = 120.0  # seconds over which a rate is averaged
 
 

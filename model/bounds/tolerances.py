@@ -30,7 +30,6 @@ REGULAR = 1e-4
 """Tolerance of the paper's equations where all targets are regular: the paper group's 1/16 mm on an arm of 0.6 m."""
 
 REGULAR_DISTANCE = 0.2  # minimum distance of a regular target from every singular pose (rad)
-
 REGULAR_WIDTH = 32  # word length at which a regular trajectory has this fixed tolerance
 
 LEAN_NORMS = {

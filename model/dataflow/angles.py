@@ -19,7 +19,6 @@ import numpy as np
 from .operations import magnitude, round_shift, wrap
 
 GUARD = 3  # bits of X and Y below a word's LSB
-
 ANGLE = 4  # bits of an angle below the LSB of a word of one turn
 
 LONGEST = 2.4

@@ -84,7 +84,6 @@ FOLD = replace(LEAN, name="fold", number=2, widths=range(20, 33, 2), times=shown
 FOLD16 = replace(FOLD, name="fold16", tile=16, widths=range(18, 25, 2))
 
 DATAPATHS = {"lean": LEAN, "paper": PAPER}  # dataflows by name
-
 DEFAULT = "lean"  # default datapath
 
 TILED = replace(LEAN, name="lean25", tile=25), replace(LEAN, name="lean16", tile=16, widths=range(16, 25))

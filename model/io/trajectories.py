@@ -31,7 +31,6 @@ TRAJECTORIES: dict[str, Callable[[], Targets]] = {}
 """All built-in trajectories by name, in the order in which they are listed and run."""
 
 HANDS: dict[str, Callable[[], Targets]] = {}  # built-in trajectories of hand poses by name
-
 ROBOTS = {"pick_and_place": "iiwa14"}  # trajectories in the base frame of a robot
 
 REGULAR = ("reach", "circle", "figure_eight", "wave", "drinking", "handwriting", "unequal_arms", "two_arms")

@@ -59,7 +59,6 @@ e_inf = vector(inf=1)
 e_0 = vector(zero=1)
 
 PSEUDOSCALAR_INVERSE = -(e1 ^ e2 ^ e3 ^ e_inf ^ e_0)  # index 32 of table 2; its square is -1
-
 i = e3 ^ e2  # (1)
 j = e1 ^ e3  # (2)
 k = e2 ^ e1  # (3)

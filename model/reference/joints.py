@@ -161,5 +161,4 @@ STRAIGHT = 1e-7
 double's digits."""
 
 SINGULAR = 1e-9  # the same for paths, where every such pose is changed
-
 ROUNDING = 1e-9  # tolerance of a limit (rad): a joint that has been put on its limit is within it

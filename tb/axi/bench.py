@@ -26,9 +26,7 @@ SEED = int(os.environ.get("IK_AXI_SEED", "0"))
 """Seed that changes the jobs, targets and pauses of every test."""
 
 PERIOD = 10  # clock period in ns
-
 BURSTS = 8  # maximum number of outstanding bursts in each direction
-
 PATIENCE = 50000  # clocks without a beat on the memory port after which a test fails
 
 ARM = bool(getattr(getattr(getattr(cocotb, "top", None), "ARM", None), "value", 0))
@@ -259,8 +257,6 @@ class Bench:
         data = (self.records * (2 + (first + count) // self.pool))[first * BYTES : (first + count) * BYTES]
         self.memory.write(source, data)
 
-    # ---- registers ---------------------------------------------------------------------------------------------------
-
     async def reset(self) -> None:
         await RisingEdge(self.dut.clk)
         self.dut.rst.value = 1
@@ -306,8 +302,6 @@ class Bench:
             if self.dut.u_job.busy.value == 0:
                 return await self.fields("STATUS")
         raise AssertionError(f"busy for {most} clocks; {self.monitor.errors[:1]}")
-
-    # ---- jobs --------------------------------------------------------------------------------------------------------
 
     async def solve(self, source: int, destination: int, count: int, first: int = 0) -> None:
         """Run a job that must succeed, and compare its results."""

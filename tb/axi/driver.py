@@ -28,7 +28,6 @@ RECORDS = 24  # capacity of each buffer in records
 
 SIZE = RECORDS * BYTES
 PAGE = 4096  # bytes of a segment of the simulated memory
-
 PATIENCE = 4000  # limit in clocks for an interrupt to arrive
 
 
@@ -70,8 +69,6 @@ class Platform:
         for at in range(0, len(held), PAGE):  # shared by CPU and bus
             self.memory.segs[first + at] = memoryview(buffer).cast("B")[at : at + PAGE]
         return ctypes.addressof(buffer) + address % PAGE
-
-    # ---- callbacks ---------------------------------------------------------------------------------------------------
 
     @resume
     async def read(self, offset: int) -> int:
@@ -149,8 +146,6 @@ class Platform:
         self._low()
         assert not self.driver.call("ik_irq") & 1, "ik_irq handles an interrupt of another device"
         return True
-
-    # ---- calls -------------------------------------------------------------------------------------------------------
 
     async def start_up(self) -> None:
         assert await bridge(self.driver.start_up)() == "none"

@@ -297,8 +297,6 @@ def test_texts(library):
     assert unknown not in texts
 
 
-# ---- over /dev/uio ---------------------------------------------------------------------------------------------------
-
 BUFFER = (0x10000000, 0x640, 0x40)  # page, size, offset: 24 targets, 24 results
 
 
@@ -369,8 +367,6 @@ def test_uio_wait_ends(library, tmp_path, error):
     assert (code, uio.error) == ("aborted" if error == errno.EINTR else "timeout", error)
     driver.linked.ik_uio_close(ctypes.byref(uio))
 
-
-# ---- on ik_axi -------------------------------------------------------------------------------------------------------
 
 ICARUS = simulator() == "icarus"
 FEW = "linux|ik_init|solves/interrupt=.*/stalled=False|bus_error/.*=slverr|aborted/interrupt=False"

@@ -20,7 +20,6 @@ from tb.sim import coverage
 from tb.sim.coverage import Point
 
 NEAR = 64  # a target is near a singular pose if it is within reach / NEAR of it
-
 FILE = f"{uuid.uuid4().hex}.txt"  # counts of this simulation
 
 REGIONS = ("regular", "axis", "shoulder", "stretched", "folded")

@@ -136,8 +136,6 @@ class Pipeline:
         self.gaps: list[bool] = []
         cocotb.start_soon(self._watch())
 
-    # ---- signals -------------------------------------------------------------------------------------------------
-
     def module(self, node: Node):
         """Return the module instance that contains a node."""
         path = MODELS[self.datapath]
@@ -147,8 +145,6 @@ class Pipeline:
     def _handle(self, node: Node):
         """Return the signal of a node."""
         return getattr(self.module(node), node.name)
-
-    # ---- stimulus ------------------------------------------------------------------------------------------------
 
     async def reset(self, clocks: int = 4) -> None:
         """Assert reset for ``clocks`` clocks; core, drivers and scoreboard drop all targets in flight."""
@@ -221,8 +217,6 @@ class Pipeline:
         assert not board.mismatching_bits, f"{board.mismatching_bits} bits differ\n{board.report()}"
         assert board.compared or not (board.nodes and self.results), "the scoreboard compared nothing"
         functional_coverage.keep()
-
-    # ---- monitors ------------------------------------------------------------------------------------------------
 
     async def _watch(self) -> None:
         """Sample admissions, departures and nodes once per clock; tb/rules checks the stream rules."""

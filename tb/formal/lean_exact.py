@@ -74,8 +74,6 @@ class Exact(Domain):
     def _is(self, name: str, *formulas: str) -> None:
         self.equations[name] = list(formulas)
 
-    # ---- names ----
-
     def claim(self, name: str) -> str:
         """Return the claim about a node's exact value; for a count, that it is between 0 and 63."""
         within = self.nodes[name].facts.within
@@ -140,8 +138,6 @@ class Exact(Domain):
             if found == {True}:
                 parts.append(f"(and true {' '.join(condition for condition, _ in case)})")
         return f"(or false {' '.join(parts)})"
-
-    # ---- the operations ----
 
     def apply(self, name: str, operands: tuple[Node, ...], fmt: Format, bits: Callable):
         if fmt.width == 1:

@@ -136,8 +136,6 @@ class Stages:
         self.whole, self.unrolled = Unrolled(text), Unrolled(MULTIPLIED.sub(r"(declare-fun \1 (\2) \3)", text))
         self.clocks = INVERSE_ROOT.clocks(frac, tile) + 1
 
-    # ---- the Verilog ----
-
     def at(self, name: str, clock: int, signed: bool = True) -> str:
         """Return a Verilog word extended to the :data:`WIDE` bits of the model."""
         width = self.unrolled.widths[name]
@@ -153,8 +151,6 @@ class Stages:
         """Return lowest bit and width of c0 (without its leading one), c1 and c2 in a word of the table."""
         widths = self.form.c_bits
         return [(sum(widths[i + 1 :]), width) for i, width in enumerate(widths)]
-
-    # ---- the model ----
 
     @property
     def row(self) -> tuple[str, ...]:

@@ -15,7 +15,6 @@ from pathlib import Path
 from tb.sim.env import ROOT, environment
 
 GRACE = 5.0  # seconds between SIGTERM and SIGKILL; make removes half-written files in this time
-
 FULL = 1 << 16  # free bytes below which a disk counts as full
 
 PR_SET_PDEATHSIG = 1

@@ -34,8 +34,6 @@ class ArmLowering(Lowering):
             return wrists
         return super()._mask(node, kind)
 
-    # ---- hand ----------------------------------------------------------------------------------------------------
-
     def _plus_wrapped(self, node: Node, a: str, b: str, width: int) -> None:
         self._plus(node, a, b)
 
@@ -64,8 +62,6 @@ class ArmLowering(Lowering):
         self.terms[f"{point}/2"] = Step(f"{point}/2", point, HALF, addend="result_double")
         self._chain(f"{point}/2", (node.name, off, -1), write=Write(node.name, source="wrist"))
 
-    # ---- results -------------------------------------------------------------------------------------------------
-
     def _elbow(self, node: Node, raw: str, clamp: str, fold: str, sign: int, **words: int) -> None:
         """Keep the word, and make it a result later: from the first result to the last one there is less than a lap."""
         super()._elbow(node, raw, clamp, fold, sign, **words)
@@ -81,8 +77,6 @@ class ArmLowering(Lowering):
     def _two(self, node: Node, a: str, b: str, sign: int, drop: int) -> None:
         self.terms[a] = replace(self.terms[a], minus=ALWAYS, addend="result_plain", write=None, term=a)
         self._chain(a, (node.name, b, sign), result=node.name)
-
-    # ---- angles --------------------------------------------------------------------------------------------------
 
     def vector(self, length, angle, x, y, within) -> None:
         super().vector(length, angle, x, y, within)

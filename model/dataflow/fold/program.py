@@ -39,7 +39,6 @@ class Schedule:
 
 
 WIDTH = 24  # a word length; steps and program are the same at all
-
 PLACES = 64  # read/write words of the memory; an equal number of powers follows
 
 WINDOWS = ("plain", "double", "low")

@@ -154,7 +154,6 @@ BEND, READ, ROW, ADD, SUM, WRITE, NORM = -1, 0, 1, 3, 4, 5, 7
 and the product's sign; product ready; write T and take its sign; write the normalized word."""
 
 FETCH = 3  # clocks from a step's place in the program to its issue
-
 ELBOW = ("elbow_w", "elbow_i")  # steps whose results are constants where there is no elbow
 
 
