@@ -19,7 +19,7 @@ from examples.icebreaker import host
 from examples.icebreaker.frames import ANSWER
 from model.dataflow import fixed
 from scripts import run
-from tb.icebreaker.example import run as simulated
+from tb.icebreaker.bench import run as simulated
 from tb.sim.env import ROOT
 
 HOST = [sys.executable, "-m", "examples.icebreaker.host", "PORT"]

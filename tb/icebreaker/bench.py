@@ -4,6 +4,7 @@
 import binascii
 import logging
 import os
+from pathlib import Path
 
 import cocotb
 import numpy as np
@@ -15,6 +16,8 @@ from examples.icebreaker.frames import ANSWER_BYTES, TARGET, WIDTH, Answers, fra
 from model.dataflow import fixed
 from model.dataflow.datapaths import FOLD16
 from model.io.stimuli import mixed
+from tb.sim.env import ROOT
+from tb.sim.runner import simulate
 
 PERIOD = 40  # clock period in ns
 BIT = int(os.environ.get("IK_BIT", "6"))  # clocks per bit
@@ -23,6 +26,14 @@ QUIET = 512  # clocks of silence that end a frame
 PARAMETERS = {"CLOCK": 10**9 // PERIOD, "BAUD": int(BAUD), "LOG2_QUIET": QUIET.bit_length() - 1}
 BYTE = 10 * BIT  # clocks per byte
 TARGETS = 10
+FOLDER = ROOT / "examples" / "icebreaker"
+PLL = Path(__file__).with_name("SB_PLL40_PAD.v")
+
+
+def run(module: str, **env: str) -> None:
+    """Run a module's cocotb tests on the example with a model of its PLL. Raises SystemExit if one fails."""
+    top = "".join(path.read_text(encoding="utf-8") for path in [*sorted(FOLDER.glob("*.v")), PLL])
+    simulate("icebreaker", module, top=top, parameters=PARAMETERS, env=env)
 
 
 class Board:

@@ -3,7 +3,7 @@
 
 import pytest
 
-from tb.icebreaker.example import run
+from tb.icebreaker.bench import run
 
 FEW = "out_of_reset|skew=0.0|answer_at_once|noise|no_stop_bit|button"
 

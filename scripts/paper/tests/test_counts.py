@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 4 and word lengths: counting rules; the pages are current, regular poses are regular."""
+"""Table 4, word lengths, figures 6 and 7: counting rules; pages and pictures are current and match the design."""
 
 import re
+from xml.etree import ElementTree
 
 import pytest
 import sympy
@@ -10,12 +11,15 @@ from model.bounds import ranges
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow.nodes import Domain, Format
 from model.io.scoring import singular_distance
-from model.io.words import to_words
+from model.io.words import RESULT_FIELDS, to_words
 from model.reference.cga import symbol
+from scripts.console import InputError
+from scripts.generate import flow
+from scripts.generate.flow import design
 from scripts.generate.render import read_table
 from scripts.paper import __main__ as paper
+from scripts.paper import figures, wordlengths
 from scripts.paper import operations as table4
-from scripts.paper import wordlengths
 from scripts.paper.operations import PRINTED, Ops, count
 
 a, b, c = sympy.symbols("a b c", real=True)
@@ -100,3 +104,50 @@ def test_an_operand_with_too_few_fraction_bits_is_named(part, monkeypatch, comma
     monkeypatch.setattr(ranges, "analyse", ranges.analyse.__wrapped__)  # without its cache
     status, _, (error,) = command(paper.main, "--only", part)
     assert status == 1 and re.match(r"\w+: \d+ fraction bits, .* only \d+$", error), error
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    return figures.figures()
+
+
+def is_current(name, text):
+    """Compare a picture with its figure; for a graph, compare the embedded digest."""
+    shown = (figures.SHOWN / name).read_text("utf-8")
+    if text.startswith("digraph"):
+        return shown.startswith(f"<!-- of the graph {figures.digest(text)} -->")
+    return shown == text
+
+
+def test_figures_and_page_are_up_to_date(drawn):
+    assert [name for name, text in drawn.items() if not is_current(name, text)] == [], "run `make paper ONLY=figures`"
+    assert figures.PAGE.read_text("utf-8") == figures.render("figures"), "run `make paper ONLY=figures`"
+    assert sorted(path.name for path in figures.SHOWN.iterdir()) == sorted(drawn)
+
+
+def test_every_node_and_operand_is_drawn(drawn):
+    graph = drawn["graph_p_e_x.svg"]
+    shown = flow.cone(design("paper"), "p_e_x")
+    arrows = {(o, node.name) for node in shown.values() for o in flow.operands(node)}
+    assert set(re.findall(r'^  "(\w+)" -> "(\w+)"', graph, re.M)) == arrows
+    assert re.findall(r'^  "(\w+)" \[label=.*', graph, re.M) == list(shown)
+    assert len(list(ElementTree.fromstring(drawn["schedule_p_e_x.svg"]).iter(f"{SVG}g"))) == len(shown)
+
+
+@pytest.mark.parametrize(("datapath", "width"), [("lean", 32), ("lean", 18), ("paper", 32)])
+def test_longest_path_takes_the_whole_latency(datapath, width):
+    nodes = design(datapath, width)
+    path = flow.longest_path(nodes)
+    assert path[0].op == "input" and path[0].time == 0 and path[-1].name in RESULT_FIELDS
+    assert path[-1].time == max(n.time for n in nodes.values())
+    for before, after in zip(path, path[1:], strict=False):
+        assert before.time == flow.start(after, width), after.name
+
+
+def test_without_graphviz_one_line(monkeypatch):
+    monkeypatch.setattr(figures.shutil, "which", lambda name: None)
+    with pytest.raises(InputError, match="dot is missing"):
+        figures.svg("digraph {}")
