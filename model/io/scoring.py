@@ -364,11 +364,8 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
     value = dict(zip(MODELS[result.datapath].results, result_values(run.results, result.width).T, strict=True))
     qs = targets.from_core(np.column_stack([value[name] for name in RESULT_FIELDS[:4]]))
     value |= dict(zip(RESULT_FIELDS[:4], qs.T, strict=True))
-    hand, hand_error, origin = (
-        result.each.hand,
-        result.each.hand_error,
-        0.0 if targets.origin is None else targets.origin,
-    )
+    hand, hand_error = result.each.hand, result.each.hand_error
+    origin = 0.0 if targets.origin is None else targets.origin
     elbow, wrist = (np.ldexp(at, -result.scale_exponent) + origin for at in (result.each.elbow, result.each.wrist))
     flags = np.asarray(run.flags) & (1 << flag_bits.OVER_BIT) - 1
     columns = {"n": np.arange(len(targets))} | {field: getattr(targets, field) for field in FIELDS}

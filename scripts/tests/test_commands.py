@@ -53,6 +53,11 @@ BAD_INPUT = [
     ("run --trajectory folder", "folder: is a directory"),
     ("run --trajectory locked.csv", "locked.csv: Permission denied"),
     ("run --trajectory bad.csv", "bad.csv: row 3, column y: 'two'"),
+    (
+        "run --trajectory in.csv",
+        "in.csv: row 2, column tool: '40.0' long",
+        "x,y,z,qw,qx,qy,qz,tool\n.1,.2,.3,1,0,0,0,40\n",
+    ),
     ("run --trajectory none.bvh", "none.bvh: No such file"),
     ("run --trajectory t.csv --d1 0", "--d1 0.0"),
     ("run --trajectory t.csv --d1 nan", "--d1 'nan' finite"),

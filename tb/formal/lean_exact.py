@@ -30,6 +30,19 @@ LONG = (1 << 60) - 1
 WORDS = {"and", "or", "not", "ite", "true", "false"}  # reserved words of SMT-LIB
 
 
+VALUES = {
+    "plus": "(+ {} {})",
+    "minus": "(- {} {})",
+    "times": "(* {} {})",
+    "square": "(* {0} {0})",
+    "limit": "{}",
+    "mantissa": "(ite {1} (* 4.0 {0}) {0})",
+    "turned": "(ite {2} (+ {0} {1}) (- {0} {1}))",
+    "result": "(ite {1} (- {0}) {0})",
+}
+"""Operation -> its value, from its operands."""
+
+
 def number(value: float | Fraction) -> str:
     """Return a number in SMT-LIB, exactly."""
     exact = Fraction(value)
@@ -145,13 +158,13 @@ class Exact(Domain):
             self._is(name, *([f"(= {name} {decision})"] if decision else []))
             return
         kind, parameters = operation(bits)
-        write = getattr(self, f"_{kind}", None)
-        if write is None:
+        names, write = [node.name for node in operands], getattr(self, f"_{kind}", None)
+        if kind not in VALUES and write is None:
             raise UnknownOperationError(f"{name}: {kind}")
-        found = write(name, operands, fmt, *(node.name for node in operands), **parameters)
+        found = VALUES[kind].format(*names) if kind in VALUES else write(name, operands, fmt, *names, **parameters)
         self._is(name, *([f"(= {name} {found})"] if isinstance(found, str) else found))
 
-    # Each operation has a method that returns its value, or the equations of the node `name`.
+    # Each other operation has a method that returns its value, or the equations of the node `name`.
 
     def _count(self, name, operands, fmt, *counts, factors, constant=0):
         up = [n for n, f in zip(counts, factors, strict=True) for _ in range(max(f, 0))]
@@ -166,24 +179,6 @@ class Exact(Domain):
         power = number(2.0 ** (left + operands[0].format.frac - fmt.frac))
         return [f"(= (* {name} {count}) (* {power} {value}))"]
 
-    def _plus(self, name, operands, fmt, a, b):
-        return f"(+ {a} {b})"
-
-    def _minus(self, name, operands, fmt, a, b):
-        return f"(- {a} {b})"
-
-    def _times(self, name, operands, fmt, a, b):
-        return f"(* {a} {b})"
-
-    def _square(self, name, operands, fmt, a):
-        return f"(* {a} {a})"
-
-    def _limit(self, name, operands, fmt, value, top):
-        return value
-
-    def _mantissa(self, name, operands, fmt, length, low, up, top):
-        return f"(ite {low} (* 4.0 {length}) {length})"
-
     def _half_length(self, name, operands, fmt, cosine, unit="false", frac=0):
         return f"(ite {unit} 1.0 {_half(cosine)})"
 
@@ -197,15 +192,9 @@ class Exact(Domain):
     def _part_sum(self, name, operands, fmt, length, sine, none, sign):
         return f"({'+' if sign > 0 else '-'} {length} (ite {none} 0.0 (/ {sine} 2.0)))"
 
-    def _turned(self, name, operands, fmt, whole, part, swap):
-        return f"(ite {swap} (+ {whole} {part}) (- {whole} {part}))"
-
     def _elbow(self, name, operands, fmt, value, clamp, fold, drop, sign, folded, straight, one):
         clamped = f"(ite {fold} {number(folded)} {number(straight)})"
         return f"(ite {clamp} {clamped} (* {number(sign)} {value}))"
-
-    def _result(self, name, operands, fmt, value, negative, drop):
-        return f"(ite {negative} (- {value}) {value})"
 
     def product3(self, name: str, a: Node, b: Node, fmt: Format, scale: int):
         self._is(name, f"(= {name} (* {number(2.0**scale)} {a.name} {b.name}))")

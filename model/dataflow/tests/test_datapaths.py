@@ -95,9 +95,6 @@ class Run:
             assert ((value >= node.format.low) & (value <= node.format.high)).all(), f"{name} leaves its format"
 
 
-# -- words
-
-
 def walks(width: int) -> np.ndarray:
     """Return targets at the limits of formats, reach and equations, each word of them up to 24 lsb further."""
     steps = np.arange(-24, 25)[:, None] * np.eye(len(FIELDS), dtype=np.int64)[:, None]
@@ -110,9 +107,6 @@ def any_words(count: int, width: int, seed: int) -> np.ndarray:
     """Return input words of all kinds: of targets in reach and out of it, meaningless, and all within 3 lsb of 0."""
     tiny = np.random.default_rng((seed, width)).integers(-3, 4, (count // 4, len(FIELDS)))
     return np.concatenate([mixed(count, width, seed), tiny, edges(count // 4, width, seed), walks(width)])
-
-
-# -- the lean datapath over the reachable workspace
 
 
 @every_width
@@ -146,9 +140,6 @@ def test_prediction_of_the_worst_target(width):
     assert Run(words, width).hand[0] <= predict.hand_bar(words, width, "lean")[0]
 
 
-# -- the paper's datapath
-
-
 @pytest.mark.parametrize(
     "width", [w if w == 18 else pytest.param(w, marks=[pytest.mark.slow, pytest.mark.cost(5)]) for w in TESTED]
 )
@@ -158,9 +149,6 @@ def test_hand_error_of_the_paper_stays_below_its_prediction(width):
     n = int(ratio.argmax())
     assert ratio[n] <= 1, f"{run.hand[n]:.3g} at {run.words[n].tolist()} is {ratio[n]:.2f} times the prediction"
     assert np.median(ratio) > 0.05, "the prediction is too wide"
-
-
-# -- both datapaths, any words
 
 
 @pytest.mark.parametrize(("datapath", "width"), [*(("lean", w) for w in WIDTHS), *(("paper", w) for w in TESTED)])
@@ -209,8 +197,6 @@ def test_a_width_that_is_not_built_is_refused():
         fixed.run(np.zeros((1, 6), dtype=np.int64), 33)
 
 
-# -- numbers and names in table, model and RTL
-
 DECLARED = re.compile(
     r"^\s*(?:output\s+)?(?:wire|reg)\s+(?:signed\s+)?(?:\[[^]]*\]\s*)?(?P<name>\w+)[^/\n]*(?://(?P<comment>.*))?$",
     re.MULTILINE,
@@ -236,9 +222,6 @@ def test_the_verilog_has_each_number_at_the_declaration_of_a_node(section):
     own = {n.name: [n.equation] if n.equation else [] for n in nodes if n.section == section and n.operands}
     assert own == {name: in_rtl.get(name) for name in own}
     assert not {name for name, found in in_rtl.items() if found and name not in own}, "numbers at other signals"
-
-
-# -- the program of the fold datapath
 
 
 PROGRAMS = pytest.mark.parametrize("name", ["fold", "fold_arm"])

@@ -35,9 +35,6 @@ def unit_vectors(size):
     return v / np.linalg.norm(v, axis=0)
 
 
-# -- tables 1 and 2
-
-
 def test_each_blade_reads_as_itself():
     for blade in cga.BLADES:
         mv = cga.scalar(1)
@@ -83,9 +80,6 @@ def test_metric_of_points_and_parts_of_entities():
     close(cga.direction(line), (q - p) / np.linalg.norm(q - p, axis=0), atol=1e-10)
 
 
-# -- quaternions and angles
-
-
 def test_angles_between_lines_and_planes():
     shared, a, b = RNG.normal(size=(3, 3, 50))
     cosine = (a * b).sum(axis=0) / np.linalg.norm(a, axis=0) / np.linalg.norm(b, axis=0)
@@ -99,9 +93,6 @@ def test_angles_between_lines_and_planes():
     close(cga.half_angle(np.cos(phi)), (np.cos(phi / 2), np.sin(phi / 2)), "(6), (7)", 1e-8)
     beyond = 1 + 1e-15
     assert cga.half_angle(beyond) == (1.0, 0.0) and cga.half_angle(-beyond) == (0.0, 1.0), "beyond 1 by roundoff"
-
-
-# -- quaternions as arrays
 
 
 def test_product_and_rotation_are_those_of_the_algebra():
