@@ -233,7 +233,8 @@ def test_lock_files_agree():
 def test_commands_that_run_the_core_import_only_packages_of_run_lock():
     loaded = (
         "import sys, scripts.run, scripts.follow, scripts.soak; from importlib.metadata import packages_distributions; "
-        "of = packages_distributions()\nprint(*{one for name in [*sys.modules] for one in of.get(name.split('.')[0], '')})"
+        "of, names = packages_distributions(), {name.split('.')[0] for name in sys.modules}; "
+        "print(*[one for name in names for one in of.get(name, [])])"
     )
     used = subprocess.run([sys.executable, "-c", loaded], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     locked = set(re.findall(r"^([\w.-]+)==", (ROOT / bootstrap.LOCK.format("run")).read_text(), re.M))
