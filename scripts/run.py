@@ -9,7 +9,7 @@ and prints them next to tables 5 and 6 of the paper.
 """
 
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager as ContextManager
 from dataclasses import replace
 from pathlib import Path
@@ -21,10 +21,11 @@ from model.bounds.predict import hand_bar
 from model.io import trajectories
 from model.io.files import Place
 from model.io.scoring import Score, score, score_json, tables
-from model.io.words import result_values
+from model.io.words import JOINTS, RESULT_FIELDS, result_values
 from model.motion import clip as clips
 from model.motion import gltf
-from model.motion.clip import Arm, Clip
+from model.motion.clip import Clip
+from model.reference import joints
 from scripts.console import command, output, progress, show, switch
 from scripts.paper.tables import table_of_datapaths
 from scripts.tables import table_of_many, table_of_one, verdict
@@ -97,26 +98,41 @@ def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
     return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
 
 
+def quaternions(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return Qs (N, 4) in the user's frame, and Qe (N, 4)."""
+    first = 0 if item.targets.hand is None else len(JOINTS)
+    values = result_values(ran.results[:, first : first + len(RESULT_FIELDS)], width)
+    return item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
+
+
+def by_joints(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return Qs, Qe and Qh (N, 4) of the seven joint angles, by forward kinematics; Qs and Qh in the user's frame."""
+    th, targets = ran.results[:, : len(JOINTS)].T * (2 * np.pi / 2**width), item.targets
+    qe = np.array((np.sin(th[3] / 2), -np.cos(th[3] / 2), 0 * th[3], 0 * th[3])).T
+    _, qh = joints.reached(th, targets.d1, targets.d2, targets.tool)
+    return targets.from_core(joints.turned(*th[:3]).T), qe, targets.from_core(qh)
+
+
 def turned(item: Prepared, ran: Run, width: int) -> Clip:
-    """Return the clip with its arms turned by the core's quaternions, read back from its file's content."""
+    """Return the clip with its arms turned by the core's quaternions, or by the seven joint angles of its hand poses,
+    read back from its file's content."""
     assert item.clip
-    values = result_values(ran.results, width)
-    qs, qe = item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
-    arms = len(item.moves)
-    moves = [(move, qs[n::arms], qe[n::arms]) for n, move in enumerate(item.moves)]
+    arms, found = len(item.moves), quaternions if item.targets.hand is None else by_joints
+    turns = found(item, ran, width)
+    moves = [(move, *(q[n::arms] for q in turns)) for n, move in enumerate(item.moves)]
     content = clips.turned(item.clip, moves, item.twist).content()
     return replace(clips.parse(content, item.clip.path), up=item.clip.up)
 
 
-def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the elbows and wrists (N, 3) of the turned clip, from the shoulder."""
-    places = turned(item, ran, width).positions
-
-    def of(joint: Callable[[Arm], int]) -> np.ndarray:
-        points = [places[:, joint(move.arm)] - places[:, move.arm.upper] for move in item.moves]
-        return np.stack(points, axis=1).reshape(-1, 3)
-
-    return of(lambda arm: arm.fore), of(lambda arm: arm.hand)
+def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
+    """Return the elbows and wrists (N, 3) of the turned clip, from the shoulder, and of hand poses the orientations
+    (N, 4)."""
+    clip = turned(item, ran, width)
+    places, arms = clip.positions, [move.arm for move in item.moves]
+    found = [[places[:, arm.fore] - places[:, arm.upper] for arm in arms]]
+    found += [[places[:, arm.hand] - places[:, arm.upper] for arm in arms]]
+    found += [[clips.hands(clip, arm) for arm in arms]] if item.targets.hand is not None else []
+    return tuple(np.concatenate(np.stack(each, axis=1)) for each in found)
 
 
 def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], done: Done) -> None:

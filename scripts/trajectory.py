@@ -12,6 +12,7 @@ import click
 import numpy as np
 from numpy.typing import ArrayLike
 
+from model.dataflow import fixed
 from model.dataflow.datapaths import ARM, DATAPATHS, DEFAULT
 from model.dataflow.nodes import Limits
 from model.io import trajectories
@@ -43,6 +44,10 @@ class Prepared:
     notes: tuple[str, ...] = ()
     robot: arms.Arm | None = None
     limits: Limits | None = None
+
+    def core_words(self, width: int) -> np.ndarray:
+        """Return the words (N, 6) of the wrist targets; of hand poses those that the hand's section computes."""
+        return self.words if self.targets.hand is None else fixed.of_hands(self.words[:, :-1], width)[0]
 
 
 def trajectory_options(
@@ -231,10 +236,13 @@ def _of_clip(arguments: SimpleNamespace) -> Prepared:
     if pole is not None:
         at = clip.positions[:, clips.named(clip, pole)[0]] if isinstance(pole, str) else np.asarray(pole)
         pole = np.stack([at - clip.positions[:, arm.upper] for arm in limbs], axis=1).reshape(-1, 3)
-    targets = _guided(clips.targets(clip, moves, phi, arguments.width), pole, arguments.soft)
+    # Hands go through the whole arm, unless a datapath of wrist targets is given.
+    by_hand = "datapath" not in arguments.given and all(move.hand is not None for move in moves)
+    targets = _guided(clips.targets(clip, moves, phi, arguments.width, by_hand), pole, arguments.soft)
     scale = clips.metres(arguments.scale or "auto", float(np.median([move.arm_length for move in moves])))
     words = to_words(targets, arguments.width)
-    return Prepared(targets, *words, clip, moves, arguments.twist or "clip", scale, clip.notes)
+    limits = limit_words(None, arguments.width) if by_hand else None
+    return Prepared(targets, *words, clip, moves, arguments.twist or "clip", scale, clip.notes, limits=limits)
 
 
 def _guided(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Targets:

@@ -164,7 +164,7 @@ def score(
     simulator: str,
     predicted: np.ndarray | None,
     bar: float | None = None,
-    placed: tuple[np.ndarray, np.ndarray] | None = None,
+    placed: tuple[np.ndarray, ...] | None = None,
     limits: Limits | None = None,
 ) -> Score:
     """Score the core's results.
@@ -174,8 +174,8 @@ def score(
     * run: the core's output, with the attributes of `tb.sim.job.Run`
     * predicted (N,): hand error / reach explained by word length and conditioning; None if not computed
     * bar: hand error / reach requested by the user, replacing the table of tolerances
-    * placed: elbows and wrists (N, 3) to score, from the shoulder, in the user's units; by default from forward
-      kinematics
+    * placed: elbows and wrists (N, 3) to score, from the shoulder, in the user's units, and orientations (N, 4) of
+      hands without a tool; by default from forward kinematics
     * limits: of the joints of hand poses, words; none by default
 
     Raises ValueError for arrays whose shapes do not match, since a lost result would otherwise go undetected, and for a
@@ -203,11 +203,14 @@ def score(
 
     elbow, wrist = forward(qs, qe, d1, d2)
     if placed is not None:
-        elbow, wrist = (np.ldexp(targets.points_to_core(points), exponent) for points in placed)
+        elbow, wrist = (np.ldexp(targets.points_to_core(points), exponent) for points in placed[:2])
     _, pose_wrist = forward(pose_qs, pose_qe, asked.d1, asked.d2)
     end, nearest, size, table, of_hand, turn_bar = wrist, pose_wrist, reach, None, None, None
     if path.side:
-        of_hand, q = _hand(targets, exponent, value, width, limits)
+        of_hand = _hand(targets, exponent, value, width, limits)
+        if placed is not None:
+            turn = angle_between(placed[2], targets.hand)
+            of_hand = dataclasses.replace(of_hand, point=wrist, orientation_error=turn)
         tool, end = np.ldexp(targets.tool, exponent), of_hand.point
         size, nearest = reach + np.linalg.norm(tool, axis=1), pose_wrist + rotate(targets.core_hand, tool)
         table, turn_bar = tolerances.pose(words, width, np.ldexp(np.linalg.norm(tool[:, :2], axis=1), width - 2))
@@ -289,18 +292,15 @@ def score(
     )
 
 
-def _hand(
-    targets: Targets, exponent: int, value: dict[str, np.ndarray], width: int, limits: Limits | None
-) -> tuple[Hand, np.ndarray]:
-    """Return the hands by forward kinematics of the results' joints, with points in the core's frame, and their
-    orientations (N, 4)."""
+def _hand(targets: Targets, exponent: int, value: dict[str, np.ndarray], width: int, limits: Limits | None) -> Hand:
+    """Return the hands by forward kinematics of the results' joints, with points in the core's frame."""
     words = np.array([value[name] for name in JOINTS])
     th, free = words * (2 * np.pi / 2**width), [(-(1 << width - 1), (1 << width - 1) - 1)] * len(JOINTS)
     ends = zip(words, limits or free, strict=True)
     over = np.array([outside(word, low=low, high=high, width=width) for word, (low, high) in ends])
     d1, d2, tool = (np.ldexp(length, exponent) for length in (targets.d1, targets.d2, targets.tool))
     point, q = reached(th, d1, d2, tool)
-    return Hand(point, th.T, over.T, angle_between(q, targets.core_hand)), q
+    return Hand(point, th.T, over.T, angle_between(q, targets.core_hand))
 
 
 def _max(values: np.ndarray, where: np.ndarray) -> float | None:

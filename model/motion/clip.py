@@ -11,9 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from ..io.files import QUATERNION
 from ..io.words import Targets
 from ..reference.kinematics import conjugate, multiply, rotate
 from . import bvh
@@ -234,6 +236,7 @@ class Motion:
     * elbow, wrist (F, 3); d1, d2 (F,): lengths of upper arm and forearm
     * frame (F, 4): the quaternion of R, which takes the clip's frame to the core's
     * phi (F,): the swivel angle (rad) in that frame
+    * hand (F, 4): orientation of the hand, z along its bone; None if the clip has no channels for it
     """
 
     arm: Arm
@@ -243,6 +246,7 @@ class Motion:
     d2: np.ndarray
     frame: np.ndarray
     phi: np.ndarray
+    hand: np.ndarray | None = None
 
     @property
     def arm_length(self) -> float:
@@ -284,7 +288,20 @@ def motion(clip: Clip, arm: Arm, axis: Axis = TORSO) -> Motion:
         frame = np.broadcast_to(to_z(axis), (count, 4))
     elbow, wrist = elbow - shoulder, wrist - shoulder
     phi = swivel((0.0, 0.0, 0.0), rotate(frame, elbow), rotate(frame, wrist))
-    return Motion(arm, elbow, wrist, d1, d2, frame, phi)
+    hand = hands(clip, arm) if clip.can_turn(arm.hand) else None
+    return Motion(arm, elbow, wrist, d1, d2, frame, phi, hand)
+
+
+def _to_palm(clip: Clip, arm: Arm) -> np.ndarray:
+    """Return the quaternion (4,) that takes the hand's bone at rest to z; of a hand without one, the forearm."""
+    below = [clip.rest[k] - clip.rest[arm.hand] for k, parent in enumerate(clip.parents) if parent == arm.hand]
+    bone = np.sum(below, axis=0) if below else np.zeros(3)
+    return to_z(bone if np.linalg.norm(bone) > 0 else clip.rest[arm.hand] - clip.rest[arm.fore])
+
+
+def hands(clip: Clip, arm: Arm) -> np.ndarray:
+    """Return the orientations (F, 4) of an arm's hand, z along its bone."""
+    return multiply(clip.turn[:, arm.hand], conjugate(_to_palm(clip, arm)))
 
 
 def _lengths(rest: np.ndarray, bone: np.ndarray) -> np.ndarray:
@@ -293,8 +310,12 @@ def _lengths(rest: np.ndarray, bone: np.ndarray) -> np.ndarray:
     return np.where(np.isclose(found, length, rtol=1e-9, atol=0), length, found)
 
 
-def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | float], width: int) -> Targets:
+def targets(
+    clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | float], width: int, by_hand: bool = False
+) -> Targets:
     """Return the wrists of all arms as one stream, frame by frame, with a swivel angle (F,) or one number for each arm.
+
+    With ``by_hand`` they are hand poses, without a tool.
 
     For a straight arm, rounding to words of ``width`` bits could make the elbow stick out by the root of an ulp, so its
     target is moved two ulps out of reach, which keeps it straight.
@@ -312,7 +333,12 @@ def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | floa
     arm = np.tile([move.arm.label for move in moves], count)
     others = {"frame": np.arange(count).repeat(len(moves)).astype(str).tolist(), "arm": arm.tolist()}
     frame = np.stack([move.frame for move in moves], axis=1).reshape(-1, 4)
-    return Targets(clip.path.stem, x, y, z, angles, d1, d2, str(clip.path), others=others, frame=frame, arm=arm)
+    found = Targets(clip.path.stem, x, y, z, angles, d1, d2, str(clip.path), others=others, frame=frame, arm=arm)
+    if not by_hand:
+        return found
+    hand = np.stack([move.hand for move in moves if move.hand is not None], axis=1).reshape(-1, 4)
+    quaternion = {name: [*map(repr, q)] for name, q in zip(QUATERNION, hand.T.tolist(), strict=True)}
+    return replace(found, hand=hand, others=others | quaternion)
 
 
 # -- the turned clip ---------------------------------------------------------------------------------------------------
@@ -320,16 +346,16 @@ def targets(clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | floa
 TWISTS = ("clip", "core")
 
 
-def turned(clip: Clip, moves: Sequence[tuple[Motion, np.ndarray, np.ndarray]], twist: str = "clip") -> Clip:
-    """Return the clip with arms turned by Qs and Qe, (F, 4) each, in the clip's frame; the rest of the body is
-    unchanged.
+def turned(clip: Clip, moves: Sequence[tuple[Any, ...]], twist: str = "clip") -> Clip:
+    """Return the clip with arms turned by (motion, Qs, Qe) or (motion, Qs, Qe, Qh), (F, 4) each, in the clip's frame;
+    the rest of the body is unchanged.
 
     The core gives the direction of each bone.  Its twist is the clip's: the bone turns the shortest way.  With twist
     "core" the core's hinge, about which the elbow bends, is fixed in both bones, and is aligned with the clip's average
-    hinge.  Hands keep their orientation to the world.
+    hinge.  Hands without Qh keep their orientation to the world.
     """
     world = {}
-    for move, qs, qe in moves:
+    for move, qs, qe, *qh in moves:
         arm, fore = move.arm, move.wrist - move.elbow
         normal = np.cross(move.elbow, fore)
         for joint, bone, q, z in ((arm.upper, move.elbow, qs, 1.0), (arm.fore, fore, multiply(qs, qe), -1.0)):
@@ -340,7 +366,7 @@ def turned(clip: Clip, moves: Sequence[tuple[Motion, np.ndarray, np.ndarray]], t
                 hinge = _hinge(_unit(rotate(back, bone)).mean(axis=0), rotate(back, normal))
                 world[joint] = multiply(_roll(aim, rotate(world[joint], hinge), rotate(q, HINGE)), world[joint])
         if clip.can_turn(arm.hand):
-            world[arm.hand] = clip.turn[:, arm.hand]
+            world[arm.hand] = multiply(qh[0], _to_palm(clip, arm)) if qh else clip.turn[:, arm.hand]
     return clip.turned(world)
 
 

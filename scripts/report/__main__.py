@@ -27,13 +27,25 @@ import numpy as np
 from model.io import flags as flag_bits
 from model.io import trajectories
 from model.io.scoring import Score
-from model.io.words import from_words, result_values
+from model.io.words import JOINTS, from_words
+from model.motion.swivels import feasible_swivel
 from model.reference.equations import swivel_normal
-from scripts.console import InputError, command
+from scripts.console import command
 from scripts.generate.render import TEMPLATES
 from scripts.report.constructions import packed
 from scripts.report.figure import figure_data, joint_angles
-from scripts.run import SCORES, elbow_errors, of_datapath, outputs, result_paths, score_runs, simulated, write_results
+from scripts.run import (
+    SCORES,
+    by_joints,
+    elbow_errors,
+    of_datapath,
+    outputs,
+    quaternions,
+    result_paths,
+    score_runs,
+    simulated,
+    write_results,
+)
 from scripts.tables import figures, verdict
 from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
 from tb.sim.simulate import Run
@@ -70,7 +82,7 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
     """
     targets, width = item.targets, done[0][1].width
     # Decode the input words, so that the swivel plane is the one passed to the core.
-    asked = from_words(item.words, 0, width, targets.name)
+    asked = from_words(item.core_words(width), 0, width, targets.name)
     about = trajectories.describe(targets.name) if targets.path is None else f"Targets of {Path(targets.path).name}."
     arms = _arms(targets.d1, targets.d2)
     if item.clip:
@@ -78,28 +90,60 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
         frames = len(targets) // len(item.moves)
         about = (
             f"{Path(targets.path).name}: {frames} frames at {1 / item.clip.period:.6g} Hz; {limbs} by the "
-            "core, the rest of the body as in the clip."
+            f"core{', with their hands' * (targets.hand is not None)}, the rest of the body as in the clip."
         )
         arms = np.tile(np.arange(len(item.moves)), frames).tolist()
+    wrist = targets.position if targets.hand is None else targets.points_from_core(targets.core_wrist)
     first, *others = (_run_data(item, ran, result) for ran, result in done)
     return {
         "name": targets.name,
         "about": about,
-        "target": _numbers(targets.position),
+        "target": _numbers(wrist),
         "phi": _numbers(targets.phi),
         "lengths": _numbers(np.column_stack((targets.d1, targets.d2))),
         "arm": arms,
         "normal": _numbers(targets.points_from_core(swivel_normal(asked.x, asked.y, asked.z, asked.phi))),
         "paper": packed(item, width),
+        "hands": hand_data(item, *done[0]) if targets.hand is not None else None,
         **first,
         "beside": others,
     }
 
 
+def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
+    """Return the page's data of hand poses, angles in degrees.
+
+    * names, joints (N, 7), limits (7, 2): the robot's own, if there is one; limits are None without an end
+    * over: bits of the joints outside their limits; error: of the orientation (rad)
+    * free: intervals of the swivel angle for which all joints are within their limits, None without a robot
+    * goal, point, turn, without a clip: the hand's point as requested and reached, from the shoulder, and orientation
+    """
+    targets, robot, hand = item.targets, item.robot, result.each.hand
+    assert hand
+    found: dict[str, Any] = {"names": JOINTS, "joints": hand.joints, "limits": [(None, None)] * 7, "free": None}
+    if robot:
+        lengths = targets.d1, targets.d2, 0.0
+        swivels = feasible_swivel(targets.core_wrist, targets.core_hand, *lengths, robot.bounds, targets.branch)
+        found |= {"names": robot.names, "joints": robot.positions(hand.joints)}
+        found["free"] = [
+            _numbers(np.degrees(own[np.isfinite(own[:, 0])]), 4) if own.size else [] for own in swivels.intervals
+        ]
+        found["limits"] = [
+            [float(f"{end:.5g}") if np.isfinite(end) else None for end in pair] for pair in np.degrees(robot.limits)
+        ]
+    if item.clip is None:
+        goal = targets.position - (0.0 if targets.origin is None else targets.origin)
+        point, turn = np.ldexp(hand.point, -item.exponent), by_joints(item, ran, result.width)[2]
+        found |= {"goal": _numbers(goal), "point": _numbers(point), "turn": _numbers(turn, 5)}
+    over = (hand.over_limit << np.arange(7)).sum(axis=1).tolist()
+    errors = _numbers(hand.orientation_error, 3)
+    return found | {"joints": _numbers(np.degrees(found["joints"]), 5), "over": over, "error": errors}
+
+
 def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     """Return one datapath's results for a trajectory."""
-    targets, width, each = item.targets, result.width, result.each
-    values = result_values(ran.results, width)
+    width, each = result.width, result.each
+    qs, qe = quaternions(item, ran, width)
     of_clip = {}
     if item.clip:
         of_clip = {"clip": figure_data(item, ran, width), "elbowError": _numbers(elbow_errors(item, result))}
@@ -108,12 +152,12 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
         "angles": _numbers(joint_angles(item, ran, width), 5),
         "elbow": _numbers(np.ldexp(each.elbow, -item.exponent)),
         "wrist": _numbers(np.ldexp(each.wrist, -item.exponent)),
-        "qs": _numbers(targets.from_core(values[:, :4])),
-        "qe": _numbers(values[:, 4:]),
+        "qs": _numbers(qs),
+        "qe": _numbers(qe[:, :2]),
         "flags": [flag_bits.names(int(bits)) for bits in ran.flags],
         "clamped": each.clamped.tolist(),
         "hand": _numbers(each.judged_error),
-        "predicted": _numbers(each.predicted),
+        "predicted": None if each.predicted is None else _numbers(each.predicted),
         "bar": result.hand_error_bar if result.hand_error_bar is not None else result.clamped_error_bar,
         "shoulderAngle": _numbers(each.shoulder_angle_error),
         "elbowAngle": _numbers(each.elbow_angle_error),
@@ -164,8 +208,6 @@ def main(parsed: SimpleNamespace) -> int:
     path = parsed.out / "report.html"
     prepared = prepare(parsed)
     folders = datapaths(parsed, prepared)
-    if prepared[0].targets.hand is not None:
-        raise InputError("argument --trajectory: the report shows wrist targets, not hand poses")
     with outputs(parsed.out, folders.values(), prepared, path) as files:
         runs = [simulated(parsed, datapath, prepared) for datapath in folders]
         done = [score_runs(parsed, datapath, prepared, ran) for datapath, ran in zip(folders, runs, strict=True)]

@@ -44,7 +44,7 @@ function tickStep(range, most) {
 
 function readColours() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["card", "text", "soft", "line", "grid", "upper", "fore", "joint", "goal", "elbow", "plane", "ghost", "body", "middle", "run0", "run1", "run2"]) {
+  for (const name of ["card", "text", "soft", "line", "grid", "upper", "fore", "joint", "goal", "elbow", "plane", "ghost", "body", "middle", "good", "bad", "run0", "run1", "run2"]) {
     state.colours[name] = style.getPropertyValue(`--${name}`).trim();
   }
 }
@@ -172,7 +172,7 @@ function box(points) {
 
 // Returns the bounding sphere of the whole motion and its shadow on the floor; constant during the motion.
 function bounds(t) {
-  const points = [[0, 0, 0], ...t.target, ...t.elbow, ...t.wrist];
+  const points = [[0, 0, 0], ...t.target, ...t.elbow, ...t.wrist, ...(t.hands?.goal ?? []), ...(t.hands?.point ?? [])];
   const [low, high] = box(points);
   low[2] -= 0.06 * length(sum(high, low, -1));
   const floor = low[2];
@@ -256,17 +256,52 @@ function drawPlane(g, project, t, n) {
   g.globalAlpha = 1;
 }
 
+// Draws the circle on which the elbow swivels, thick where all joints are within their limits.
+function drawSwivel(g, project, t, n) {
+  const u = unit(t.target[n]);
+  const m = cross(t.normal[n], u);
+  const centre = u.map((v) => v * dot(t.elbow[n], u));
+  const radius = dot(t.elbow[n], m);
+  const at = (phi) => {
+    const angle = (phi * Math.PI) / 180 - t.phi[n];
+    return project(sum(sum(centre, m, radius * Math.cos(angle)), cross(u, m), radius * Math.sin(angle)));
+  };
+  const path = (from, to) => Array.from({ length: 73 }, (_, i) => at(from + ((to - from) * i) / 72));
+  line(g, path(-180, 180), state.colours.bad, 1.2, [3, 4]);
+  t.hands.free[n].forEach(([from, to]) => line(g, path(from, to), state.colours.good, 3));
+}
+
+// Draws the hand from wrist to point with its x, y and z axes.
+function drawHand(g, project, t, n, thick) {
+  const { goal, point, turn: [[w, ...v]] } = { ...t.hands, turn: [t.hands.turn[n]] };
+  const { colours: c } = state;
+  const size = 0.22 * (t.lengths[n][0] + t.lengths[n][1]);
+  const rotated = (p) => {
+    const twice = cross(v, p).map((x) => 2 * x);
+    return sum(sum(p, twice, w), cross(v, twice));
+  };
+  for (const [width, colour] of [[0.55 * thick + 3, c.card], [0.55 * thick, c.body]]) {
+    line(g, [t.wrist[n], point[n]].map(project), colour, width);
+  }
+  [[c.bad, [1, 0, 0]], [c.good, [0, 1, 0]], [c.upper, [0, 0, 1]]].forEach(([colour, axis], i) => {
+    const end = rotated(axis);
+    line(g, [point[n], sum(point[n], end, size)].map(project), colour, 2.5);
+    text(g, "xyz"[i], ...project(sum(point[n], end, 1.2 * size)), colour, "center");
+  });
+  ring(g, project(goal[n]), 0.35 * thick + 3);
+}
+
 function drawPaths(g, project, t, arm, n) {
   const mine = t.arm.map((a, i) => i).filter((i) => t.arm[i] === arm);
   const path = (points, upTo) => mine.filter((i) => i <= upTo).map((i) => project(points[i]));
   line(g, path(t.elbow, t.arm.length), state.colours.elbow, 1, [2, 4]);
   line(g, path(t.elbow, n), state.colours.elbow, 2);
-  const targets = path(t.target, t.arm.length);
+  const targets = path(t.hands?.goal ?? t.target, t.arm.length);
   if (targets.length <= 400) {
     targets.forEach((p) => disc(g, p, 1.3, state.colours.goal));
   }
   line(g, targets, state.colours.goal, 0.8);
-  line(g, path(t.wrist, n), state.colours.goal, 2.5);
+  line(g, path(t.hands?.point ?? t.wrist, n), state.colours.goal, 2.5);
 }
 
 function drawArm(g, view, t, n, labelled) {
@@ -313,7 +348,9 @@ function drawNames(g, w, { points, thick }, goal) {
     const shifted = x + half * Math.max(-1, Math.min(1, 2 * ways[i][0]));
     text(g, name, Math.max(half + 4, Math.min(w - half - 4, shifted)), y, state.colours.text, "center");
   });
-  ring(g, goal, 0.45 * thick + 3);
+  if (goal) {
+    ring(g, goal, 0.45 * thick + 3);
+  }
 }
 
 function drawScene() {
@@ -327,6 +364,9 @@ function drawMotion(g, w, h, t) {
   drawFloor(g, view.project, view.bounds);
   drawAxes(g, view.direction, h, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]);
   drawPlane(g, view.project, t, n);
+  if (t.hands?.free) {
+    drawSwivel(g, view.project, t, n);
+  }
   const arms = [...new Set(t.arm)].filter((arm) => arm !== t.arm[n]);
   for (const arm of [...arms, t.arm[n]]) {
     drawPaths(g, view.project, t, arm, n);
@@ -335,5 +375,9 @@ function drawMotion(g, w, h, t) {
     const last = t.arm.lastIndexOf(arm, n); // last pose of the other arm
     drawArm(g, view, t, last < 0 ? t.arm.indexOf(arm) : last, false);
   }
-  drawNames(g, w, drawArm(g, view, t, n, true), view.project(t.target[n]));
+  const drawn = drawArm(g, view, t, n, true);
+  if (t.hands) {
+    drawHand(g, view.project, t, n, drawn.thick);
+  }
+  drawNames(g, w, drawn, t.hands ? null : view.project(t.target[n]));
 }

@@ -31,7 +31,7 @@ def entities(item: Prepared, width: int) -> tuple[dict[str, np.ndarray], dict[st
 
     Points and lengths are relative to the reach, directions have length 1. Undefined entities are nan.
     """
-    asked = from_words(item.words, 0, width, item.targets.name)
+    asked = from_words(item.core_words(width), 0, width, item.targets.name)
     lengths = [values / asked.reach for values in (asked.x, asked.y, asked.z, asked.d1, asked.d2)]
     d1, d2 = lengths[3:]
     with np.errstate(divide="ignore", invalid="ignore"):

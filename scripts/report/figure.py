@@ -11,10 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from model.io.words import result_values
 from model.motion.clip import Arm, Clip, Motion, outward_and_up, rest_up
 from model.reference.kinematics import conjugate, rotate
-from scripts.run import turned
+from scripts.run import quaternions, turned
 from scripts.trajectory import Prepared
 from tb.sim.simulate import Run
 
@@ -103,14 +102,14 @@ def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
     Azimuth is measured from forward (x) to the left, elevation from the horizontal: in the torso's frame for a clip,
     else in the frame of the targets.  Flexion is 0 for a straight arm.
     """
-    values = result_values(ran.results, width)
-    upper = rotate(item.targets.from_core(values[:, :4]), (0.0, 0.0, 1.0))
+    qs, qe = quaternions(item, ran, width)
+    upper = rotate(qs, (0.0, 0.0, 1.0))
     for n, move in enumerate(item.moves):
         upper[n :: len(item.moves)] = _from_torso(item.clip, move.arm, upper[n :: len(item.moves)])
     azimuth = np.arctan2(upper[:, 1], upper[:, 0])
     elevation = np.arcsin(np.clip(upper[:, 2], -1, 1))
     # Qe rotates by 0 if the forearm is folded onto the upper arm and by pi if the arm is straight.
-    flexion = np.pi - 2 * np.arctan2(np.abs(values[:, 5]), values[:, 4])
+    flexion = np.pi - 2 * np.arctan2(np.abs(qe[:, 1]), qe[:, 0])
     return np.degrees(np.column_stack((azimuth, elevation, item.targets.phi, flexion)))
 
 

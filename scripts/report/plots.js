@@ -139,6 +139,7 @@ function drawErrors() {
   const angles = state.runs.map((t) => [
     { name: "shoulder", values: t.shoulderAngle, colour: c.upper, dots: true },
     { name: "elbow", values: t.elbowAngle, colour: c.fore, dots: true },
+    ...(t.hands ? [{ name: "hand", values: t.hands.error, colour: c.plane, dots: true }] : []),
   ]);
   // All runs share one scale, for comparison.
   const scaleOf = (all) => (_, bottom) => logScale(all.flat().map(({ values }) => ({ values: ofArm(values) })), bottom);
@@ -151,8 +152,8 @@ function drawErrors() {
 function handSeries(t) {
   const { colours: c } = state;
   const limit = t.bar === null ? [] : [{ name: "limit", values: t.hand.map(() => t.bar), colour: c.text, width: 2 }];
-  const predicted = { name: "predicted", values: t.predicted, colour: c.elbow, width: 1.5, dash: [5, 4] };
-  return [...limit, predicted, { name: "hand", values: t.hand, colour: c.fore, dots: true }];
+  const predicted = t.predicted ? [{ name: "predicted", values: t.predicted, colour: c.elbow, width: 1.5, dash: [5, 4] }] : [];
+  return [...limit, ...predicted, { name: "hand", values: t.hand, colour: c.fore, dots: true }];
 }
 
 const DASHES = [{ dash: [] }, { name: "Dotted", dash: [1, 7] }, { name: "Dashed", dash: [6, 10] }]; // one per run
@@ -166,6 +167,66 @@ function drawJoints() {
     return { name: i ? "" : name, values, colour: i ? c.text : colours[k], width: 1.8, dash: DASHES[i].dash, breaks: true };
   }));
   drawSeries(element("joints"), "angle (\u00b0)", series, degreeScale);
+}
+
+// Draws a strip for each of the seven joints, with a band of its limits, and one for the swivel angle, with the angles
+// for which all joints are within their limits.
+function drawSeven() {
+  const { hands, phi } = state.shown;
+  if (!hands) {
+    return;
+  }
+  const { colours: c } = state;
+  const { count, unit: each, name, least } = across();
+  const strips = hands.names.map((joint, k) => ({
+    joint,
+    values: ofArm(hands.joints.map((row) => row[k])),
+    bands: hands.limits[k].includes(null) ? null : ofArm(hands.over).map(() => [hands.limits[k]]),
+    outside: ofArm(hands.over).map((over) => (over >> k) & 1),
+    colour: [c.upper, c.fore, c.plane][(k > 2) + (k > 3)],
+  }));
+  const turns = ofArm(phi).map((v) => (v * 180) / Math.PI);
+  const swivels = turns.map((v) => v - 360 * Math.round(v / 360));
+  const free = hands.free && ofArm(hands.free).map((own) => own.flatMap(([a, b]) => [[a, Math.min(b, 180)], ...(b > 180 ? [[-180, b - 360]] : [])]));
+  strips.push({ joint: "swivel", values: swivels, bands: free, outside: ofArm(hands.over), colour: c.elbow });
+
+  const still = (g, w, h) => {
+    const { x, bottom } = plotAxes(g, w, h, Math.max(1, count - 1) * each, name, "", least);
+    const at = (i) => x((count > 1 ? i : 0.5) * each);
+    const height = (bottom - MARGIN.top) / strips.length;
+    const columns = x(each) - x(0);
+    const places = strips.map(({ values, bands, outside, colour }, k) => {
+      const ends = k < hands.names.length && bands ? hands.limits[k] : [-180, 180];
+      const [low, high] = [Math.min(...ends, ...values), Math.max(...ends, ...values)];
+      const floor = MARGIN.top + (k + 1) * height - 6;
+      const y = (v) => floor - ((v - low) / (high - low)) * (height - 24); // the name is above it
+      g.globalAlpha = 0.16;
+      g.fillStyle = c.good;
+      (bands ?? []).forEach((own, i) => own.forEach(([from, to]) => {
+        const [left, right] = [Math.max(MARGIN.left, at(i) - columns / 2), Math.min(w - MARGIN.right, at(i) + columns / 2)];
+        g.fillRect(left, y(to), right - left, Math.max(1, y(from) - y(to)));
+      }));
+      g.globalAlpha = 1;
+      for (const end of ends) {
+        line(g, [[MARGIN.left, y(end)], [w - MARGIN.right, y(end)]], c.line, 0.8);
+        text(g, String(Math.round(end)).replace("-", "\u2212"), MARGIN.left - 6, y(end), c.soft, "right");
+      }
+      for (const piece of pieces(values, true)) {
+        line(g, piece.map((i) => [at(i), y(values[i])]), colour, 1.8);
+      }
+      outside.forEach((over, i) => over && disc(g, [at(i), y(values[i])], 3, c.bad));
+      return y;
+    });
+    return { at, places, bottom, height };
+  };
+  const { g, at, places, bottom, height } = prepareOver(element("seven"), still);
+  const now = at(state.frame);
+  line(g, [[now, MARGIN.top], [now, bottom]], c.goal, 1);
+  strips.forEach(({ joint, values, outside, colour }, k) => {
+    const v = values[state.frame];
+    disc(g, [now, places[k](v)], 4, outside[state.frame] ? c.bad : colour);
+    text(g, `${joint} ${degrees(v)}`, MARGIN.left, MARGIN.top + k * height + 8, outside[state.frame] ? c.bad : c.text);
+  });
 }
 
 // Returns the clocks between targets.

@@ -12,7 +12,7 @@ function drawThumbnail(canvas, t) {
   for (const arm of new Set(t.arm)) {
     const mine = t.arm.flatMap((a, i) => (a === arm ? [i] : []));
     line(g, mine.map((i) => project(t.elbow[i])), c.elbow, 1);
-    line(g, mine.map((i) => project(t.target[i])), c.goal, 1.5);
+    line(g, mine.map((i) => project((t.hands?.goal ?? t.target)[i])), c.goal, 1.5);
     const n = mine[Math.min(mine.length - 1, Math.round(last / 3))];
     line(g, [[0, 0, 0], t.elbow[n]].map(project), c.upper, 4);
     line(g, [t.elbow[n], t.wrist[n]].map(project), c.fore, 3.5);
@@ -71,11 +71,21 @@ function writeNow() {
     ...rows([
       ["wrist target", t.target[n].map(short).join(", ")],
       ["swivel angle", `${t.phi[n].toFixed(4)} rad (${degrees(t.angles[n][2])})`],
+      ...(t.hands ? hand(t.hands, n) : []),
       ["arm lengths", t.lengths[n].map(short).join(", ")],
       ...state.runs.flatMap((run, i) => [...(several ? [[run.datapath, "", i]] : []), ...answer(run, n)]),
     ]),
   );
 }
+
+// Returns the rows of a hand pose.
+const hand = ({ goal, free }, n) => [
+  ...(goal ? [["hand", goal[n].map(short).join(", ")]] : []),
+  ...(free ? [["swivel within limits", free[n].map(([from, to]) => `${degrees(from)} to ${degrees(to)}`).join("; ") || "none"]] : []),
+];
+
+// Returns the names of the joints of a pose that are outside their limits.
+const beyond = ({ over, names }, n) => names.filter((_, k) => (over[n] >> k) & 1).join(", ");
 
 // Returns the rows of a target's result.
 const answer = (t, n) => [
@@ -85,7 +95,9 @@ const answer = (t, n) => [
   ["Qe", ["", "i"].map((unit, i) => signed(t.qe[n][i]) + unit).join(" ")],
   ["flags", t.flags[n] === "-" ? "none" : t.flags[n]],
   [t.clamped[n] ? "hand error, clamped" : "hand error", `${error(t.hand[n])} of the reach`],
-  ["limit, predicted", `${t.bar === null ? "none" : error(t.bar)}, ${error(t.predicted[n])}`],
+  [t.predicted ? "limit, predicted" : "limit", [t.bar, ...(t.predicted ? [t.predicted[n]] : [])].map((v) => (v === null ? "none" : error(v))).join(", ")],
+  ...(t.hands ? [["orientation error", `${error(t.hands.error[n])} rad`]] : []),
+  ...(t.hands?.free ? [["joints outside limits", beyond(t.hands, n) || "none"]] : []),
   ...(t.clip ? [["elbow error", `${error(t.elbowError[n])} of the reach`]] : []),
 ];
 
@@ -111,6 +123,8 @@ function writeTrajectory() {
   element("arm").replaceChildren(...(t.clip?.arms ?? []).map(({ side }, i) => new Option(side, i)));
   element("arm").value = state.arm;
   element("arm").disabled = armsIn(t) === 1;
+  document.documentElement.dataset.hands = Boolean(t.hands);
+  document.documentElement.dataset.limits = Boolean(t.hands?.free);
   element("joints-note").textContent = t.clip
     ? "Azimuth of the upper arm from forward to the left and elevation from the horizontal, as the torso sees them; " +
       "of an arm that hangs straight down azimuth means little. Swivel angle of the target."
@@ -165,6 +179,7 @@ function draw() {
   drawScene();
   drawPaper();
   drawJoints();
+  drawSeven();
   drawErrors();
   state.runs.forEach(drawPipeline);
   writeNow();
@@ -279,6 +294,7 @@ function listen() {
       step(target(inside) - state.frame);
     });
   seek(element("joints"), (inside) => inside * last());
+  seek(element("seven"), (inside) => inside * last());
   PLACES.forEach((place, i) => {
     seek(element("hand" + place), (inside) => inside * last());
     seek(element("angles" + place), (inside) => inside * last());

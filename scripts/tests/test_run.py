@@ -16,9 +16,12 @@ import pytest
 from model.bounds import tolerances
 from model.dataflow.datapaths import DATAPATHS
 from model.io import trajectories
+from model.io.words import JOINTS
 from model.motion import clip as clips
 from model.motion.pose import soft_reach, solve
 from model.motion.tests import figure, second_reader
+from model.reference.joints import reached
+from model.reference.kinematics import angle_between, multiply, rotate
 from scripts import run
 from scripts.fpga.designs import clock, load
 from scripts.generate import pages
@@ -309,11 +312,46 @@ def test_the_score_of_a_clip_is_that_of_the_written_file(clip_cli, monkeypatch):
     turned = clips.turned
 
     def one_arm(clip, moves, twist):
-        return turned(clip, [(move, np.roll(qs, 1, axis=0), qe) for move, qs, qe in moves], twist)
+        return turned(clip, [(move, np.roll(qs, 1, axis=0), *rest) for move, qs, *rest in moves], twist)
 
     monkeypatch.setattr(clips, "turned", one_arm)
     status, out, _ = clip_cli("--phi", "1")
     assert status == 1 and float(scores(Path("o/score.json"))[0]["hand_error_max"]) > 0.01
+
+
+def test_hands_of_a_clip(clip_cli, simulator):
+    """The written hands follow from the seven angles and are scored against the clip's own."""
+    clip = clips.read(figure.write(Path("t.bvh").absolute(), frames=9))
+    assert clip_cli("--phi", "1")[0] == 0
+    assert (simulator.calls[0]["datapath"], simulator.calls[0]["limits"]) == ("arm", [(-(2**31), 2**31 - 1)] * 7)
+    again, wanted, found = clips.read(Path("o/clip.bvh")), table("qw", "qx", "qy", "qz"), table(*JOINTS)
+    for k, (arm, other) in enumerate(zip(clips.arms(clip), clips.arms(again), strict=True)):
+        own, move = clips.hands(clip, arm), clips.motion(clip, arm)
+        np.testing.assert_array_equal(wanted[k::2], own)
+        turn = angle_between(clips.hands(again, other), own)
+        np.testing.assert_allclose(table("orientation_error")[k::2, 0], turn, atol=1e-15)
+        _, q = reached(found[k::2].T, move.d1, move.d2, np.zeros((9, 3)))
+        assert 0 < turn.max() < 2e-8 and angle_between(multiply(move.frame, own), q).max() < 2e-8
+        bone = clip.positions[:, arm.hand + 1] - clip.positions[:, arm.hand]
+        np.testing.assert_allclose(rotate(own, (0, 0, 0.5)), bone, atol=1e-6)
+    simulator.spoil = lambda run: np.add.at(run.results[:, JOINTS.index("th6")], 4, 2**10)
+    status, _, err = clip_cli()
+    assert status == 1 and err[0].startswith("run: t fails: orientation error 1.5e-06 at target 4 ")
+
+
+@pytest.mark.parametrize("kept", ["an angle", "datapath"])
+def test_clips_without_hands_are_wrists(clip_cli, simulator, kept):
+    path = figure.write(Path("t.bvh").absolute(), frames=3, order="ZYX")
+    text = path.read_text().partition("LeftHand")
+    if kept == "an angle":  # of the left hand only
+        after = text[2].replace("CHANNELS 3 Zrotation Yrotation Xrotation", "CHANNELS 1 Zrotation", 1)
+        head, motion, table_ = after.partition("Frame Time: 0.0083333\n")
+        column = clips.read(path).nodes[clips.arms(clips.read(path))[0].hand].channels[1].column
+        cut = (row.split() for row in table_.splitlines())
+        after = head + motion + "".join(" ".join(row[:column] + row[column + 2 :]) + "\n" for row in cut)
+        path.write_text(text[0] + text[1] + after)
+    assert clip_cli(*(["--datapath", "lean"] if kept == "datapath" else []))[0] == 0
+    assert simulator.calls[0]["datapath"] == "lean" and "th1" not in rows()[0]
 
 
 def test_twist_of_the_core(clip_cli):

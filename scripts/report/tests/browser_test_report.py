@@ -3,14 +3,18 @@
 
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from model.io import trajectories
+from model.io.files import format_csv
 from scripts.report import __main__ as report
 from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE, Page
+from scripts.report.tests.conftest import write_without_rtl
+from scripts.report.tests.test_page import data_in
 from scripts.tests.conftest import LATENCY
 
 NAMES = list(trajectories.TRAJECTORIES)
@@ -59,6 +63,17 @@ AXIS = """((id) => {
     const copy = new OffscreenCanvas(60, 174).getContext('2d');
     copy.drawImage(document.getElementById(id), 0, 0);
     return copy.getImageData(0, 0, 60, 174).data.join();
+})"""
+
+
+# Number of pixels within r of a point of the scene that have the colour of angles within the limits.
+GREEN = """((x, y, r) => {
+    const copy = new OffscreenCanvas(2 * r, 2 * r).getContext('2d');
+    copy.drawImage(document.getElementById('scene'), r - Math.round(x), r - Math.round(y));
+    const pixels = copy.getImageData(0, 0, 2 * r, 2 * r).data;
+    const hex = getComputedStyle(document.documentElement).getPropertyValue('--good').trim();
+    const rgb = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+    return pixels.filter((_, i) => !(i % 4) && rgb.every((v, k) => pixels[i + k] === v)).length;
 })"""
 
 
@@ -262,6 +277,34 @@ def test_a_clip_is_drawn_and_fits(clip, browser, size, scheme):
             assert_figure_is_whole(page, (arm, number))
         page.click("#paper-choice button:nth-child(1)")
     assert len(pictures) == 10
+
+
+@pytest.mark.parametrize(("size", "scheme"), SIZES[::2], ids=str)
+def test_hand_poses_are_drawn_and_fit(browser, size, scheme, tmp_path):
+    """Strips of seven joints; the circle through the elbow is green only where all joints are within limits."""
+    poses = replace(trajectories.make("pick_and_place"), phi=np.linspace(-3, 3, 100))
+    (tmp_path / "t.csv").write_text(format_csv(poses))
+    address = write_without_rtl(tmp_path, "--trajectory", str(tmp_path / "t.csv"), "--robot", "iiwa14")
+    page = browser(address + "#target=0", size, prefers_color_scheme=scheme)
+    (data,) = data_in(tmp_path / "report.html")
+    pictures = set()
+    for n in (0, 30, 95):
+        page.choose("scrub", n)
+        assert_fits(page, n)
+        over, names = data["hands"]["over"][n], np.array(data["hands"]["names"])
+        expected = ", ".join(names[(over >> np.arange(7) & 1) > 0]) or "none"
+        assert page.text("now").endswith(f"joints outside limits{expected}")
+        assert min(margin for _, margin, _ in page.run(f"{PIXELS}('scene', ['upper', 'fore', 'body', 'joint'])")) > 0
+        assert (
+            min(count for count, *_ in page.run(f"{PIXELS}('seven', ['upper', 'fore', 'plane', 'elbow', 'bad'])")) > 50
+        )
+        pictures |= {page.picture(), page.picture("seven")}
+        *_, (x, y, *_), _, _, _ = page.run(f"{CALLS}('scene', 'arc')")  # elbow, wrist twice, ring
+        assert (page.run(f"{GREEN}({x}, {y}, {30 if size == WIDE else 14})") > 5) == (over == 0), (
+            "the circle at the elbow"
+        )
+    assert len(pictures) == 6
+    assert_plots_move_to_the_pointer(page, ("#seven",), 99)
 
 
 @pytest.mark.parametrize(("size", "scheme"), SIZES[:3], ids=str)

@@ -8,6 +8,7 @@ import base64
 import html
 import json
 import re
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -16,9 +17,12 @@ import pytest
 
 from model.bounds import tolerances
 from model.io import trajectories
+from model.io.files import format_csv
+from model.io.words import JOINTS
 from model.motion import clip as clips
+from model.motion.arms import ROBOTS
 from model.motion.tests import figure
-from model.reference.kinematics import conjugate, forward, matrix, rotate
+from model.reference.kinematics import angle_between, conjugate, forward, matrix, rotate
 from scripts import run
 from scripts.report import __main__ as report
 from scripts.report.figure import FORE, UPPER
@@ -104,6 +108,40 @@ def test_several_datapaths(cli, command, simulator):
         assert (PAGE.parent / datapath / "results.csv").read_bytes() == Path(datapath, "results.csv").read_bytes()
     names = [f"{d}/results.{kind}" for d in ("lean", "paper") for kind in ("csv", "npz")]
     assert data_in(PAGE, "files") == {"reach": names, "": ["score.json"]}
+
+
+def test_hands_of_a_robot(shown):
+    """Points, axes, joints and limits equal the run's; swivel angles are free where no joint is over its limit."""
+    poses = replace(trajectories.make("pick_and_place"), phi=np.linspace(-3, 3, 100))
+    Path("t.csv").write_text(format_csv(poses))
+    data = shown("--trajectory", "t.csv", "--robot", "iiwa14")
+    hands, arm, run = data["hands"], ROBOTS["iiwa14"], np.load(PAGE.parent / "results.npz")
+    np.testing.assert_allclose(hands["goal"], poses.position - arm.base, atol=1e-6)
+    np.testing.assert_allclose(hands["point"], hands["goal"], atol=1e-6)
+    assert angle_between(np.array(hands["turn"]), poses.hand).max() < 1e-4
+    along = np.array(hands["point"]) - data["wrist"]
+    np.testing.assert_allclose(along, rotate(np.array(hands["turn"]), arm.tool), atol=1e-5)
+    own = np.degrees(np.column_stack([run[name] for name in hands["names"]]))
+    np.testing.assert_allclose(hands["joints"], own, rtol=1e-4)
+    np.testing.assert_allclose(hands["limits"], np.degrees(arm.limits), rtol=1e-4)
+    over = np.array(hands["over"])
+    assert (over[:, None] >> np.arange(7) & 1 == run["over_limit"]).all() and 20 < np.count_nonzero(over) < 80
+    angles = np.degrees(poses.phi)[:, None] + (0, 360)
+    for own, phi, beyond in zip(hands["free"], angles, over, strict=True):
+        assert any(low - 0.1 <= one <= high + 0.1 for low, high in own for one in phi) or beyond
+        assert not beyond or not any(low + 0.1 < one < high - 0.1 for low, high in own for one in phi)
+    np.testing.assert_array_equal(hands["error"], [float(f"{each:.3g}") for each in run["orientation_error"]])
+
+
+def test_hands_without_a_robot(shown):
+    """Joints are th1 to th7 without limits; a clip's hands are drawn by its figure."""
+    figure.write(Path("t.bvh"), frames=9)
+    for name in ("writing", "t.bvh"):
+        data = shown("--trajectory", name)
+        assert data["hands"]["names"] == list(JOINTS) and data["hands"]["limits"] == [[None, None]] * 7
+        assert (data["hands"]["free"], data["predicted"]) == (None, None)
+        assert ("point" in data["hands"]) == (name == "writing")
+    assert shown("--trajectory", "circle")["hands"] is None
 
 
 def test_arms_and_units_of_a_file(shown):
