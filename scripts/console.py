@@ -24,7 +24,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
-from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS, DEFAULT
+from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS, DEFAULT, MODELS
 from model.dataflow.nodes import WIDTHS
 from model.io.files import Place, number, whole_files
 from model.io.words import TargetError
@@ -58,7 +58,7 @@ def _parsed(parser: click.Command, program: str, arguments: Sequence[str]) -> Si
         options = SimpleNamespace(**context.params, given=given)
     chosen = (context.params.get(name) for name in ("datapath", "width"))
     paths, widths = (value if isinstance(value, (list, tuple)) else [value] for value in chosen)
-    for path in (CONFIGURATIONS[name] for name in paths if name in CONFIGURATIONS):
+    for path in (MODELS[name] for name in paths if name in MODELS):
         if any(width and width not in path.widths for width in widths):
             lengths = ", ".join(map(str, path.widths))
             raise InputError(f"argument --width: the {path.name} datapath supports {lengths} bits")
@@ -167,10 +167,12 @@ def sim_option(default: str = SIMULATORS[0]) -> click.Option:
     return option("--sim", "simulator", click.Choice(SIMULATORS), default=default)
 
 
-def core_options(sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, most: int = 1) -> list[click.Option]:
-    """Return --sim, --datapath and --width. With `most` above 1 --datapath takes up to that number of names; None as
-    its default stands for all dataflows in the paper's scenario, otherwise the first."""
-    names = list(CONFIGURATIONS)
+def core_options(
+    sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, most: int = 1, names: Iterable[str] = CONFIGURATIONS
+) -> list[click.Option]:
+    """Return --sim, --datapath, one of `names`, and --width. With `most` above 1 --datapath takes up to that
+    number of names; None as its default stands for all dataflows in the paper's scenario, otherwise the first."""
+    names = list(names)
     if most == 1:
         paths = option("--datapath", "datapath", click.Choice(names), default=datapath)
     else:

@@ -162,9 +162,9 @@ reached or waived: `tb/sim/coverage_waivers.txt` has the reasons. Memories of mo
 
 {table(["module", *(f"{kind} points" for kind in KINDS), "reached", "waived"], rows)}
 
-Crosses of flag, datapath, singular region and stall pattern at the ports of `ik_axis`
-(`tb/core/functional_coverage.py`), in results that a test has checked: {len(crosses)} bins, each reached at least
-{min(crosses)} times.
+Crosses of flag, datapath, singular region and stall pattern at the ports of `ik_axis`, and of the kind of a pose,
+datapath and stall pattern at those of `ik_arm` (`tb/core/functional_coverage.py`), in results that a test has checked:
+{len(crosses)} bins, each reached at least {min(crosses)} times.
 """
 
 

@@ -8,6 +8,8 @@
 A chunk of 20000 targets is a function of seed, width and chunk number, so --from resumes at any chunk. --special runs
 all 12^6 targets of twelve special words on each input. --against c also compares results with the C of table 6. The
 hardest targets go into OUT/hardest.csv and, with --keep, into tb/core/worst_targets.csv and docs/generated/soak.md.
+The whole arm gets hand poses with these wrists, its hardest ones are in OUT/hardest_poses.csv only, and the error of a
+pose is relative to its tolerance.
 
 The run stops at the first chunk with a wrong bit or flag, a quaternion that is not of unit length or a hand of the lean
 datapath beyond its tolerance, and writes those targets to OUT/failing.csv. The paper datapath has no tolerance near its
@@ -35,12 +37,12 @@ import numpy as np
 from model.bounds import tolerances
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from model.io.files import write_atomically
 from model.io.flags import CORE_FLAGS, expected_flags
 from model.io.scoring import singular_distance
-from model.io.stimuli import REGIONS, SPECIAL, mixed, region
-from model.io.words import FIELDS, from_words
+from model.io.stimuli import REGIONS, SPECIAL, hands, mixed, region
+from model.io.words import from_words
 from scripts import parallel
 from scripts.console import (
     InputError,
@@ -74,7 +76,7 @@ OPTIONS = [
     option("--seed", "random seed", whole(0), default=1, metavar="S"),
     option("--from", f"first chunk of {CHUNK} targets", whole(0), default=0, metavar="CHUNK"),
     switch("--special", f"all {SPECIAL} targets with 12 special words per input, instead of random targets"),
-    *core_options(sim="verilator"),
+    *core_options(sim="verilator", names=MODELS),
     option("--jobs", "parallel chunks", whole(1), default=os.cpu_count(), metavar="N"),
     parallel.FARM,
     option("--out", "folder for hardest.csv and failing.csv", Path, default="build/soak", metavar="DIR"),
@@ -94,7 +96,7 @@ def _check(options: SimpleNamespace) -> None:
         options.seed, options.targets = None, SPECIAL - CHUNK * options.from_
         if options.targets <= 0:
             raise InputError(f"argument --from: special words have chunks 0 to {(SPECIAL - 1) // CHUNK}")
-    if options.against and CONFIGURATIONS[options.datapath].equations != "lean":
+    if options.against and (MODELS[options.datapath].equations != "lean" or MODELS[options.datapath].side):
         raise InputError(f"argument --against: the {options.datapath} datapath has no tolerance for it")
 
 
@@ -121,6 +123,8 @@ def run_chunk(core: Core, seed: int | None, end: int, against: bool, number: int
     """Run chunk `number`, at most to target `end`; on a farm, with a program of the worker."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
+    if MODELS[core.datapath].side:
+        words = hands(words, core.width, number)
     core = core if core.program else _built(core)
     found, failures, hand = judge(core, words, range(start, start + len(words)), opinions if against else None)
     kept = slice(None if failures else 0)
@@ -213,8 +217,9 @@ def _row(core: Core, words: Sequence[int], hand_error: float, found: str) -> wor
 
 
 def code(datapath: str) -> str:
-    """Return a digest of the Verilog of a datapath, and of ik_axis.v."""
-    return digest({*closure(f"ik_{CONFIGURATIONS[datapath].rtl}"), *closure("ik_axis")[:1]})
+    """Return a digest of the Verilog of a datapath, and of its top."""
+    path = MODELS[datapath]
+    return digest({*closure(path.entity), *closure(path.top)[:1]})
 
 
 def _keep(core: Core, of: str, found: Found) -> None:
@@ -247,7 +252,8 @@ def _report(failures: list[Failure], words: np.ndarray, where: Callable[[int], s
         n = failure.rows[0] if failure.rows else None
         print(f"soak: {'unknown target' if n is None else where(n)}: {first}", file=sys.stderr)
         if n is not None:
-            named = " ".join(f"{name}={word}" for name, word in zip(FIELDS, words[n].tolist(), strict=True))
+            names = worst_targets.named(words.shape[1])
+            named = " ".join(f"{name}={word}" for name, word in zip(names, words[n].tolist(), strict=True))
             print(f"soak: its words: {named}", file=sys.stderr)
         for line in more:
             print(f"soak: {line}", file=sys.stderr)
@@ -261,9 +267,11 @@ def _compile(sim: str, datapath: str, width: int) -> Core:
 
 
 def _soak(arguments: SimpleNamespace) -> int:
-    hardest_path, failing = arguments.out / "hardest.csv", arguments.out / "failing.csv"
+    poses = bool(MODELS[arguments.datapath].side)
+    hardest_path = arguments.out / ("hardest_poses.csv" if poses else "hardest.csv")
+    failing = arguments.out / "failing.csv"
     with output(arguments.out, [hardest_path, failing]):
-        lists = [hardest_path, *([worst_targets.LIST] if arguments.keep else [])]
+        lists = [hardest_path, *([worst_targets.LIST] if arguments.keep and not poses else [])]
         earlier = {file: worst_targets.read(file) if file.exists() else [] for file in lists}
         if arguments.against:
             for name in EQUATIONS:
@@ -324,7 +332,7 @@ def _again(arguments: SimpleNamespace) -> int:
         _report(failures, words, lambda n, group=group: group[n].found)
         status |= bool(failures)
         verdict = "FAIL" if failures else "pass"
-        print(f"{core}: {len(words)} targets, largest hand error / reach {found.hand_error_max:.3e}: {verdict}")
+        print(f"{core}: {len(words)} targets, largest {MODELS[datapath].error} {found.hand_error_max:.3e}: {verdict}")
     return status
 
 

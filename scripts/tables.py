@@ -10,9 +10,10 @@ from rich.markup import escape
 from rich.table import Table
 
 from model.bounds import tolerances
+from model.dataflow.datapaths import MODELS
 from model.io import flags as flag_bits
 from model.io.scoring import Score
-from model.io.words import FIELDS
+from tb.core import worst_targets
 from tb.core.random_targets import Core, Found
 
 LATENCY, CLOCKS, RATE = "latency (clocks)", "clocks for all targets", "results per clock while they flow"
@@ -144,7 +145,11 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
         ("targets", str(found.targets)),
         ("of them in reach", str(found.reachable)),
         ("bits that differ from the bit-true model", "0", "0"),
-        ("hand error / reach, largest", f"{found.hand_error_max:.2e}", "none" if most is None else f"{most:.2e}"),
+        (
+            f"{MODELS[core.datapath].error}, largest",
+            f"{found.hand_error_max:.2e}",
+            "none" if most is None else f"{most:.2e}",
+        ),
         (f"hand error / {'tolerance' if most else 'prediction'}, largest", f"{ratio:.3f}", "1" if most else ""),
         *([] if most else [("targets seen above their prediction", str(found.above))]),
         ("abs(norm^2 - 1) of Qs and Qe, largest", f"{found.norm_error_max:.2e}", f"{norm:.2e}"),
@@ -160,7 +165,8 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
 
 def table_of_hardest(found: Found) -> Table:
     """Return the hardest targets: first by hand error relative to its tolerance, then by norm error."""
-    headings = ("target", "hand", "/ tol.", "norm", *FIELDS)
+    words = next((hard.words for hard in found.by_hand + found.by_norm), [])
+    headings = ("target", "hand", "/ tol.", "norm", *worst_targets.named(len(words)))
     table = _table("the hardest targets", headings, left=0, padding=(0, 1, 0, 0))
     for hards in (found.by_hand, found.by_norm):
         for hard in hards:

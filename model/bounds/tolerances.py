@@ -8,7 +8,10 @@ checked, and accuracy only on request (``BAR=``).
 
 import numpy as np
 
-from ..dataflow.datapaths import CONFIGURATIONS, MODELS
+from ..dataflow.datapaths import MODELS
+from ..io.flags import BAD_HAND, SATURATED, UNREACHABLE
+from ..reference.joints import reached
+from ..reference.kinematics import angle_between
 from .predict import hand_bar
 
 LEAN = {
@@ -60,6 +63,17 @@ def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
     return point * reach + WRIST_ULPS, orientation
 
 
+def pose_errors(words: np.ndarray, results: np.ndarray, flags: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the errors (N,) of the hand's point and orientation of poses (N, 11), relative to their tolerances; nan
+    for poses out of reach."""
+    th, tool = results[:, :7].T * (2 * np.pi / (1 << width)), words[:, 6:7] * (0.0, 0.0, 1.0)
+    point, hand = reached(th, words[:, 4], words[:, 5], tool)
+    bars = arm(words, width)
+    unknown = np.where(flags & (UNREACHABLE | SATURATED | BAD_HAND), np.nan, 0.0)
+    off = np.linalg.norm(point - words[:, :3], axis=1) / bars[0]
+    return off + unknown, angle_between(hand, words[:, 7:11]) / bars[1] + unknown
+
+
 ROUNDED_POSE_ULPS = 3**0.5 / 2 + 3 / 2, 2.0
 """Further errors of a hand in the user's units: of its point, as three coordinates, d1, d2 and tool are rounded to
 words, and of its orientation, as the four components are."""
@@ -84,11 +98,14 @@ def sought(width: int) -> float:
 
 
 def hand(width: int, datapath: str, *, regular: bool = False) -> float | None:
-    """Return the largest hand error / reach of any target; None where the table has no entry.
+    """Return the largest hand error / reach of any target; None where the table has no entry. For the whole arm, return
+    the largest of :func:`pose_errors`, 1.
 
     ``regular``: all targets keep :data:`REGULAR_DISTANCE`, as a file or trajectory may declare.
     """
-    if CONFIGURATIONS[datapath].equations == "lean":
+    if MODELS[datapath].side:
+        return 1.0
+    if MODELS[datapath].equations == "lean":
         return lean(width)
     return REGULAR if regular and width == REGULAR_WIDTH else None
 

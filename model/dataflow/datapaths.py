@@ -58,6 +58,16 @@ class Datapath:
         return ("paper", "lean", "fold")[self.number]
 
     @property
+    def entity(self) -> str:
+        """Module of the datapath inside its top."""
+        return f"ik_{self.rtl}_arm" if self.side else f"ik_{self.rtl}"
+
+    @property
+    def error(self) -> str:
+        """Measure of a hand's error."""
+        return "hand error / tolerance" if self.side else "hand error / reach"
+
+    @property
     def equations(self) -> str:
         """Set of equations it computes: ``lean`` or ``paper``."""
         return "paper" if self.flow is paper.paper else "lean"

@@ -403,10 +403,27 @@ def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
     return np.column_stack([random.permutation(rows), random.integers(8, size=count)])
 
 
+def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
+    """Return poses and branch (N, 12) of the whole arm with the wrist targets (N, 6): an eighth of them hands without a
+    meaning, the first ones corners, the others hands in any orientation, th6 often near 0 or a half turn."""
+    random, named = np.random.default_rng((seed, width, 7)), arm_corners(width)
+    reachable = np.flatnonzero((expected_flags(words, width) & UNREACHABLE) == 0)
+    found = any_hands(len(words), width, seed)
+    found[:, :6] = words
+    posed = hand_poses(words[reachable], width, seed)
+    kept = random.random(len(words)) < 7 / 8
+    if len(posed):  # the hands and tools of poses in reach also with wrists out of reach
+        found[kept, 6:] = posed[random.integers(len(posed), size=kept.sum()), 6:]
+        found[reachable[kept[reachable]]] = posed[kept[reachable]]
+    if len(found) > 100 * len(named):
+        found[: len(named)] = named
+    return np.column_stack([found, random.integers(8, size=len(words))])
+
+
 def arm_limits(width: int) -> list[tuple[int, int]]:
-    """Return limits of seven joints, words: arcs of all lengths, through half a turn, and a joint without limits."""
+    """Return limits of seven joints, words: arcs of all lengths, some through half a turn, none a whole turn."""
     half = 1 << width - 1
-    arcs = (0.9, -0.8), (-0.7, 0.95), (-1.0, 0.0), (-0.4, 0.5), (0.2, 0.3), (-0.99, 0.6), (-1.0, 1.0)
+    arcs = (0.9, -0.8), (-0.7, 0.95), (-1.0, 0.0), (-0.4, 0.5), (0.2, 0.3), (-0.99, 0.6), (0.7, 0.4)
     return [(round(low * half), min(round(high * half), half - 1)) for low, high in arcs]
 
 

@@ -12,11 +12,12 @@ import pytest
 from model.bounds import tolerances
 from model.dataflow import fixed
 from model.io import stimuli
-from model.io.flags import CORE_FLAGS, UNREACHABLE, expected_flags
+from model.io.flags import ARM_FLAGS, CORE_FLAGS, UNREACHABLE, expected_flags
 from scripts import check_proofs, soak, soak_memory
 from tb.axi.instances import CORE, named
 from tb.core import random_targets, worst_targets
 from tb.core.random_targets import chunk, judge
+from tb.sim.job import answer
 from tb.sim.simulate import SimulationError
 
 MISMATCH = (
@@ -76,6 +77,28 @@ def test_a_stopped_soak_reports_where_to_resume(cli, simulator, files):
     status, out, err = cli("--targets", "2000")
     assert (status, len(out), files()) == (143, 1, [])
     assert "800 targets" in err[0] and "--from 2" in err[0]
+
+
+@pytest.mark.parametrize("datapath", ["arm", "fold_arm"])
+def test_poses_of_the_whole_arm(cli, simulator, files, datapath):
+    """Chunks have hands of all kinds; a wrong angle and a wrong over_limit are failures, whose poses run again."""
+    words = ["--datapath", datapath, "--width", "18" if datapath == "arm" else "20", "--targets", "800"]
+    status, out, err = cli(*words)
+    assert (status, err, files()) == (0, [], ["build/soak/hardest_poses.csv"])
+    poses, width = np.concatenate(simulator.words), int(words[3])
+    flags = answer(poses, width, datapath).flags
+    assert poses.shape == (800, 12) and set(poses[:, 11]) == {*range(8)}
+    assert all(((flags & flag) != 0).any() and (flags & flag == 0).any() for flag in ARM_FLAGS.values())
+    assert len(worst_targets.merge(worst_targets.read(Path("build/soak/hardest_poses.csv")))) <= 2 * worst_targets.KEPT
+
+    def spoil(run):
+        run.flags[5] ^= ARM_FLAGS["over_6"]
+
+    simulator.calls.clear()
+    simulator.spoil = lambda run: spoil(run) if len(simulator.calls) == 2 else None
+    status, out, err = cli(*words)
+    assert status == 1 and "over_6" in "".join(err) and "hand_x=" in err[1]
+    assert cli("--again", "build/soak/failing.csv")[0] == 0
 
 
 # -- checks that fail --------------------------------------------------------------------------------------------------

@@ -134,6 +134,7 @@ class Pipeline:
         self.errors: list[str] = []
         self.gap = self.held = False  # since the last beat: an idle input clock; a result had to wait
         self.gaps: list[bool] = []
+        self.lost = False  # poses were dropped by a reset, and no result has left since
         cocotb.start_soon(self._watch())
 
     def module(self, node: Node):
@@ -232,6 +233,7 @@ class Pipeline:
             self.clock += 1
             if dut.rst.value != 0:
                 self.scoreboard.forget()
+                self.lost |= bool(self.due)
                 self.due.clear()
                 self.gap = self.held = False
                 # Registers keep old values until the first rising edge with rst high; ignore all clocks in reset.
@@ -276,7 +278,11 @@ class Pipeline:
             return
         target = self.due.pop(0)
         self.results.append((words, tag, flags, self.clock))
-        if not path.side:
+        if path.side:
+            kinds = functional_coverage.pose_kinds(self.words[target].tolist(), words, flags, self.width)
+            functional_coverage.sample_pose(kinds, path.name, self.gaps[target], self.held, self.lost)
+            self.lost = False
+        else:
             functional_coverage.sample(flags, path.rtl, self.words[target], self.gaps[target], self.held)
         self.held = False
         self.latencies.append(self.clock - self.admitted[target])

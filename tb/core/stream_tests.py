@@ -14,7 +14,7 @@ from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.dataflow.fold.program import program
-from tb.core.functional_coverage import STALLS, every_kind
+from tb.core.functional_coverage import STALLS, every_kind, every_pose
 from tb.core.pipeline import PATTERNS, Pipeline, pause
 
 
@@ -108,13 +108,16 @@ async def every_flag_in_every_region(dut, idle, stall):
     for port, pauses in ((bench.source, idle), (bench.sink, stall)):
         if pauses:
             port.set_pause_generator(bool(number) for number in iter(lambda: random.integers(8), None))
-    path, targets = MODELS[bench.datapath], every_kind(bench.width)
+    path, targets = MODELS[bench.datapath], bench.around(every_kind(bench.width))
+    wanted = every_kind
+    if path.side:
+        wanted, targets = every_pose, np.concatenate([targets, every_pose(bench.width)])
     for _ in range(10):
-        bench.send(bench.around(np.concatenate([targets[-1:], targets])))
+        bench.send(np.concatenate([targets[-1:], targets]))
         await bench.drain()
         bench.check()
-        targets = every_kind(bench.width, path.rtl, STALLS[idle + 2 * stall])
-        if path.side or not len(targets):
+        targets = wanted(bench.width, path.name if path.side else path.rtl, STALLS[idle + 2 * stall])
+        if not len(targets):
             break
     assert len(bench.results) == len(bench.words), "a target has no result"
 

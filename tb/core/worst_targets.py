@@ -17,17 +17,19 @@ from pathlib import Path
 import numpy as np
 
 from model.bounds import tolerances
-from model.dataflow import fixed
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import WIDTHS
 from model.io.files import number
 from model.io.flags import UNREACHABLE, expected_flags
-from model.io.words import FIELDS, TargetError, result_values
+from model.io.words import ARM_FIELDS, FIELDS, TargetError, result_values
 from model.reference.kinematics import forward
 from tb.sim.env import ROOT
+from tb.sim.job import answer
 
 LIST = ROOT / "tb" / "core" / "worst_targets.csv"
 COLUMNS = ("datapath", "width", *FIELDS, "hand_error", "found")
+POSE_COLUMNS = ("datapath", "width", *ARM_FIELDS, "branch", "hand_error", "found")
+"""Columns of a list for the whole arm, in a file of its own."""
 
 KEPT = 10  # targets kept for each measure of hardness, per datapath and word length
 
@@ -43,8 +45,15 @@ class Row:
     found: str
 
 
-def errors(words: np.ndarray, results: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return hand error / reach (N,), nan out of reach, and abs(norm^2 - 1) (N,), the larger of Qs and Qe."""
+def errors(
+    words: np.ndarray, results: np.ndarray, width: int, flags: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return hand error / reach (N,), nan out of reach, and abs(norm^2 - 1) (N,), the larger of Qs and Qe; of the whole
+    arm, whose ``flags`` are needed, the larger of :func:`tolerances.pose_errors` instead of the former."""
+    if words.shape[1] > len(FIELDS):
+        quaternions = result_values(results[:, 7:13], width)
+        norm = (np.abs((quaternions[:, part] ** 2).sum(axis=1) - 1) for part in (slice(4), slice(4, 6)))
+        return np.maximum(*tolerances.pose_errors(words, results, flags, width)), np.maximum(*norm)
     values = result_values(results, width)
     qs, qe = values[:, :4], values[:, 4:]
     lengths = result_values(words, width)
@@ -56,9 +65,15 @@ def errors(words: np.ndarray, results: np.ndarray, width: int) -> tuple[np.ndarr
     return hand, np.maximum(*(np.abs((q**2).sum(axis=1) - 1) for q in (qs, qe)))
 
 
+def named(count: int) -> tuple[str, ...]:
+    """Return the names of the words of a target, or of a pose with its branch."""
+    return (POSE_COLUMNS if count > len(FIELDS) else COLUMNS)[2:-2]
+
+
 def array(rows: Iterable[Row]) -> np.ndarray:
-    """Return the input words of rows, (N, 6)."""
-    return np.array([row.words for row in rows], dtype=np.int64).reshape(-1, len(FIELDS))
+    """Return the input words of rows, (N, 6), or (N, 12) of the whole arm."""
+    found = [row.words for row in rows]
+    return np.array(found, dtype=np.int64).reshape(len(found), -1 if found else len(FIELDS))
 
 
 def groups(rows: Iterable[Row]) -> dict[tuple[str, int], list[Row]]:
@@ -77,23 +92,24 @@ def read(path: Path) -> list[Row]:
             lines = list(csv.reader(stream, strict=True))
         except (UnicodeDecodeError, csv.Error) as error:
             raise TargetError(f"{path}: not a CSV file: {error}") from None
-    if not lines or tuple(lines[0]) != COLUMNS:
+    columns = next((columns for columns in (COLUMNS, POSE_COLUMNS) if lines and tuple(lines[0]) == columns), None)
+    if not columns:
         raise TargetError(f"{path}: row 1: the header has to be {','.join(COLUMNS)}")
     rows = []
     for line, cells in enumerate(lines[1:], 2):
         try:
-            rows.append(_row(cells))
+            rows.append(_row(cells, columns))
         except ValueError as error:
             raise TargetError(f"{path}: row {line}: {error}") from None
     return rows
 
 
-def _row(cells: list[str]) -> Row:
-    if len(cells) != len(COLUMNS):
-        raise ValueError(f"{len(cells)} columns instead of {len(COLUMNS)}")
-    width, *words, error = map(_number, COLUMNS[1:-1], cells[1:-1])
+def _row(cells: list[str], columns: tuple[str, ...] = COLUMNS) -> Row:
+    if len(cells) != len(columns):
+        raise ValueError(f"{len(cells)} columns instead of {len(columns)}")
+    width, *words, error = map(_number, columns[1:-1], cells[1:-1])
     datapath, found = cells[0], cells[-1]
-    if datapath not in CONFIGURATIONS:
+    if datapath not in MODELS or bool(MODELS[datapath].side) != (columns is POSE_COLUMNS):
         raise ValueError(f"unknown datapath {datapath!r}")
     if width not in WIDTHS:
         raise ValueError(f"unknown width {width}")
@@ -114,10 +130,11 @@ def _number(column: str, cell: str) -> float | None:
 
 
 def text(rows: Iterable[Row]) -> str:
-    """Return the contents of the list file for these rows."""
+    """Return the contents of the list file for these rows, all of targets or all of poses."""
     out = io.StringIO()
     write = csv.writer(out, lineterminator="\n").writerow
-    write(COLUMNS)
+    rows = list(rows)
+    write(POSE_COLUMNS if rows and MODELS[rows[0].datapath].side else COLUMNS)
     for row in rows:
         error = "" if row.hand_error is None else _written(row.hand_error)
         write((row.datapath, row.width, *row.words, error, row.found))
@@ -137,7 +154,8 @@ def merge(rows: Iterable[Row]) -> list[Row]:
         once = {row.words: row for row in sorted(group, key=lambda row: (row.words, row.found), reverse=True)}
         unique = [once[words] for words in sorted(once)]
         words = array(unique)
-        hand, norm = errors(words, fixed.run(words, width, datapath).results, width)
+        run = answer(words, width, datapath)
+        hand, norm = errors(words, run.results, width, run.flags)
         # Row by row: the random endpoints that a prediction tries depend on a target's index in the array.
         ratio = hand / np.concatenate([tolerances.yardstick(word[None], width, datapath) for word in words])
         reachable = np.flatnonzero(~np.isnan(hand))

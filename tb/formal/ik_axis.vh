@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axis, with the real FIFO and the abstract pipeline of ik_core.v: results leave in the order of the
+// Appended to ik_axis or ik_arm, with the real FIFO and the abstract pipeline of ik_core.v: results leave in the order of the
 // targets, each once, for any sender, receiver and reset. No assumptions: every input is free in every clock, and so is
 // the state before the first reset.
 //
-// Counts are modulo 2 PLACES: A targets admitted, D results that left the pipeline, L results that left ik_axis.
+// Counts are modulo 2 PLACES: A targets admitted, D results that left the pipeline, L results that left the core.
 
+`ifdef IK_ARM
+localparam integer T = T_OUT;
+`else
 localparam integer T = datapath_latency(DATAPATH, W, TILE);
+`endif
+localparam integer DATA = `IK_OUT * W;
+localparam integer RESULT = DATA + `IK_FLAGS;
 localparam integer K = LOG2 + 1;
 localparam [K-1:0] T_K = T;
 localparam [LOG2:0] PLACES = {1'b1, {LOG2{1'b0}}};
@@ -17,31 +23,31 @@ localparam [LOG2:0] PLACES = {1'b1, {LOG2{1'b0}}};
 (* hierconn *) wire \g_lean.u_core.take ;
 (* hierconn *) wire \g_lean.u_core.taken ;
 (* hierconn *) wire [TAG_W-1:0] \g_lean.u_core.tag ;
-(* hierconn *) wire [6*W+7:0] \g_lean.u_core.f_result ;
+(* hierconn *) wire [RESULT-1:0] \g_lean.u_core.f_result ;
 wire [T-1:0] f_valid = \g_lean.u_core.valid ;
 wire [T-1:0] f_mark = \g_lean.u_core.mark ;
 wire f_take = \g_lean.u_core.take ;
 wire f_taken = \g_lean.u_core.taken ;
 wire [TAG_W-1:0] f_core_tag = \g_lean.u_core.tag ;
-wire [6*W+7:0] f_result = \g_lean.u_core.f_result ;
+wire [RESULT-1:0] f_result = \g_lean.u_core.f_result ;
 `else
 (* hierconn *) wire [T-1:0] \g_paper.u_core.valid ;
 (* hierconn *) wire [T-1:0] \g_paper.u_core.mark ;
 (* hierconn *) wire \g_paper.u_core.take ;
 (* hierconn *) wire \g_paper.u_core.taken ;
 (* hierconn *) wire [TAG_W-1:0] \g_paper.u_core.tag ;
-(* hierconn *) wire [6*W+7:0] \g_paper.u_core.f_result ;
+(* hierconn *) wire [RESULT-1:0] \g_paper.u_core.f_result ;
 wire [T-1:0] f_valid = \g_paper.u_core.valid ;
 wire [T-1:0] f_mark = \g_paper.u_core.mark ;
 wire f_take = \g_paper.u_core.take ;
 wire f_taken = \g_paper.u_core.taken ;
 wire [TAG_W-1:0] f_core_tag = \g_paper.u_core.tag ;
-wire [6*W+7:0] f_result = \g_paper.u_core.f_result ;
+wire [RESULT-1:0] f_result = \g_paper.u_core.f_result ;
 `endif
 (* hierconn *) wire [LOG2:0] \g_fifo.u_fifo.wr_ptr ;
 (* hierconn *) wire [LOG2:0] \g_fifo.u_fifo.rd_ptr ;
 (* hierconn *) wire [LOG2-1:0] \g_fifo.u_fifo.f_addr ;
-(* hierconn *) wire [6*W+8+TAG_W-1:0] \g_fifo.u_fifo.f_word ;
+(* hierconn *) wire [RESULT+TAG_W-1:0] \g_fifo.u_fifo.f_word ;
 wire [LOG2:0] f_wr_ptr = \g_fifo.u_fifo.wr_ptr ;
 wire [LOG2:0] f_rd_ptr = \g_fifo.u_fifo.rd_ptr ;
 
@@ -80,13 +86,13 @@ always @(posedge clk) begin
     f_done  <= 1'b0;
     f_index <= f_A;
     f_ahead <= f_total - {{LOG2{1'b0}}, f_leave};
-    f_tag   <= s_axis_tuser;
+    f_tag   <= s_axis_tuser[TAG_W-1:0];
   end else if (f_leave && f_taken && !f_done) begin
     f_ahead <= f_ahead - 1'b1;
     f_done  <= f_due;
   end
 end
-wire [6*W+8+TAG_W-1:0] f_expected = {f_result[6*W+7:6*W], f_tag, f_result[6*W-1:0]};
+wire [RESULT+TAG_W-1:0] f_expected = {f_result[RESULT-1:DATA], f_tag, f_result[DATA-1:0]};
 
 // ---- ghost: clocks waited, as a thermometer ----
 
@@ -107,7 +113,7 @@ wire [K-1:0] f_in_mem = f_wr_ptr - f_rd_ptr;
 wire [K+1:0] f_inside = {2'b00, f_flight} + {2'b00, f_in_mem} + {{(K + 1) {1'b0}}, m_axis_tvalid};
 
 reg f_stall;
-reg [6*W+8+TAG_W-1:0] f_held;
+reg [RESULT+TAG_W-1:0] f_held;
 always @(posedge clk) begin
   f_stall <= m_axis_tvalid && !m_axis_tready && !rst;
   f_held  <= {m_axis_tuser, m_axis_tdata};

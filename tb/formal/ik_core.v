@@ -1,7 +1,7 @@
-// Abstract pipeline that replaces `IK_CORE (ik_lean or ik_paper): any function of a target, with the real latency.
+// Abstract pipeline that replaces `IK_CORE (ik_lean, ik_paper or ik_lean_arm): any function of a target, with the real latency.
 // SPDX-License-Identifier: Apache-2.0
 //
-// ik_axis does not depend on results, so they are arbitrary, except for one arbitrary followed target: its result is
+// ik_axis and ik_arm do not depend on results, so they are arbitrary, except for one arbitrary followed target: its result is
 // the arbitrary constant f_result, with the target's tag. ik_valid.vh proves the latency of valid and tag in
 // the real modules.
 // Latency: datapath_latency clocks.
@@ -11,24 +11,34 @@ module `IK_CORE #(
     parameter integer W     = 32,
     parameter integer TAG_W = 8,
     parameter integer DIGIT = 0,  // of ik_paper only
-    parameter integer TILE  = 18  // of ik_lean only
+    parameter integer TILE  = 18  // of ik_lean and ik_lean_arm only
 ) (
-    input  wire             clk,
-    input  wire             rst,
-    input  wire             in_valid,
-    input  wire [TAG_W-1:0] in_tag,
-    input  wire [  6*W-1:0] in_data,
-    output wire             out_valid,
-    output wire [TAG_W-1:0] out_tag,
-    output wire [      7:0] out_flags,
-    output wire [  6*W-1:0] out_data
+    input  wire                 clk,
+    input  wire                 rst,
+`ifdef IK_ARM
+    input  wire [     14*W-1:0] limits,
+    input  wire [          2:0] in_branch,
+`endif
+    input  wire                 in_valid,
+    input  wire [    TAG_W-1:0] in_tag,
+    input  wire [  `IK_IN*W-1:0] in_data,
+    output wire                 out_valid,
+    output wire [    TAG_W-1:0] out_tag,
+    output wire [`IK_FLAGS-1:0] out_flags,
+    output wire [ `IK_OUT*W-1:0] out_data
 );
 
+`ifdef IK_ARM
+  `include "ik_arm_nodes.vh"
+  localparam integer T = T_OUT;
+`else
   `include "ik_latency.vh"
   localparam integer T = datapath_latency(`IK_LEAN, W, TILE);
+`endif
+  localparam integer DATA = `IK_OUT * W;
 
-  (* anyconst *) wire [6*W+7:0] f_result;
-  (* anyseq *) wire [6*W+TAG_W+7:0] f_any;
+  (* anyconst *) wire [DATA+`IK_FLAGS-1:0] f_result;
+  (* anyseq *) wire [DATA+TAG_W+`IK_FLAGS-1:0] f_any;
   (* anyseq *) wire f_pick;
 
   reg [T-1:0] valid;  // newest in bit 0
@@ -51,7 +61,7 @@ module `IK_CORE #(
 
   assign out_valid = valid[T-1];
   assign {out_flags, out_tag, out_data} =
-      mark[T-1] ? {f_result[6*W+7:6*W], tag, f_result[6*W-1:0]} : f_any;
+      mark[T-1] ? {f_result[DATA+`IK_FLAGS-1:DATA], tag, f_result[DATA-1:0]} : f_any;
 
 `ifdef IK_COVER
   // the path of ik_axis.vh: the first target is followed

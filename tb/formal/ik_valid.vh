@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_lean or ik_paper, whose other instances are left out: valid and tag take datapath_latency clocks, as
-// in the abstract pipeline of ik_core.v. No assumptions.
+// Appended to ik_lean, ik_paper or ik_lean_arm, whose other instances are left out: valid and tag take the clocks of the
+// abstract pipeline of ik_core.v. The tag of ik_lean_arm passes rings and is followed in the netlist by a test. No
+// assumptions.
 
+`ifdef IK_ARM
+localparam integer T = T_OUT;
+(* hierconn *) wire [T_QS_W-T_X-1:0] \u_lean.valid ;
+wire [T-1:0] f_line = {valid_after, \u_lean.valid , valid};
+`else
 `include "ik_latency.vh"
 localparam integer T = datapath_latency(`IK_LEAN, W, 18);
-
+wire [T-1:0] f_line = valid;
 (* hierconn *) wire [TAG_W*T_OUT-1:0] \u_tag.genblk1.genblk1.g_line.line ;
+`endif
 
 reg f_on = 1'b0;  // there was a reset
 always @(posedge clk) if (rst) f_on <= 1'b1;
@@ -13,11 +20,11 @@ always @(posedge clk) if (rst) f_on <= 1'b1;
 // ---- ghost: the inputs of the last T clocks ----
 
 reg [T-1:0] f_valid;
+always @(posedge clk) f_valid <= rst ? {T{1'b0}} : {f_valid[T-2:0], in_valid};
+
+`ifndef IK_ARM
 reg [TAG_W*T-1:0] f_tag;
-always @(posedge clk) begin
-  f_valid <= rst ? {T{1'b0}} : {f_valid[T-2:0], in_valid};
-  f_tag   <= {f_tag[TAG_W*(T-1)-1:0], in_tag};
-end
+always @(posedge clk) f_tag <= {f_tag[TAG_W*(T-1)-1:0], in_tag};
 wire [T-1:0] f_row_tag;
 genvar gi;
 generate
@@ -26,13 +33,16 @@ generate
         \u_tag.genblk1.genblk1.g_line.line [TAG_W*gi+:TAG_W] == f_tag[TAG_W*gi+:TAG_W];
   end
 endgenerate
+always @* if (f_on) begin
+  tag_comes_out : assert (!out_valid || out_tag == f_tag[TAG_W*(T-1)+:TAG_W]);
+  tag_line : assert (&f_row_tag);
+end
+`endif
 
 always @* begin
   latency : assert (T_OUT == T);
   if (f_on) begin
     valid_comes_out : assert (out_valid == f_valid[T-1]);
-    tag_comes_out : assert (!out_valid || out_tag == f_tag[TAG_W*(T-1)+:TAG_W]);
-    valid_line : assert (valid == f_valid);
-    tag_line : assert (&f_row_tag);
+    valid_line : assert (f_line == f_valid);
   end
 end

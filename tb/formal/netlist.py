@@ -46,7 +46,9 @@ class Netlist:
                 self.nodes.setdefault((section, bit), (name, index))
 
     def _delay(self, cell: dict) -> int:
-        """Return the clocks of a delay, 0 for any other cell."""
+        """Return the clocks of a delay or register, 0 for any other cell."""
+        if cell["type"] == "$dff":
+            return 1
         module = self.modules.get(cell["type"], {})
         if module.get("attributes", {}).get("hdlname", cell["type"]).split("\\")[-1] not in DELAYS:
             return 0
@@ -105,7 +107,8 @@ class Netlist:
             name, port, index = self._drivers[here]
             cell = self.modules[self.paths[section]]["cells"][name]
             if delay := self._delay(cell):
-                bit, clocks = cell["connections"]["d"][index], clocks + delay
+                given = cell["connections"]["D" if cell["type"] == "$dff" else "d"]
+                bit, clocks = given[index], clocks + delay
             elif not section and name in self.paths:
                 section, bit = name, self.modules[cell["type"]]["ports"][port]["bits"][index]
             else:

@@ -1,9 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proofs about streams, dividers, roots and the engines of AXI: modules, parameters, and facts of each property."""
 
+from model.dataflow.datapaths import MODELS, PAPER
 from tb.formal.induction import Proof
 
-CORE = {"lean": "IK_CORE=ik_lean IK_LEAN=1 IK_IS_LEAN", "paper": "IK_CORE=ik_paper IK_LEAN=0"}
+WORDS = "IK_IN=6 IK_OUT=6 IK_FLAGS=8"
+CORE = {
+    "lean": f"IK_CORE=ik_lean IK_LEAN=1 IK_IS_LEAN {WORDS}",
+    "paper": f"IK_CORE=ik_paper IK_LEAN=0 {WORDS}",
+    "arm": "IK_CORE=ik_lean_arm IK_ARM IK_IS_LEAN IK_IN=11 IK_OUT=17 IK_FLAGS=16",
+}
 """Datapath -> definitions of its stand-in, ik_core.v."""
 
 STORE = "rows_mark$ last_row count_written count_left memory_fits place_for_every_write tag_kept mark_or_stored "
@@ -51,31 +57,31 @@ def fifo(log2: int, depth: int = 0) -> Proof:
 
 
 def axis(name: str, width: int, depth: int = 0) -> Proof:
-    """Return the proof of ik_axis with the real FIFO and any datapath of the real latency."""
-    core = "lean" if name == "lean" else "paper"
-    sets = {"W": width, "DATAPATH": int(core == "lean")}
-    properties = {"ik_axis": "ik_axis", "ik_fifo": "ik_fifo_port"}
+    """Return the proof of a core's top with the real FIFO and any datapath of the real latency."""
+    path = MODELS.get(name, PAPER)
+    sets = {"W": width, "DATAPATH": path.number}
+    properties = {path.top: "ik_axis", "ik_fifo": "ik_fifo_port"}
     return Proof(
         f"axis_{name}",
-        "ik_axis",
+        path.top,
         sets,
         "ik_core ik_fifo",
         properties,
-        CORE[core],
+        CORE[path.name],
         depth=depth,
         uses=AXIS_USES,
         after=AXIS_AFTER,
     )
 
 
-def handshake(datapath: str, number: int) -> Proof:
+def handshake(datapath: str) -> Proof:
     """Return the proof that no gates lead from tready or tvalid at one stream to the other's."""
     gates = ("i:m_axis_tready i:s_axis_tvalid", "o:m_axis_tvalid o:s_axis_tready", 2, 2)
-    core = "ik_core" if datapath in CORE else f"ik_{datapath}"
+    core, path = "ik_core" if datapath in CORE else f"ik_{datapath}", MODELS[datapath]
     return Proof(
         f"handshake_{datapath}",
-        "ik_axis",
-        {"W": 32, "DATAPATH": number},
+        path.top,
+        {"W": 32, "DATAPATH": path.number},
         f"{core} ik_fifo",
         defines=CORE.get(datapath, ""),
         part=datapath not in CORE,
@@ -85,10 +91,8 @@ def handshake(datapath: str, number: int) -> Proof:
 
 def valid(datapath: str) -> Proof:
     """Return the proof of the latency of valid and tag in the real datapath."""
-    top = f"ik_{datapath}"
-    return Proof(
-        f"valid_{datapath}", top, others="ik_delay", properties={top: "ik_valid"}, defines=CORE[datapath], part=True
-    )
+    top, others = ("ik_lean_arm", "ik_lean") if datapath == "arm" else (f"ik_{datapath}", "ik_delay")
+    return Proof(f"valid_{datapath}", top, {}, others, {top: "ik_valid"}, CORE[datapath], part=True)
 
 
 def rows(kind: str, width: int, shift: int, rest: dict[str, int], depth: int, uses: str) -> Proof:
@@ -118,10 +122,10 @@ PROOFS = (
     fifo(6, depth=148),
     fifo(9),
     axis("lean", 32, depth=84),
-    handshake("lean", 1),
+    handshake("lean"),
     valid("lean"),
     axis("paper", 32),
-    handshake("paper", 0),
+    handshake("paper"),
     valid("paper"),
     axis("256", 22),  # the largest word length of the paper's datapath with 256 places in the FIFO
     Proof("div_row_31", "ik_div_row", {"W": 31}, depth=1),
@@ -129,7 +133,13 @@ PROOFS = (
     *(rows("div", *kind, {"LAT": 34, "DW": 32}, 46, FIRST) for kind in ((32, 29), (32, 30), (40, 22), (40, 23))),
     *(rows("root", *kind, {"LAT": 32}, 44, ROW) for kind in ((32, 30), (32, 31), (33, 29))),
     Proof("fold_24", "ik_fold", {"W": 24}, part=True, depth=220),  # all widths share the program
-    handshake("fold", 2),
+    handshake("fold"),
+    axis("arm", 32),
+    handshake("arm"),
+    valid("arm"),
+    Proof("fold_arm_24", "ik_fold_arm", {"W": 24}, properties={"ik_fold_arm": "ik_fold"}, defines="IK_ARM", part=True,
+          depth=480),
+    handshake("fold_arm"),
     engine("read", "ik_bursts"),
     engine("write", "ik_bursts"),
     engine("result"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Benches that run with one mutant: every node of ``ik_axis``, jobs of ``ik_axi``, and the unit benches.
+"""Benches that run with one mutant: every node of a core, jobs of ``ik_axi``, and the unit benches.
 
 ``run(mutant, netlist, place, seconds)`` returns the fault that a bench finds, empty if none, and its measurements;
 without a mutant it runs the netlist itself. `place` is an empty folder.
@@ -35,7 +35,7 @@ TIMEOUT = "time limit"
 
 @dataclass(frozen=True)
 class Nodes:
-    """Every node of ``ik_axis`` compared with the model, under stalls and after a reset, by Icarus without cocotb."""
+    """Every node of a core compared with the model, under stalls and after a reset, by Icarus without cocotb."""
 
     bench: NodeBench
 

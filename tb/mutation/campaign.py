@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from tb.axi.test_ik_axi import LONG, MODULES
 from tb.mutation.benches import Nodes, Replaced, fault, unit_bench
 from tb.mutation.equivalence import proof
@@ -37,9 +37,8 @@ class Design:
         if self.top == "ik_axi":
             files -= {*closure("ik_axis"), *closure("ik_arm")}
         else:
-            own = self.benches[0].bench.path.rtl
-            files -= {path for other in CONFIGURATIONS.values() for path in closure(f"ik_{other.rtl}")}
-            files |= set(closure(f"ik_{own}"))
+            files -= {path for other in MODELS.values() for path in closure(other.entity)}
+            files |= set(closure(self.benches[0].bench.path.entity))
         return any(only in relative(path) for path in files)
 
 
@@ -64,6 +63,8 @@ DESIGNS = (
     core(NodeBench("lean", 32, 300, corners=True), NodeBench("lean", 32, 3000, corners=True)),
     core(NodeBench("fold", 20, 50), NodeBench("fold", 20, 400)),
     core(NodeBench("fold", 32, 50), NodeBench("fold", 32, 400)),
+    core(NodeBench("arm", 16, 100), NodeBench("arm", 16, 2000)),
+    core(NodeBench("fold_arm", 20, 40), NodeBench("fold_arm", 20, 400)),
     core(NodeBench("paper", 18, 250), NodeBench("paper", 18, 3000)),
     core(NodeBench("paper", 18, 200, digit=1), NodeBench("paper", 18, 3000, digit=1)),
     memory(3, 64),

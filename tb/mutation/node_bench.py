@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Verilog bench of a core that compares every node of a netlist: under stalls, with a full FIFO, after a reset.
+"""Verilog bench of ``ik_axis`` or ``ik_arm`` that compares every node of a netlist: under stalls, with a full FIFO,
+after a reset.
 
 Under Icarus it finishes in the few seconds that cocotb takes to start. It stops at the first difference. A plusarg
 selects a mutant.
@@ -11,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from model.dataflow import fixed
-from model.dataflow.datapaths import CONFIGURATIONS, Datapath
-from model.io.stimuli import arithmetic_corners, mixed
+from model.dataflow.datapaths import MODELS, Datapath
+from model.io.stimuli import arithmetic_corners, arm_limits, arm_targets, mixed
 from tb.mutation.netlists import BITS, SELECT
+from tb.sim.job import answer, limits_port
 from tb.sim.native_run import columns
 
 TOP, DATA = "node_bench", "data.hex"
@@ -38,15 +39,18 @@ class NodeBench:
 
     @property
     def path(self) -> Datapath:
-        return CONFIGURATIONS[self.datapath]
+        return MODELS[self.datapath]
 
     @property
     def parameters(self) -> dict[str, int]:
         """Parameters of the top."""
-        return {"W": self.width, "TAG_W": TAG_W, "DIGIT": self.digit, **self.path.parameters}
+        digit = {} if self.path.side else {"DIGIT": self.digit}
+        return {"W": self.width, "TAG_W": TAG_W, **digit, **self.path.parameters}
 
     def words(self) -> np.ndarray:
-        """Return the targets as words."""
+        """Return the targets as words, of the whole arm with their branch."""
+        if self.path.side:
+            return arm_targets(self.targets, self.width, 4)
         words = mixed(self.targets, self.width, 4)
         if self.corners:
             words = np.concatenate([words, arithmetic_corners(self.width, self.path.tile)])
@@ -55,10 +59,10 @@ class NodeBench:
     def write(self, folder: Path) -> Path:
         """Write the bench and its data into a folder; return the path of the bench."""
         words = self.words()
-        answer = fixed.run(words, self.width, self.datapath)
-        nodes = list(answer.bits.nodes.values())
+        answered = answer(words, self.width, self.datapath)
+        nodes = list(answered.bits.nodes.values())
         rows, at = [0] * len(words), 0
-        for values, bits in fields(words, answer, nodes, self.width, self.path.flag_bits):
+        for values, bits in fields(words, answered, nodes, self.width, self.path):
             rows = [row | (int(v) & (1 << bits) - 1) << at for row, v in zip(rows, values.tolist(), strict=True)]
             at += bits
         (folder / DATA).write_text("\n".join(f"{row:x}" for row in rows) + "\n")
@@ -69,11 +73,11 @@ class NodeBench:
     def _text(self, nodes: list, count: int, bits: int) -> str:
         path, w = self.path, self.width
         core = f"u_axis.\\g_{path.rtl}.u_core "
-        sizes = len(path.inputs) * w, len(path.results) * w, path.flag_bits
+        sizes = len(path.inputs) * w, len(path.side), len(path.results) * w, path.flag_bits
         at = sum(sizes)
         by_time: dict[int, list[str]] = {}
         for node in nodes:
-            within = ".".join(part for part in (node.instance, node.name) if part)
+            within = ".".join(part for part in (path.instance(node), node.name) if part)
             if path.times and node.instance:  # a named block of the folded core, not an instance
                 within = f"\\{within} "
             compare = f"{core}.{within} !== want[{at}+:{node.format.width}]"
@@ -88,9 +92,12 @@ class NodeBench:
         return BENCH.format(
             top=TOP,
             core=path.top,
-            asked=sizes[0],
-            given=sizes[1],
-            flags=sizes[2],
+            words=sizes[0],
+            asked=sum(sizes[:2]),
+            given=sizes[2],
+            flags=sizes[3],
+            limits=f", .limits({14 * w}'h{limits_port(arm_limits(w), w):x})" if path.side else "",
+            user="{next[IN-1:WORDS], tag}" if path.side else "tag",
             n=count,
             bits=bits,
             tag=TAG_W,
@@ -104,11 +111,14 @@ class NodeBench:
         )
 
 
-def fields(words: np.ndarray, answer, nodes: list, width: int, flag_bits: int) -> Iterator[tuple[np.ndarray, int]]:
-    """Yield the columns of the data with their widths: targets, results, flags, nodes; the first in the low bits."""
-    for table in (words, answer.results):
-        yield from ((column, width) for column in table.T)
-    yield answer.flags, flag_bits
+def fields(words: np.ndarray, answered, nodes: list, width: int, path: Datapath) -> Iterator[tuple[np.ndarray, int]]:
+    """Yield the columns of the data with their widths: targets, branch, results, flags, nodes; the first in the low
+    bits."""
+    count = len(path.inputs)
+    yield from ((column, width) for column in words[:, :count].T)
+    yield from ((column, len(path.side)) for column in words[:, count:].T)
+    yield from ((column, width) for column in answered.results.T)
+    yield answered.flags, path.flag_bits
     for node in nodes:
         for number, limb in enumerate(columns(node)):
             yield limb, min(64, node.format.width - 64 * number)
@@ -118,7 +128,7 @@ BENCH = """\
 // Written by tb/mutation/node_bench.py.
 `timescale 1ns / 1ps
 module {top};
-  localparam IN = {asked}, OUT = {given}, FLAGS = {flags}, N = {n}, FULL = {full};
+  localparam WORDS = {words}, IN = {asked}, OUT = {given}, FLAGS = {flags}, N = {n}, FULL = {full};
   reg clk, rst, in_valid, out_ready;
   reg [{bits}-1:0] data[0:N-1];
   reg [{bits}-1:0] want, next, owed;
@@ -133,8 +143,8 @@ module {top};
   reg [{tag}-1:0] tag;
   reg [{select_bits}-1:0] selected;
   {core} u_axis (
-      .clk(clk), .rst(rst), .{select}(selected),
-      .s_axis_tdata(next[IN-1:0]), .s_axis_tuser(tag), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
+      .clk(clk), .rst(rst), .{select}(selected){limits},
+      .s_axis_tdata(next[WORDS-1:0]), .s_axis_tuser({user}), .s_axis_tvalid(in_valid), .s_axis_tready(in_ready),
       .m_axis_tdata(result), .m_axis_tuser(user), .m_axis_tvalid(out_valid), .m_axis_tready(out_ready)
   );
   task fails(input [8*40-1:0] why);

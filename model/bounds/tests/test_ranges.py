@@ -89,13 +89,22 @@ def test_every_lean_node_fits(width):
     assert ranges.LeanRanges(width).failed == ranges.LeanRanges(width, datapath="arm").failed == {}
 
 
-@pytest.mark.parametrize(
-    ("name", "width", "spare"),
-    [("u_x", 32, 2), ("inv_law_raw", 18, 1), ("k_scaled", 24, 1), ("qs_i", 16, 1), ("rho_sq", 32, 2), ("m_far", 18, 1)],
-)
+SHORT = [
+    ("u_x", 32, 2),
+    ("inv_law_raw", 18, 1),
+    ("k_scaled", 24, 1),
+    ("qs_i", 16, 1),
+    ("rho_sq", 32, 2),
+    ("m_far", 18, 1),
+]
+SHORT += [("hand_sq", 24, 3), ("r_z", 32, 2), ("off_x", 18, 1), ("g_w", 16, 1), ("qw_j", 32, 1), ("qw_ij", 18, 2)]
+"""Nodes of the lean dataflow and of the whole arm, word lengths, and bits that their formats cannot spare."""
+
+
+@pytest.mark.parametrize(("name", "width", "spare"), SHORT)
 def test_a_lean_format_too_short_is_named(name, width, spare):
-    fmt = ranges.LeanRanges(width).nodes[name].format
-    failed = ranges.LeanRanges(width, {name: replace(fmt, width=fmt.width - spare)}).failed
+    fmt = ranges.LeanRanges(width, datapath="arm").nodes[name].format
+    failed = ranges.LeanRanges(width, {name: replace(fmt, width=fmt.width - spare)}, datapath="arm").failed
     assert list(failed) == [name] and name in failed[name] and f"W = {width}" in failed[name]
 
 

@@ -9,8 +9,8 @@ from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS
 from model.io.flags import BAD_HAND, SATURATED, UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, any_hands, hand_poses, region
-from model.reference.joints import NEGATED, TURNED, reached
-from model.reference.kinematics import angle_between, rotate
+from model.reference.joints import NEGATED, TURNED
+from model.reference.kinematics import rotate
 
 TESTED = (16, 18, 24, 27, 32)
 every_width = pytest.mark.parametrize("width", TESTED)
@@ -122,19 +122,10 @@ WORST = {
 """Word length -> poses with the largest errors of point and orientation that searches of 20 s found."""
 
 
-def errors(answer: fixed.Answer, words: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the errors of the hand's point and orientation, relative to their tolerances, of poses in reach."""
-    th, tool = answer.results[:, :7].T * (2 * np.pi / (1 << width)), words[:, 6:7] * (0.0, 0.0, 1.0)
-    point, hand = reached(th, *words[:, 4:6].T, tool)
-    bars = tolerances.arm(words, width)
-    found = np.linalg.norm(point - words[:, :3], axis=1) / bars[0], angle_between(hand, words[:, 7:]) / bars[1]
-    clamped = answer.flags & (UNREACHABLE | SATURATED | BAD_HAND) != 0
-    return tuple(np.where(clamped, 0, error) for error in found)
-
-
 def assert_accurate(words: np.ndarray, width: int, branch=0) -> None:
     answer = fixed.run(words, width, "arm", branch)
-    for name, error in zip(("point", "orientation"), errors(answer, words, width), strict=True):
+    found = np.nan_to_num(tolerances.pose_errors(words, answer.results, answer.flags, width))
+    for name, error in zip(("point", "orientation"), found, strict=True):
         n = int(error.argmax())
         assert error[n] <= 1, f"{name} is off by {error[n]:.3g} of the tolerance at {words[n].tolist()}"
 

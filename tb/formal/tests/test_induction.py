@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from model.dataflow import fixed
-from model.dataflow.nodes import Latency
+from model.dataflow.nodes import WIDTHS, Latency
 from tb.formal import induction
 from tb.formal.induction import FORMAL, Proof, Steps
 from tb.formal.proofs import PROOFS
@@ -67,7 +67,9 @@ def test_every_number_of_places_is_proved():
     text = (ROOT / "rtl" / "include" / "ik_latency.vh").read_text()
     latencies = re.findall(r"(\d+): datapath_latency = (\d+);", text)
     places = {int(key): 1 << (int(clocks) + 2).bit_length() for key, clocks in latencies}
-    proved = [proof.sets for proof in PROOFS if proof.name.startswith("axis_")]
+    proved = [proof.sets for proof in PROOFS if proof.name.startswith("axis_") and proof.top == "ik_axis"]
+    arm = [max(node.time for node in fixed.nodes("arm", width).values()) for width in (WIDTHS[0], WIDTHS[-1])]
+    assert {1 << (clocks + 2).bit_length() for clocks in arm} == {128}  # as in axis_arm
     assert {places[100 * sets["DATAPATH"] + sets["W"]] for sets in proved} == set(places.values())
     assert {1 << proof.sets["LOG2"] for proof in PROOFS if proof.top == "ik_fifo"} <= set(places.values())
 
