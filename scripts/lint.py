@@ -39,7 +39,7 @@ MODULE_SETS = {
     "ik_paper": [{"W": width, "DIGIT": digit} for width in (32, 18) for digit in (0, 1)],
     **{name: [{"W": width} for width in (32, 24, 20)] for name in ("ik_fold", "ik_fold_arm")},
     "ik_fold_norm": [{}],
-    "icebreaker": [{}, {"BAUD": 115200}],
+    "icebreaker": [{}, {"BAUD": 115200}, {"ARM": 1}],
     "ik_arm": [
         *({"W": width} for width in (32, 24, 18, 16)),
         {"W": 18, "TILE": 25},

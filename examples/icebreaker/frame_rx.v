@@ -10,7 +10,7 @@
 
 module frame_rx #(
     parameter [7:0]   START      = 8'hA5,
-    parameter integer BYTES      = 19,  // up to 29
+    parameter integer BYTES      = 19,  // up to 61
     parameter integer LOG2_QUIET = 16
 ) (
     input  wire               clk,
@@ -25,7 +25,8 @@ module frame_rx #(
 );
 
   localparam [31:0] ALL = BYTES + 2;
-  reg [4:0] left;  // bytes to come, 0 between frames
+  localparam integer BITS = (BYTES > 29) ? 6 : 5;
+  reg [BITS-1:0] left;  // bytes to come, 0 between frames
   reg [15:0] crc;
   reg [LOG2_QUIET-1:0] quiet;
   wire [15:0] crc_next;
@@ -38,14 +39,14 @@ module frame_rx #(
   wire late = begun && (&quiet);
   always @(posedge clk) begin
     quiet <= (valid || !begun) ? {LOG2_QUIET{1'b0}} : quiet + 1'b1;
-    if (first && !offered) left <= ALL[4:0];
-    else if (valid && begun) left <= left - 5'd1;
+    if (first && !offered) left <= ALL[BITS-1:0];
+    else if (valid && begun) left <= left - 1'b1;
     crc <= begun ? (valid ? crc_next : crc) : 16'hFFFF;
     if (valid && left > 2) frame <= {data, frame[8*BYTES-1:8]};
     if (ends && right) offered <= 1'b1;
     else if (taken) offered <= 1'b0;
     dropped <= (first && offered) || (ends && !right) || (begun && (bad || late));
-    if (rst || (begun && (bad || late))) left <= 5'd0;
+    if (rst || (begun && (bad || late))) left <= {BITS{1'b0}};
     if (rst) begin
       offered <= 1'b0;
       dropped <= 1'b0;

@@ -7,7 +7,7 @@
 
 module frame_tx #(
     parameter [7:0]   START = 8'h5A,
-    parameter integer BYTES = 20  // up to 28
+    parameter integer BYTES = 20  // up to 60
 ) (
     input  wire               clk,
     input  wire               rst,
@@ -20,7 +20,8 @@ module frame_tx #(
 );
 
   localparam [31:0] ALL = BYTES + 3;
-  reg [4:0] left;  // bytes left to send
+  localparam integer BITS = (BYTES > 28) ? 6 : 5;
+  reg [BITS-1:0] left;  // bytes left to send
   reg [15:0] crc;
   reg [8*BYTES+7:0] shift;
   wire [15:0] crc_next;
@@ -32,14 +33,14 @@ module frame_tx #(
   always @(posedge clk) begin
     if (taken) begin
       shift <= {frame, START};
-      left  <= ALL[4:0];
+      left  <= ALL[BITS-1:0];
     end else if (valid && ready) begin
       shift <= {8'd0, shift[8*BYTES+7:8]};
-      left  <= left - 5'd1;
+      left  <= left - 1'b1;
     end
-    if (left == 0 || (valid && ready && left == ALL[4:0])) crc <= 16'hFFFF;  // excludes START
+    if (left == 0 || (valid && ready && left == ALL[BITS-1:0])) crc <= 16'hFFFF;  // excludes START
     else if (valid && ready && left > 2) crc <= crc_next;
-    if (rst) left <= 5'd0;
+    if (rst) left <= {BITS{1'b0}};
   end
 
 endmodule

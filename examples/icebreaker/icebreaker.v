@@ -4,6 +4,9 @@
 // Core with the fold datapath on an iCEBreaker (iCE40 UP5K); targets and answers are serial frames:
 //   target: A5, tag, x, y, z, phi, d1, d2 (3 bytes each, little endian), CRC-16    22 bytes
 //   answer: 5A, tag, flags, qs_w, qs_i, qs_j, qs_k, qe_w, qe_i likewise, CRC-16    23 bytes
+// With ARM = 1 the folded whole arm, hand poses and joint angles; words as in ik_arm:
+//   pose:   A5, tag, branch, 11 words, CRC-16                                      38 bytes
+//   answer: 5A, tag, flags (2 bytes), 17 words, CRC-16                             57 bytes
 // The button resets.  Green LED: out of reset; red LED: the last frame was dropped.
 // Two targets may be in flight: one answer is sent while the next is computed.
 `default_nettype none
@@ -11,7 +14,9 @@
 module icebreaker #(
     parameter integer CLOCK      = 24000000,  // PLL output, Hz
     parameter integer BAUD       = 1000000,
-    parameter integer LOG2_QUIET = 16         // log2 of the pause that drops a frame, clocks
+    parameter integer LOG2_QUIET = 16,        // log2 of the pause that drops a frame, clocks
+    parameter integer ARM        = 0,         // 1: ik_arm instead of ik_axis
+    parameter [335:0] LIMITS     = {7{24'h7FFFFF, 24'h800000}}  // of th1 to th7 as in ik_arm; default: none
 ) (
     input  wire CLK,     // 12 MHz
     input  wire BTN_N,
@@ -57,20 +62,37 @@ module icebreaker #(
   uart_rx #(.BIT(BIT)) u_uart_rx (.clk(clk), .rst(rst), .rx(RX), .data(rx_data), .valid(rx_valid), .bad(rx_bad));
   uart_tx #(.BIT(BIT)) u_uart_tx (.clk(clk), .rst(rst), .data(tx_data), .valid(tx_valid), .ready(tx_ready), .tx(TX));
 
-  wire [7:0] tag, answer_tag, flags;
-  wire [6*W-1:0] target, answer;
+  localparam integer ASKED = (ARM == 1) ? 2 + 33 : 1 + 18;  // bytes of tag, branch, words
+  localparam integer TOLD = (ARM == 1) ? 3 + 51 : 2 + 18;   // bytes of tag, flags, words
+  wire [8*ASKED-1:0] target;
+  wire [8*TOLD-1:0] answer;
   wire offered, taken, dropped, answered, sent;
-  frame_rx #(.LOG2_QUIET(LOG2_QUIET)) u_frame_rx (
+  frame_rx #(.BYTES(ASKED), .LOG2_QUIET(LOG2_QUIET)) u_frame_rx (
       .clk(clk), .rst(rst), .data(rx_data), .valid(rx_valid), .bad(rx_bad),
-      .frame({target, tag}), .offered(offered), .taken(offered && taken), .dropped(dropped)
+      .frame(target), .offered(offered), .taken(offered && taken), .dropped(dropped)
   );
-  ik_axis #(.W(W), .DATAPATH(2), .TILE(16)) u_core (
-      .clk(clk), .rst(rst),
-      .s_axis_tdata(target), .s_axis_tuser(tag), .s_axis_tvalid(offered), .s_axis_tready(taken),
-      .m_axis_tdata(answer), .m_axis_tuser({flags, answer_tag}), .m_axis_tvalid(answered), .m_axis_tready(sent)
-  );
-  frame_tx u_frame_tx (
-      .clk(clk), .rst(rst), .frame({answer, flags, answer_tag}), .offered(answered), .taken(sent),
+  generate
+    if (ARM == 1) begin : g_arm
+      wire unused = &{1'b0, target[15:11]};
+      ik_arm #(.W(W), .DATAPATH(2), .TILE(16)) u_core (
+          .clk(clk), .rst(rst), .limits(LIMITS),
+          .s_axis_tdata(target[8*ASKED-1:16]), .s_axis_tuser(target[10:0]),
+          .s_axis_tvalid(offered), .s_axis_tready(taken),
+          .m_axis_tdata(answer[8*TOLD-1:24]), .m_axis_tuser(answer[23:0]),
+          .m_axis_tvalid(answered), .m_axis_tready(sent)
+      );
+    end else begin : g_axis
+      ik_axis #(.W(W), .DATAPATH(2), .TILE(16)) u_core (
+          .clk(clk), .rst(rst),
+          .s_axis_tdata(target[8*ASKED-1:8]), .s_axis_tuser(target[7:0]),
+          .s_axis_tvalid(offered), .s_axis_tready(taken),
+          .m_axis_tdata(answer[8*TOLD-1:16]), .m_axis_tuser(answer[15:0]),
+          .m_axis_tvalid(answered), .m_axis_tready(sent)
+      );
+    end
+  endgenerate
+  frame_tx #(.BYTES(TOLD)) u_frame_tx (
+      .clk(clk), .rst(rst), .frame(answer), .offered(answered), .taken(sent),
       .data(tx_data), .valid(tx_valid), .ready(tx_ready)
   );
 

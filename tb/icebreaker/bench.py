@@ -12,11 +12,11 @@ from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, FallingEdge, Timer
 from cocotbext.uart import UartSink, UartSource
 
-from examples.icebreaker.frames import ANSWER_BYTES, TARGET, WIDTH, Answers, frame
-from model.dataflow import fixed
-from model.dataflow.datapaths import FOLD16
-from model.io.stimuli import mixed
+from examples.icebreaker import frames as protocol
+from examples.icebreaker.frames import TARGET, WIDTH, Answers, frame
+from model.io.stimuli import arm_limits, arm_targets, mixed
 from tb.sim.env import ROOT
+from tb.sim.job import answer, limits_port
 from tb.sim.runner import simulate
 
 PERIOD = 40  # clock period in ns
@@ -30,10 +30,19 @@ FOLDER = ROOT / "examples" / "icebreaker"
 PLL = Path(__file__).with_name("SB_PLL40_PAD.v")
 
 
-def run(module: str, **env: str) -> None:
+LIMITS = "{7{24'h7FFFFF, 24'h800000}}", f"336'h{limits_port(arm_limits(WIDTH), WIDTH):x}"
+"""Default of the top's limits, and limits for the tests."""
+
+ARM = bool(getattr(getattr(getattr(cocotb, "top", None), "ARM", None), "value", 0))  # the board solves hand poses
+TARGET_BYTES, ANSWER_BYTES = (38, protocol.ARM_ANSWER_BYTES) if ARM else (22, protocol.ANSWER_BYTES)
+
+
+def run(module: str, arm: int = 0, **env: str) -> None:
     """Run a module's cocotb tests on the example with a model of its PLL. Raises SystemExit if one fails."""
     top = "".join(path.read_text(encoding="utf-8") for path in [*sorted(FOLDER.glob("*.v")), PLL])
-    simulate("icebreaker", module, top=top, parameters=PARAMETERS, env=env)
+    if arm:
+        top = top.replace(*LIMITS)
+    simulate("icebreaker", module, top=top, parameters=PARAMETERS | {"ARM": arm}, env=env)
 
 
 class Board:
@@ -46,7 +55,7 @@ class Board:
         cocotb.start_soon(Clock(dut.CLK, PERIOD, "ns").start())
         self.source = UartSource(dut.RX, baud=BAUD * (1 + skew), stop_bits=stop_bits)
         self.sink = UartSink(dut.TX, baud=BAUD)
-        self.answers = Answers()
+        self.answers = Answers(ANSWER_BYTES)
 
     async def clocks(self, count: int) -> None:
         await ClockCycles(self.dut.CLK, count)
@@ -86,9 +95,9 @@ class Board:
 
 
 def targets(count: int, seed: int = 1) -> tuple[np.ndarray, list[tuple[int, int, list[int]]]]:
-    """Return words (N, 6) of targets of all kinds, and their answers with tags that count from 7 and wrap after 255."""
-    words = mixed(count, WIDTH, seed)
-    model = fixed.run(words, WIDTH, FOLD16.name)
+    """Return words of targets of all kinds, and their answers with tags that count from 7 and wrap after 255."""
+    words = (arm_targets if ARM else mixed)(count, WIDTH, seed)
+    model = answer(words, WIDTH, "fold_arm16" if ARM else "fold16")
     flags, results = np.asarray(model.flags).tolist(), model.results.tolist()
     return words, [((k + 7) % 256, flag, result) for k, (flag, result) in enumerate(zip(flags, results, strict=True))]
 
@@ -144,7 +153,7 @@ async def answer_at_once(dut):
     at = await board(dut)
     words, expected = targets(1)
     cocotb.start_soon(at.source.write(frames(words, expected)[0]))
-    await at.clocks(22 * (BYTE + BIT) - 3 * BIT)
+    await at.clocks(TARGET_BYTES * (BYTE + BIT) - 3 * BIT)
     assert at.sink.empty() and int(dut.TX.value) == 1
     await FallingEdge(dut.TX)
     await at.clocks(2)

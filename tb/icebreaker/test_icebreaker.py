@@ -16,3 +16,9 @@ FEW = "out_of_reset|skew=0.0|answer_at_once|noise|no_stop_bit|button"
 )
 def test_at_the_pins(tests):
     run("tb.icebreaker.bench", COCOTB_TEST_FILTER=tests)
+
+
+@pytest.mark.sim
+@pytest.mark.cost(15)
+def test_hand_poses_at_the_pins():
+    run("tb.icebreaker.bench", 1, COCOTB_TEST_FILTER="skew=0.0|answer_at_once")
