@@ -194,7 +194,7 @@ release-check: ## before a release: fail on stale pages of proofs or measurement
 	@$(VENV) -m scripts.check_proofs --strict
 	@SIM=$(SIM) exec $(VENV) -m pytest -n auto --dist loadfile --no-loadscope-reorder -m release
 
-fpga: ## measure size and clock of the datapaths with open tools, for the paper's table 5: fpga.md [DATAPATH=lean|lean25|paper|memory|fold WIDTH= FARM=]
+fpga: ## measure size and clock of the datapaths with open tools, for the paper's table 5: fpga.md [DATAPATH=lean|lean25|paper|memory|fold|fold_arm WIDTH= FARM=]
 	@$(SETUP) checkout fpga$(farm)
 	@exec $(VENV) -m scripts.fpga $(call given,DATAPATH,--datapath="$$CGA_DATAPATH") $(call given,WIDTH,--width="$$CGA_WIDTH") \
 	  $(call given,FARM,--farm="$$CGA_FARM")

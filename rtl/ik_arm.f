@@ -8,5 +8,6 @@ lean/ik_lean_hand.v
 lean/ik_lean_joints.v
 fold/ik_fold_arm.v
 fold/ik_fold_angle.v
+fold/ik_fold_limit.v
 lib/ik_limit.v
 lib/ik_vector.v

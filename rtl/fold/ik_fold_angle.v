@@ -24,15 +24,14 @@ module ik_fold_angle #(
     input  wire         load_x,
     input  wire         load_y,
     input  wire         opposite,  // y = -word
-    input  wire [  1:0] rounding,  // 10: angle + or - h; 01: twice the angle; 00: angle to h
+    input  wire [  1:0] rounding,  // 10: angle + or - h; 01: angle to h, then angle + h; 00: angle to h
     input  wire         negative,  // minus the angle
     // Hand over
     input  wire         over,
     input  wire         again,     // with over
     input  wire         to_h,      // h = angle of the second stage
-    // Result: angle + h, angle - h or twice the angle; plus half a turn
+    // Result: angle + h or angle - h; plus half a turn
     input  wire         minus,
-    input  wire         twice,
     input  wire         half,
     output wire [W-1:0] th,
     // For waves and testbenches: X of the first stage; angle of the second, half a turn more, and its sign
@@ -57,6 +56,7 @@ module ik_fold_angle #(
   reg [ZW-1:0] z;
   reg [3:0] i;
   reg taken, run, left, flat, negative_1;
+  reg [1:0] rounding_1;
   wire load = load_x || load_y;
 
   wire below = y[YW-1];
@@ -67,21 +67,26 @@ module ik_fold_angle #(
   wire [YW-1:0] term = (load ? word_half : {2'b00, x}) ^ {YW{subtract}};
   wire [YW-1:0] nearer = y + term + {{(YW - 1) {1'b0}}, subtract};
 
-  // The turn of iteration i
+  // z starts at minus the sum of all turns, and iteration i adds its turn twice or not at all.
+  function [ZW-1:0] turns_from(input integer n);
+    integer k;
+    begin
+      turns_from = {ZW{1'b0}};
+      for (k = n; k < HEAD; k = k + 1) turns_from = turns_from + turn(k);
+    end
+  endfunction
+  localparam [ZW-1:0] ALL = turns_from(0);
   wire [ZW-1:0] turns[0:15];
   genvar n;
   generate
     for (n = 0; n < 16; n = n + 1) begin : g_turn
       localparam [ZW-1:0] TURN = turn(n);
-      assign turns[n] = (n < HEAD) ? TURN : {ZW{1'b0}};
+      assign turns[n] = (n < HEAD) ? TURN << 1 : {ZW{1'b0}};
     end
   endgenerate
-  wire clockwise = below ^ negative_1;
-  wire [ZW-1:0] turn_i = turns[i] ^ {ZW{clockwise}};
+  wire [ZW-1:0] start = {{W{1'b0}}, rounding_1, {(ANGLE - 2) {1'b0}}};
 
-  // The angle of a vector on the x axis is exact: its z keeps the initial value.
-  wire first = i == 4'd0;
-  wire on_axis = first ? y == {YW{1'b0}} : flat;
+  // The angle of a vector on the x axis is exact: its z is the initial value.
   localparam integer HEAD_END = HEAD - 1;
 
   always @(posedge clk)
@@ -95,10 +100,10 @@ module ik_fold_angle #(
       if (again) y <= {2'b00, x_2};
       else if (taken || over) y <= {YW{1'b0}};
       else if (load || run) y <= nearer << 1;
-      if (load_y || again) negative_1 <= negative;
-      if (load_y || again) z <= {{W{1'b0}}, rounding, {(ANGLE - 2) {1'b0}}};
-      else if (run && !on_axis) z <= z + turn_i + {{(ZW - 1) {1'b0}}, clockwise};
-      if (run && first) flat <= on_axis;
+      if (load_y || again) {negative_1, rounding_1} <= {negative, rounding};
+      if (load_y || again) z <= {{W{1'b0}}, rounding, {(ANGLE - 2) {1'b0}}} - ALL;
+      else if (run && below == negative_1) z <= z + turns[i];
+      if (run && i == 4'd0) flat <= y == {YW{1'b0}};
     end
 
   // ---- second stage ----
@@ -111,40 +116,41 @@ module ik_fold_angle #(
 
   localparam [ZW-1:0] TURN_2 = turn(HEAD);
   localparam integer LAST_END = LAST - HEAD - 1;
+  wire iterates = !i_2[4];
   wire above_2 = !y_2[YW-1];
   wire [YW-1:0] nearer_2 = y_2 + ({2'b00, x_2} ^ {YW{above_2}}) + {{(YW - 1) {1'b0}}, above_2};
-  wire clockwise_2 = above_2 == negative_2;
+
+  // Adds turns while it iterates, then h
+  reg [ZW-1:0] h;
+  reg left_h;
+  wire less = iterates ? above_2 == negative_2 : minus;
+  wire [ZW-1:0] more = (iterates ? {{HEAD{1'b0}}, t_2} : h) ^ {ZW{less}};
+  wire [ZW-1:0] sum = z_2 + more + {{(ZW - 1) {1'b0}}, less};
 
   always @(posedge clk)
     if (go) begin
+      if (over && flat) z_2 <= start;
+      else if (over) z_2 <= z;
+      else if (iterates) z_2 <= sum;
       if (over) begin
         x_2 <= x;
         y_2 <= y;
-        z_2 <= z;
         t_2 <= TURN_2[TW-1:0] & {TW{!flat}};
         i_2 <= 5'd0;
         left_2 <= left;
         negative_2 <= negative_1;
-      end else if (!i_2[4]) begin
+      end else if (iterates) begin
         y_2 <= nearer_2 << 1;
-        z_2 <= z_2 + ({{HEAD{1'b0}}, t_2} ^ {ZW{clockwise_2}}) + {{(ZW - 1) {1'b0}}, clockwise_2};
         t_2 <= t_2 >> 1;
         i_2 <= (i_2 == LAST_END[4:0]) ? 5'd16 : i_2 + 5'd1;
       end
+      if (to_h) begin
+        h <= z_2;
+        left_h <= left_2;
+      end
     end
 
-  // ---- result ----
-
-  reg [ZW-1:0] h;
-  reg left_h;
-  always @(posedge clk)
-    if (go && to_h) begin
-      h <= z_2;
-      left_h <= left_2;
-    end
-  wire [ZW-1:0] other = (twice ? z_2 : h) ^ {ZW{minus}};
-  wire [ZW-1:0] sum = z_2 + other + {{(ZW - 1) {1'b0}}, minus};
-  assign th = {sum[ZW-1] ^ half ^ (!twice && left_2 ^ left_h), sum[ZW-2:ANGLE]};
+  assign th = {sum[ZW-1] ^ half ^ left_2 ^ left_h, sum[ZW-2:ANGLE]};
   assign length = x;
   assign z_node = z_2;
   assign left_node = left_2;

@@ -53,36 +53,55 @@ module ik_fold_arm #(
   // ---- the lap ----
 
   reg go;
-  reg [7:0] fetched, read, clock;  // step numbers: ROM address, ROM output, current step
-  reg [STEP_W-1:0] step_read, step;
+  reg [7:0] fetched, read, clock;  // step numbers: next but one, next, current
+  reg begins, last;  // the current step is the first, the last
+  wire [STEP_W-1:0] step;
   // Accept no target and write no word before the first step arrives, or under reset: some words must stay 0.
-  initial {go, step} = 0;
+  initial go = 1'b0;
   `include "ik_fold_arm_program.vh"
   `include "ik_fold_arm_fields.vh"
 
   reg current, previous, earlier;  // this lap's target is in progress; the previous lap's is; that of the lap before
-  wire begins = clock == 8'd0;
   wire here = begins ? s_axis_tvalid : current;
-  wire last = clock == END;
   wire waits = begins && !here && !previous && !earlier;
   wire oldest = (LAST_LAP == 2) ? earlier : previous;
   wire younger = here || (LAST_LAP == 2 && previous);
   wire back = f_last_result && oldest && !younger;  // no target is left in the datapath
   always @(posedge clk) begin
     if (rst) begin  // no valid step number until the first step arrives
-      read  <= 8'd255;
-      clock <= 8'd255;
+      read   <= 8'd255;
+      clock  <= 8'd255;
+      begins <= 1'b0;
+      last   <= 1'b0;
     end
     if (rst || (go && back) || (go && !waits && fetched == END)) fetched <= 8'd0;
     else if (go && !waits) fetched <= fetched + 8'd1;
     if (go && !waits && !rst) begin
-      read  <= fetched;
-      clock <= read;
+      read   <= fetched;
+      clock  <= read;
+      begins <= read == 8'd0;
+      last   <= read == END;
     end
-    if (go && !waits) step_read <= rom[fetched];
-    if (rst || read == 8'd255) step <= 0;  // step_read holds no step yet
-    else if (go && !waits) step <= step_read;
   end
+
+  // Registers behind the memory of small chips cost logic cells. Number 255 is a step that does nothing.
+  generate
+    if (TILE == 16) begin : g_step
+      reg [STEP_W-1:0] read_step;
+      initial read_step = 0;
+      always @(posedge clk) if (rst || (go && !waits)) read_step <= rom[rst ? 8'd255 : read];
+      assign step = read_step;
+    end else begin : g_steps
+      reg [STEP_W-1:0] next_step, this_step;
+      initial this_step = 0;
+      always @(posedge clk) begin
+        if (go && !waits) next_step <= rom[fetched];
+        if (rst || read == 8'd255) this_step <= 0;  // next_step holds no step yet
+        else if (go && !waits) this_step <= next_step;
+      end
+      assign step = this_step;
+    end
+  endgenerate
 
   wire of_hold = (HOLD_LAP != 0) ? previous : here;
   wire of_first = (FIRST_LAP != 0) ? previous : here;
@@ -168,11 +187,11 @@ module ik_fold_arm #(
   );
 
   wire few, s_other, taken;
-  reg down, less, carry;
+  reg down, minus, carry;
   always @(posedge clk)
     if (go) begin
       down  <= f_cut == CUT_ROOT || f_cut == CUT_SINE || (f_cut == CUT_POWER && !few);
-      less  <= taken;
+      minus <= taken;
       carry <= f_carry == CARRY_MINUS && taken;
     end
   wire [TW-1:0] sum;
@@ -181,7 +200,7 @@ module ik_fold_arm #(
       .C0_AT(TW-4-C0_FRAC), .C1_AT(TW-4-C1_FRAC), .SLOPE(TW-4-SLOPE_FRAC), .DOWN(DOWN)
   ) u_sum (
       .clk(clk), .go(go), .choice(f_s), .by(s_other), .c0(c0), .c1(c1),
-      .p(p), .down(down), .minus(less), .carry(carry), .t(sum)
+      .p(p), .down(down), .minus(minus), .carry(carry), .t(sum)
   );
   wire [XW-1:0] t = sum[TW-1-:XW];
 
@@ -204,18 +223,41 @@ module ik_fold_arm #(
       .clk(clk), .go(go), .base(f_n_base), .of(f_n_e), .minus(f_n_minus), .twice(f_n_twice), .set(f_e_set),
       .pairs(pairs), .n(n), .none(none), .few(few), .low(q_low)
   );
-  wire [W-1:0] in = s_axis_tdata[W*f_input+:W];
-  wire squared = f_input == INPUT_PHI || f_input == INPUT_D1 || f_input == INPUT_D2;  // with sums in ik_fold_word's format
-  wire [D-1:0] in_word = squared ? {in[W-1], in, {(D - W - 1) {1'b0}}} : {in, {(D - W) {1'b0}}};
+  wire [7:0] flags;
+  wire [9:0] flag_nodes;
+  wire clamped, folded;
+  reg [W:0] in_word;  // with sums in ik_fold_word's format: half as large
+  always @*
+    case (f_input)
+      INPUT_HAND_X: in_word = {s_axis_tdata[0*W+:W], 1'b0};
+      INPUT_HAND_Y: in_word = {s_axis_tdata[1*W+:W], 1'b0};
+      INPUT_HAND_Z: in_word = {s_axis_tdata[2*W+:W], 1'b0};
+      INPUT_PHI: in_word = {s_axis_tdata[4*W-1], s_axis_tdata[3*W+:W]};
+      INPUT_D1: in_word = {s_axis_tdata[5*W-1], s_axis_tdata[4*W+:W]};
+      INPUT_D2: in_word = {s_axis_tdata[6*W-1], s_axis_tdata[5*W+:W]};
+      INPUT_TOOL: in_word = {s_axis_tdata[6*W+:W], 1'b0};
+      INPUT_QH_W: in_word = {s_axis_tdata[7*W+:W], 1'b0};
+      INPUT_QH_I: in_word = {s_axis_tdata[8*W+:W], 1'b0};
+      INPUT_QH_J: in_word = {s_axis_tdata[9*W+:W], 1'b0};
+      default: in_word = {s_axis_tdata[10*W+:W], 1'b0};
+    endcase
+  wire halved = f_input == INPUT_PHI || f_input == INPUT_D1 || f_input == INPUT_D2;
+  wire [W-1:0] in = halved ? in_word[W-1:0] : in_word[W:1];
+
+  // A result is the highest bits of the word; a clamped elbow is folded (1, 0) or straight (0, -1).
+  localparam [W-1:0] UNIT = {2'b01, {(W - 2) {1'b0}}};
+  wire of_w = clamped && f_result == RESULT_ELBOW_W;
+  wire of_i = clamped && f_result == RESULT_ELBOW_I;
+  wire [W-1:0] elbow = of_w ? (folded ? UNIT : {W{1'b0}}) : (folded ? {W{1'b0}} : -UNIT);
+  wire [W-1:0] answer = (of_w || of_i) ? elbow : word[D-1-:W];
   // T is half a wrist coordinate, which saturates.
   wire below = t[XW-1];
   wire outside = t[XW-2-:3] != {3{below}};
-  wire [W:0] wrist = outside ? {below, below, {(W - 1) {!below}}} : t[XW-3-:W+1];
-  wire [W-1:0] answer;
+  wire [W:0] wrist = outside ? {below, below, {(W - 1) {!below}}} : word[D-1-:W+1];
   reg [D-1:0] source;
   always @*
     case (f_source)
-      SOURCE_INPUT: source = in_word;
+      SOURCE_INPUT: source = {in_word, {(D - W - 1) {1'b0}}};
       SOURCE_NORMAL: source = normal;
       SOURCE_RESULT: source = {answer, {(D - W) {1'b0}}};
       SOURCE_WRIST: source = {wrist, {(D - W - 1) {1'b0}}};
@@ -226,14 +268,15 @@ module ik_fold_arm #(
   // ---- flags of the hand ----
 
   // |Qh|^2, T's highest bits in units of 2^-16, lies from 1 - 2^-7 + 2^-16 to 1 + 2^-7.
-  wire [10:0] square_high = t[XW-1-:11];
   wire no_more = t[XW-12-:9] == 9'd0;
+  wire above_1 = t[XW-4] && t[XW-5-:6] == 6'h00 && (!t[XW-11] || no_more);
+  wire below_1 = !t[XW-4] && t[XW-5-:7] == 7'h7f && !no_more;
   reg not_unit, outside_x, outside_y, outside_z;
   always @(posedge clk)
     if (go)
       case (f_sign)
         SIGN_HAND_SQ:
-        not_unit <= !(square_high == 11'h080 || (square_high == 11'h07f && !no_more) || (square_high == 11'h081 && no_more));
+        not_unit <= t[XW-1-:3] != 3'd0 || !(above_1 || below_1);
         SIGN_X: outside_x <= outside;
         SIGN_Y: outside_y <= outside;
         SIGN_Z: outside_z <= outside;
@@ -243,24 +286,15 @@ module ik_fold_arm #(
   assign b_constant = f_b_by == B_BY_BAD_HAND && not_unit;
   wire [1:0] hand_nodes = {outside_x || outside_y || outside_z, not_unit};
 
-  wire clamped, folded;
-  wire [7:0] flags;
-  wire [9:0] flag_nodes;
   ik_fold_flags u_flags (
       .clk(clk), .go(go), .sign(f_sign), .sum_below_0(t[XW-1]), .word_below_0(word_below_0),
-      .phi_loaded(f_source == SOURCE_INPUT && f_input == INPUT_PHI), .phi_below_0(in[W-1]), .e_set(f_e_set), .zero(zero),
+      .phi_loaded(f_source == SOURCE_INPUT && f_input == INPUT_PHI), .phi_below_0(in_word[W]), .e_set(f_e_set), .zero(zero),
       .none(none), .a_by(f_a_by), .b_by(f_b_by), .w_by(f_w_by), .s_by(f_s_by), .minus_by(f_minus_by),
       .a_second(a_second), .b_second(b_second), .w_second(w_second), .s_other(s_other), .minus(taken),
       .clamp(clamped), .fold(folded), .nodes(flag_nodes), .flags(flags)
   );
 
   // ---- results ----
-
-  localparam [W-1:0] UNIT = {2'b01, {(W - 2) {1'b0}}};
-  // A clamped elbow is folded (1, 0) or straight (0, -1).
-  wire of_w = clamped && f_result == RESULT_ELBOW_W;
-  wire of_i = clamped && f_result == RESULT_ELBOW_I;
-  assign answer = of_w ? (folded ? UNIT : {W{1'b0}}) : of_i ? (folded ? {W{1'b0}} : -UNIT) : result;
 
   reg [TAG_W-1:0] tag;
   reg [2:0] branch_in, branch;  // shoulder, elbow, wrist: of the target taken last, and of the results
@@ -271,20 +305,29 @@ module ik_fold_arm #(
 
   // ---- angles ----
 
-  reg negative, half;
+  // Vectors of two results, x and then y, and of two lengths; angles. The sign is that of th2, th4 or th6.
+  wire again = f_again_by != AGAIN_BY_NONE;
+  reg load_x, load_y, less, negative, half;
+  reg [1:0] rounding;
+  reg [2:0] joint;
   always @* begin
-    case (f_negative_by)
-      NEGATIVE_BY_SHOULDER: negative = branch[0];
-      NEGATIVE_BY_ELBOW: negative = branch_in[1];
-      NEGATIVE_BY_WRIST: negative = branch[2];
-      default: negative = 1'b0;
-    endcase
-    case (f_half_by)
-      HALF_BY_SHOULDER: half = branch[0];
-      HALF_BY_SHOULDER_ELBOW: half = branch[0] ^ branch[1];
-      HALF_BY_ELBOW_WRIST: half = branch[1] ^ branch[2];
-      HALF_BY_WRIST: half = branch[2];
-      default: half = 1'b0;
+    {load_x, load_y, less, half} = 4'b0000;
+    negative = f_again_by == AGAIN_BY_SHOULDER ? branch[0] : f_again_by == AGAIN_BY_WRIST && branch[2];
+    rounding = {1'b0, again};
+    joint = 3'd6;
+    case (f_result)
+      RESULT_ELBOW_I, RESULT_QS_I, RESULT_QS_W, RESULT_QW_I, RESULT_QW_W: load_x = 1'b1;
+      RESULT_QS_J, RESULT_QW_J: load_y = 1'b1;
+      RESULT_QS_K, RESULT_QW_K: {load_y, rounding} = 3'b110;
+      RESULT_ELBOW_W: {load_y, rounding, negative} = {3'b101, branch_in[1]};
+      RESULT_TH1: {joint, half} = {3'd0, branch[0]};
+      RESULT_TH2: joint = 3'd1;
+      RESULT_TH3: {joint, half, less} = {3'd2, branch[0] ^ branch[1], 1'b1};
+      RESULT_TH4: joint = 3'd3;
+      RESULT_TH5: {joint, half} = {3'd4, branch[1] ^ branch[2]};
+      RESULT_TH6: joint = 3'd5;
+      RESULT_TH7: {half, less} = {branch[2], 1'b1};
+      default: ;
     endcase
   end
   wire [W-1:0] th;
@@ -293,27 +336,12 @@ module ik_fold_arm #(
   wire left, opposite;
   ik_fold_angle #(.W(W)) u_angle (
       .clk(clk), .go(go),
-      .word(answer), .load_x(f_load_x), .load_y(f_load_y), .opposite(f_opposite), .rounding(f_rounding),
-      .negative(negative), .over(f_over), .again(f_again), .to_h(f_to_h),
-      .minus(f_less), .twice(f_twice), .half(half), .th(th),
+      .word(answer), .load_x(load_x), .load_y(load_y), .opposite(f_result == RESULT_ELBOW_W), .rounding(rounding),
+      .negative(negative), .over(f_over), .again(again), .to_h(f_to_h), .minus(less), .half(half), .th(th),
       .length(length), .z_node(z_node), .left_node(left), .negative_node(opposite)
   );
-
-  reg [2:0] joint;
-  always @*
-    case (f_result)
-      RESULT_TH1: joint = 3'd0;
-      RESULT_TH2: joint = 3'd1;
-      RESULT_TH3: joint = 3'd2;
-      RESULT_TH4: joint = 3'd3;
-      RESULT_TH5: joint = 3'd4;
-      RESULT_TH6: joint = 3'd5;
-      default: joint = 3'd6;
-    endcase
   wire over;
-  ik_limit #(.W(W)) u_limit (
-      .clk(clk), .th(th), .low(limits[2*W*joint+:W]), .high(limits[2*W*joint+W+:W]), .over(over)
-  );
+  ik_fold_limit #(.W(W)) u_limit (.clk(clk), .joint(joint), .th(th), .limits(limits), .over(over));
 
   // ---- output ----
 
@@ -358,7 +386,7 @@ module ik_fold_arm #(
   function [W+3:0] angle(input [3:0] rounding, input half_turn);  // of the vector in the second stage
     angle = (opposite ? {{W{1'b0}}, rounding} - z_node : z_node - {{W{1'b0}}, rounding}) ^ {half_turn, {(W + 3) {1'b0}}};
   endfunction
-  wire unused = &{1'b0, p_plain, p_double, f_r_function, n, sum, flags, length, z_node, left, opposite};
+  wire unused = &{1'b0, p_plain, p_double, f_r_function, n, sum, in, flags, result, length, z_node, left, opposite};
   `include "ik_fold_arm_nodes.vh"
 
 endmodule

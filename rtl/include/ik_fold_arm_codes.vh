@@ -4,7 +4,7 @@
 // For the body of each module that reads a field of the step: codes of the fields. _BY_: selecting flags.
 
 /* verilator lint_off UNUSEDPARAM */  // each module uses some of them
-localparam integer STEP_W = 107;  // bits of a step
+localparam integer STEP_W = 96;  // bits of a step
 
 localparam [1:0] A_BY_NONE = 2'd0;
 localparam [1:0] A_BY_U_Y = 2'd1;
@@ -164,19 +164,8 @@ localparam [2:0] N_E_E_1 = 3'd5;
 localparam [2:0] N_E_E_2 = 3'd6;
 localparam [2:0] N_E_E_Q = 3'd7;
 
-localparam [1:0] ROUNDING_NONE = 2'd0;
-localparam [1:0] ROUNDING_TWICE = 2'd1;
-localparam [1:0] ROUNDING_SUM = 2'd2;
-
-localparam [1:0] NEGATIVE_BY_NONE = 2'd0;
-localparam [1:0] NEGATIVE_BY_SHOULDER = 2'd1;
-localparam [1:0] NEGATIVE_BY_ELBOW = 2'd2;
-localparam [1:0] NEGATIVE_BY_WRIST = 2'd3;
-
-localparam [2:0] HALF_BY_NONE = 3'd0;
-localparam [2:0] HALF_BY_SHOULDER = 3'd1;
-localparam [2:0] HALF_BY_SHOULDER_ELBOW = 3'd2;
-localparam [2:0] HALF_BY_ELBOW_WRIST = 3'd3;
-localparam [2:0] HALF_BY_WRIST = 3'd4;
+localparam [1:0] AGAIN_BY_NONE = 2'd0;
+localparam [1:0] AGAIN_BY_SHOULDER = 2'd1;
+localparam [1:0] AGAIN_BY_WRIST = 2'd2;
 
 /* verilator lint_on UNUSEDPARAM */

@@ -493,9 +493,9 @@ generate
         if (clock == 8'd116) qs_b <= angle(4'd4, 1'b0);  // (L81)
         if (clock == 8'd98) th1 <= th;  // (L82)
         if (clock == 8'd99) th3 <= th;  // (L84)
-        if (clock == 8'd116) th2 <= th;  // (L83)
+        if (clock == 8'd117) th2 <= th;  // (L83)
         if (clock == 8'd55) qe_e <= angle(4'd4, left);  // (L85)
-        if (clock == 8'd55) th4 <= th;  // (L86)
+        if (clock == 8'd56) th4 <= th;  // (L86)
         if (clock == 8'd121) qw_ij <= length;  // (L87)
         if (clock == 8'd138) qw_d <= angle(4'd0, left);  // (L87)
         if (clock == 8'd141) qw_wk <= length;  // (L88)
@@ -503,13 +503,13 @@ generate
         if (clock == 8'd33) qw_b <= angle(4'd4, 1'b0);  // (L89)
         if (clock == 8'd15) th5 <= th;  // (L90)
         if (clock == 8'd16) th7 <= th;  // (L92)
-        if (clock == 8'd33) th6 <= th;  // (L91)
+        if (clock == 8'd34) th6 <= th;  // (L91)
         if (clock == 8'd99) over_1 <= over;
-        if (clock == 8'd117) over_2 <= over;
+        if (clock == 8'd118) over_2 <= over;
         if (clock == 8'd100) over_3 <= over;
-        if (clock == 8'd56) over_4 <= over;
+        if (clock == 8'd57) over_4 <= over;
         if (clock == 8'd16) over_5 <= over;
-        if (clock == 8'd34) over_6 <= over;
+        if (clock == 8'd35) over_6 <= over;
         if (clock == 8'd17) over_7 <= over;
       end
   end

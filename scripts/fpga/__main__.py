@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table 5 of the paper again: logic, multipliers and clock of the datapaths, by open tools (make fpga).
 
-    python -m scripts.fpga [--datapath lean|lean25|paper|memory|fold] [--width BITS] [--page]
+    python -m scripts.fpga [--datapath lean|lean25|paper|memory|fold|fold_arm] [--width BITS] [--page]
         [--farm tcp://HOST:PORT]
 
 Synthesizes with Yosys for the paper's family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on an
@@ -23,7 +23,7 @@ from types import SimpleNamespace
 
 import click
 
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from model.dataflow.fixed import latency
 from model.io.stimuli import region
 from scripts import parallel
@@ -55,10 +55,12 @@ def commit() -> str:
 
 
 def describe(design: Design) -> dict:
-    """Return commit and digest of the code; latency and largest hand error of the bit-true model."""
+    """Return commit and digest of the code; latency and, of a core for targets, largest hand error of the model."""
     facts = {"rtl": designs.code(design), "commit": commit()}
-    if design.datapath not in CONFIGURATIONS:
+    if design.datapath not in MODELS:
         return facts
+    if MODELS[design.datapath].side:
+        return {"latency": latency(design.datapath, design.width), **facts}
     hand, _ = errors(region("anywhere", TARGETS, design.width, 1), design.width, design.datapath)
     return {"latency": latency(design.datapath, design.width), "hand": float(f"{hand.max():.2g}"), **facts}
 

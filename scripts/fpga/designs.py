@@ -7,7 +7,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from scripts.fpga.runs import Run
 from tb.sim.env import GENERATED
 from tb.sim.sources import digest
@@ -40,7 +40,7 @@ class Design:
     @property
     def group(self) -> str:
         """Value of --datapath that selects the design."""
-        return {"echo": "memory", "fold16": "fold"}.get(self.datapath, self.datapath)
+        return {"echo": "memory", "fold16": "fold", "fold_arm16": "fold_arm"}.get(self.datapath, self.datapath)
 
     def run(self, family: str, kind: str = "synth", module: str = "") -> Run:
         """Return a run of the top, or of a module alone."""
@@ -52,9 +52,7 @@ class Design:
 
 FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
 PAPER = ("ik_guard", "ik_swivel", "ik_elbow", "ik_elbow_q", "ik_to_elbow", "ik_to_wrist")
-FOLD, FOLD16 = (
-    {key: CONFIGURATIONS[name].parameters[key] for key in ("DATAPATH", "TILE")} for name in ("fold", "fold16")
-)
+FOLD, FOLD16 = ({key: MODELS[name].parameters[key] for key in ("DATAPATH", "TILE")} for name in ("fold", "fold16"))
 MEMORY = ("xc2vp", "xc7", "ecp5")
 SMALL = ("ecp5-12k", "xc7", "gowin")
 
@@ -67,6 +65,8 @@ DESIGNS = (
     *(Design("memory", width, "ik_axi", MEMORY, {"ecp5": 200}) for width in (18, 32)),
     *(Design("fold16", width, "ik_axis", ("up5k",), {"up5k": 33}, FOLD16) for width in (18, 24)),
     *(Design("fold", width, "ik_axis", SMALL, {"ecp5-12k": 100}, FOLD) for width in (24, 32)),
+    Design("fold_arm16", 24, "ik_arm", ("up5k",), {"up5k": 28}, FOLD16),
+    *(Design("fold_arm", width, "ik_arm", ("ecp5-12k",), {"ecp5-12k": 90}, FOLD) for width in (24, 32)),
 )
 """Default designs. lean25: only the gain of larger tiles is measured. paper: dividers and roots built from logic.
 memory: ``ik_axi`` with the lean datapath. echo: ``ik_axi`` with a stand-in for the datapath."""
@@ -94,7 +94,7 @@ def select(groups: Sequence[str], widths: Sequence[int]) -> list[Design]:
     if widths:
         names = dict.fromkeys(one.datapath for one in designs)
         designs = [find(name, width) for name in names for width in sorted(widths)]
-    limited = {name: one.widths for name, one in CONFIGURATIONS.items()}
+    limited = {name: one.widths for name, one in MODELS.items()}
     return [one for one in designs if one.width in limited.get(one.datapath, [one.width])]
 
 

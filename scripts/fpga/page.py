@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from model.dataflow.datapaths import CONFIGURATIONS
+from model.dataflow.datapaths import MODELS
 from scripts.fpga.designs import CHIPS, Design, clock, find, measured, run_of
 from scripts.fpga.netlist import HOLDS, KINDS, MULTIPLIER_NS
 from scripts.generate.render import render, table
@@ -92,22 +92,24 @@ def memory(data: dict) -> str:
 
 
 def folded(data: dict) -> str:
-    """Return the table of the fold datapath."""
+    """Return the table of the folded datapaths."""
     rows = []
     for family, (chip, logic) in CHIPS.items():
-        for design in (one for one in measured(data, "fold16", "fold") if family in one.families):
+        designs = measured(data, "fold16", "fold", "fold_arm16", "fold_arm")
+        for design in (one for one in designs if family in one.families):
             run, placed = (run_of(data, design.run(family, kind)) for kind in ("synth", "place"))
             if not run:
                 continue
-            cells, facts, period = run["cells"], data["designs"][design.name], CONFIGURATIONS[design.datapath].period
-            mhz, path = placed.get("mhz"), placed.get("path", {})
+            cells, facts, path = run["cells"], data["designs"][design.name], MODELS[design.datapath]
+            mhz, critical, period = placed.get("mhz"), placed.get("path", {}), path.period
             rows.append([
-                f"{chip}, W = {design.width}", f"`{design.datapath}`", period, facts["latency"], f"{facts['hand']:.1e}",
+                f"`{path.top}` on {chip}, W = {design.width}", f"`{design.datapath}`", period, facts["latency"],
+                _form(facts.get("hand"), "{:.1e}"),
                 f"{cells['LUT']} {logic}", cells["FF"], cells["multipliers"], cells["RAM"], _form(mhz, "{:.1f}"),
                 _form(mhz and period / mhz, "{:.2f}"), _form(mhz and (facts["latency"] + 99 * period) / mhz, "{:.0f}"),
-                *(_form(path.get(end), "`{}`") for end in ("from", "to")), _clocks(placed, 1),
+                *(_form(critical.get(end), "`{}`") for end in ("from", "to")), _clocks(placed, 1),
             ])  # fmt: skip
-    head = ["`ik_axis`", "`DATAPATH`", "clocks a target", "latency (clocks)", "largest hand error / reach", "logic"]
+    head = ["core", "`DATAPATH`", "clocks a target", "latency (clocks)", "largest hand error / reach", "logic"]
     head += ["flip-flops", "multipliers", "memories", "MHz", "us a target", "100 targets (us)", "from", "to", "seeds"]
     return table(head, rows)
 
@@ -171,7 +173,7 @@ def page(data: dict) -> str:
         memory=memory(data),
         memory_code=sources(data, measured(data, "memory")),
         folded=folded(data),
-        fold_code=sources(data, measured(data, "fold")),
+        fold_code=sources(data, measured(data, "fold", "fold_arm")),
         tried=table(["change", "measured on", "before", "after"], data["tried"], left=4),
         parts=[breakdown(data, one) for one in broken if run_of(data, one.run("xc2vp", "tree"))],
         commands=data["commands"],

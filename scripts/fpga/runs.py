@@ -21,8 +21,8 @@ SRL16_MAP = ROOT / "scripts" / "fpga" / "srl16_map.v"
 ECHO = (ROOT / "tb" / "axi" / "ik_lean.v",)
 """Stand-in for the datapath, to measure its surroundings alone."""
 
-DATAPATHS = {0: "ik_paper", 1: "ik_lean", 2: "ik_fold"}
-"""Parameter DATAPATH of `ik_axis` -> the module."""
+DATAPATHS = {"ik_arm": {1: "ik_lean_arm", 2: "ik_fold_arm"}, "": {0: "ik_paper", 1: "ik_lean", 2: "ik_fold"}}
+"""Top, or "" for all others -> parameter DATAPATH -> the module."""
 
 TOOLS = ("yosys", "nextpnr-ecp5", "nextpnr-ice40")
 
@@ -94,7 +94,8 @@ class Run:
 
     def files(self) -> list[Path]:
         """Return the source files, the module's own first; of the datapaths only the one that is instantiated."""
-        others = {name for number, name in DATAPATHS.items() if number != self.values.get("DATAPATH", 1)}
+        known = DATAPATHS.get(self.top, DATAPATHS[""]).items()
+        others = {name for number, name in known if number != self.values.get("DATAPATH", 1)}
         others = {*others, "ik_arm"} - {self.top}
         return closure(self.top, instead=ECHO if self.echo else (), without=others)
 

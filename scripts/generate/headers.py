@@ -282,6 +282,10 @@ def fold_fields(name: str) -> str:
     return "\n".join(lines)
 
 
+NO_STEP = 255
+"""Number of the step that does nothing, for reset."""
+
+
 def fold_program(of: str) -> str:
     _, made = program(WIDTH, of)
     period, bits = made.period, sum(fields(of).values())
@@ -313,9 +317,10 @@ def fold_program(of: str) -> str:
         *(f"localparam integer {name}_LAP = {clock // period};" for name, clock in laps.items()),
         "",
         '(* rom_style = "block", ram_style = "block" *)',
-        "reg [STEP_W-1:0] rom[0:PERIOD-1];",
+        f"reg [STEP_W-1:0] rom[0:{'PERIOD-1' if of == 'fold' else NO_STEP}];",
         "initial begin",
         *(f"  rom[{n}] = {word}" for n, word in enumerate(words)),
+        *[f"  rom[{NO_STEP}] = 0;"] * (of != "fold"),
         "end",
     ]
     return "\n".join(lines)

@@ -45,7 +45,6 @@ WINDOWS = ("plain", "double", "low")
 LASTS = ("inner", "root", "slope", "sine")
 SOURCES = ("none", "sum", "normal", "input")
 MORE_SOURCES = ("result", "wrist")  # of the whole arm
-ROUNDINGS = ("", "twice", "sum")
 FUNCTIONS = ("root", "sine", "cosine")
 PLACED_AS = ("", "root", "angle")
 CARRIES = ("", "minus")
@@ -87,9 +86,8 @@ def codes(name: str = "fold") -> dict[str, tuple]:
         made |= {field: of for field, of in shared.items() if field not in ("input", "result")}
         made["source"] += MORE_SOURCES
         made["result"] += timing.ELBOW
-        made["rounding"] = ROUNDINGS
-        made["negative_by"] = "", *dict.fromkeys(joint.by for joint in joints if not joint.other)
-        made["half_by"] = "", *dict.fromkeys(joint.by for joint in joints if joint.other)
+        by = {joint.angle: joint.by for joint in joints}
+        made["again_by"] = "", *(by[angle] for angle, vector in lowering.vectors.items() if vector.lengths)
     return made
 
 
@@ -99,15 +97,15 @@ PLAIN_BITS = {
 }  # fmt: skip
 """Numeric field -> bits."""
 
-ANGLE_BITS = dict.fromkeys(("load_x", "load_y", "opposite", "over", "again", "to_h", "less", "twice"), 1)
-"""Numeric field of the angle unit -> bits."""
+ANGLE_BITS = {"over": 1, "to_h": 1}
+"""Numeric field of the angle unit -> bits; what else it does follows from the result in the same clock."""
 
 
 @cache
 def fields(name: str = "fold") -> dict[str, int]:
     """Return field -> bits."""
     coded = {name: max(1, (len(codes) - 1).bit_length()) for name, codes in codes(name).items()}
-    return coded | PLAIN_BITS | (ANGLE_BITS if "rounding" in coded else {})
+    return coded | PLAIN_BITS | (ANGLE_BITS if "again_by" in coded else {})
 
 
 @dataclass
@@ -276,24 +274,16 @@ def encode(lowering: Lowering, groups: Groups, of: Schedule, name: str = "fold")
             for number, (factor, register) in enumerate(step.count.terms):
                 base = str(step.count.base) if number == 0 else "count"
                 put(begin + number, n_base=base, n_e=register, n_minus=factor < 0, n_twice=abs(factor) == 2)
-    by_angle = {joint.angle: joint for joint in lowering.joints.values()}
-    others = {joint.other for joint in by_angle.values()}
+    firsts = {joint.other for joint in lowering.joints.values()}
     for angle, turn in program.turns.items():
-        joint = by_angle.get(angle)
-        rounding = {"rounding": "" if not joint else "sum" if joint.other else "twice"}
-        rounding["negative_by"] = "" if not joint or joint.other else joint.by
-        x, y = turn.loads
+        joints = [joint for joint in lowering.joints.values() if joint.angle == angle]
         if turn.vector.lengths:
-            put(x, again=1, **rounding)
-        else:
-            put(x, load_x=1)
-            put(y, load_y=1, opposite=turn.vector.opposite, **rounding)
+            put(turn.loads[0], again_by=joints[0].by)
         put(turn.over, over=1)
-        if angle in others:
+        if angle in firsts or not joints[0].other:
             put(turn.over + timing.SHOWN, to_h=1)
-    for joint in lowering.joints.values():
-        half = joint.by if joint.other else ""
-        put(program.shown[joint.name], result=joint.name, less=joint.minus, twice=not joint.other, half_by=half)
+    for name, clock in program.shown.items():
+        put(clock, result=name)
     return program
 
 

@@ -187,7 +187,7 @@ class Joint:
     @property
     def shown(self) -> int:
         """Clocks from handing over its vector."""
-        return SHOWN + self.minus
+        return SHOWN + (self.minus or not self.other)
 
     @property
     def by(self) -> str:

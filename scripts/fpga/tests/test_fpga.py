@@ -5,8 +5,11 @@ import json
 import pickle
 import re
 
+import numpy as np
 import pytest
 
+from model.io.stimuli import arm_targets
+from model.io.words import pack
 from scripts.fpga import __main__ as fpga
 from scripts.fpga import designs, netlist, page, runs, simulation, tools
 from tb.sim.sources import closure
@@ -182,6 +185,19 @@ def test_wrapper_connects_every_port(module):
     for name in names:
         assert f".{name}({name})" in made
     assert "W = 18" in made or not re.search(r"integer W\b", made)
+
+
+def test_a_hand_pose_is_shifted_in_and_held():
+    """The wide inputs are limits, pose, then branch and tag, in the order of the ports."""
+    ports = simulation.Ports(closure("ik_arm")[0].read_text())
+    assert "if (!in[4]) in_q" in ports.wrapper({"W": 18}, "fpga_top") and ports.single["input"][3] == "hold"
+    pins = ports.stimuli(3000, 18)
+    held, poses, shifted = pins >> np.uint64(4) & np.uint64(1), [], 0
+    for hold, bit in zip(held.tolist(), (pins & np.uint64(1)).tolist(), strict=True):
+        shifted = shifted if hold else shifted << 1 | bit
+        if hold:
+            poses.append(shifted >> 11 & (1 << 11 * 18) - 1)
+    assert list(dict.fromkeys(poses)) == pack(arm_targets(4, 18, 1)[:, :11], 18)
 
 
 def test_a_missing_tool_is_one_line_and_status_2(monkeypatch, capsys):
