@@ -57,7 +57,7 @@ module ik_fold_arm #(
   reg begins, last;  // the current step is the first, the last
   wire [STEP_W-1:0] step;
   // Accept no target and write no word before the first step arrives, or under reset: some words must stay 0.
-  initial go = 1'b0;
+  initial {go, read} = 9'd255;
   `include "ik_fold_arm_program.vh"
   `include "ik_fold_arm_fields.vh"
 
@@ -84,12 +84,13 @@ module ik_fold_arm #(
     end
   end
 
-  // Registers behind the memory of small chips cost logic cells. Number 255 is a step that does nothing.
+  // Registers behind the memory of small chips cost logic cells. Number 255 is a step that does nothing. The one read
+  // under reset finds no target.
   generate
     if (TILE == 16) begin : g_step
       reg [STEP_W-1:0] read_step;
       initial read_step = 0;
-      always @(posedge clk) if (rst || (go && !waits)) read_step <= rom[rst ? 8'd255 : read];
+      always @(posedge clk) if (rst || (go && !waits)) read_step <= rom[read];
       assign step = read_step;
     end else begin : g_steps
       reg [STEP_W-1:0] next_step, this_step;
@@ -309,23 +310,19 @@ module ik_fold_arm #(
   wire again = f_again_by != AGAIN_BY_NONE;
   reg load_x, load_y, less, negative, half;
   reg [1:0] rounding;
-  reg [2:0] joint;
+  wire [2:0] joint = f_result[2:0];  // TH1 to TH7 are 1 to 7
   always @* begin
     {load_x, load_y, less, half} = 4'b0000;
     negative = f_again_by == AGAIN_BY_SHOULDER ? branch[0] : f_again_by == AGAIN_BY_WRIST && branch[2];
     rounding = {1'b0, again};
-    joint = 3'd6;
     case (f_result)
       RESULT_ELBOW_I, RESULT_QS_I, RESULT_QS_W, RESULT_QW_I, RESULT_QW_W: load_x = 1'b1;
       RESULT_QS_J, RESULT_QW_J: load_y = 1'b1;
       RESULT_QS_K, RESULT_QW_K: {load_y, rounding} = 3'b110;
       RESULT_ELBOW_W: {load_y, rounding, negative} = {3'b101, branch_in[1]};
-      RESULT_TH1: {joint, half} = {3'd0, branch[0]};
-      RESULT_TH2: joint = 3'd1;
-      RESULT_TH3: {joint, half, less} = {3'd2, branch[0] ^ branch[1], 1'b1};
-      RESULT_TH4: joint = 3'd3;
-      RESULT_TH5: {joint, half} = {3'd4, branch[1] ^ branch[2]};
-      RESULT_TH6: joint = 3'd5;
+      RESULT_TH1: half = branch[0];
+      RESULT_TH3: {half, less} = {branch[0] ^ branch[1], 1'b1};
+      RESULT_TH5: half = branch[1] ^ branch[2];
       RESULT_TH7: {half, less} = {branch[2], 1'b1};
       default: ;
     endcase
@@ -348,12 +345,11 @@ module ik_fold_arm #(
   reg [TAG_W+8:0] head;  // tag and flags that leave with the first result
   reg [6:0] over_limit;
   assign m_axis_tuser = {over_limit, head};
-  reg compares;  // `over` is of joint `compared`
-  reg [2:0] compared;
+  wire [7:0] shown = 8'd1 << joint;
+  reg [6:0] compared;  // joint of `over`
   always @(posedge clk) begin
-    compares <= go && giving && (f_result == RESULT_TH7 || joint != 3'd6);
-    compared <= joint;
-    if (compares) over_limit[compared] <= over;
+    compared   <= (go && giving && f_result <= RESULT_TH7) ? shown[7:1] : 7'd0;
+    over_limit <= (over_limit & ~compared) | ({7{over}} & compared);
     if (go && giving) begin
       if (f_first_result) head <= {not_unit, flags[7:6], hand_nodes[1], flags[4:0], tag};
       case (f_result)
@@ -386,7 +382,7 @@ module ik_fold_arm #(
   function [W+3:0] angle(input [3:0] rounding, input half_turn);  // of the vector in the second stage
     angle = (opposite ? {{W{1'b0}}, rounding} - z_node : z_node - {{W{1'b0}}, rounding}) ^ {half_turn, {(W + 3) {1'b0}}};
   endfunction
-  wire unused = &{1'b0, p_plain, p_double, f_r_function, n, sum, in, flags, result, length, z_node, left, opposite};
+  wire unused = &{1'b0, p_plain, p_double, f_r_function, n, sum, in, shown, flags, result, length, z_node, left, opposite};
   `include "ik_fold_arm_nodes.vh"
 
 endmodule

@@ -11,7 +11,7 @@ module ik_fold_limit #(
     parameter integer W = 24  // word length
 ) (
     input  wire            clk,
-    input  wire [     2:0] joint,   // 0 to 6
+    input  wire [     2:0] joint,   // 1 to 7
     input  wire [   W-1:0] th,
     input  wire [14*W-1:0] limits,  // lower and upper of th1 .. th7, lowest bits first
     output wire            over
@@ -20,12 +20,12 @@ module ik_fold_limit #(
   reg [W-1:0] not_low, not_high;
   always @*
     case (joint)
-      3'd0: {not_high, not_low} = ~limits[0*W+:2*W];
-      3'd1: {not_high, not_low} = ~limits[2*W+:2*W];
-      3'd2: {not_high, not_low} = ~limits[4*W+:2*W];
-      3'd3: {not_high, not_low} = ~limits[6*W+:2*W];
-      3'd4: {not_high, not_low} = ~limits[8*W+:2*W];
-      3'd5: {not_high, not_low} = ~limits[10*W+:2*W];
+      3'd1: {not_high, not_low} = ~limits[0*W+:2*W];
+      3'd2: {not_high, not_low} = ~limits[2*W+:2*W];
+      3'd3: {not_high, not_low} = ~limits[4*W+:2*W];
+      3'd4: {not_high, not_low} = ~limits[6*W+:2*W];
+      3'd5: {not_high, not_low} = ~limits[8*W+:2*W];
+      3'd6: {not_high, not_low} = ~limits[10*W+:2*W];
       default: {not_high, not_low} = ~limits[12*W+:2*W];
     endcase
 

@@ -19,6 +19,7 @@ SETS = {
     "paper-23": ("paper", 23, 3),
     "arm-18": ("arm", 18, 3),
     "fold_arm-24": ("fold_arm", 24, 3),
+    "fold_arm16-18": ("fold_arm16", 18, 3),
 }
 SETS |= {"lean-18": ("lean", 18, 3)} if simulator() == "icarus" else {"lean-32": ("lean", 32, 8)}
 BYTES = {"bytes-18": ("lean", 18, 3)}
@@ -53,7 +54,7 @@ def failures(request, tmp_path_factory):
     return {name: str(failure.attrib) for name, failure in failed.items() if failure is not None}
 
 
-LARGE = ("paper-23", "arm-18", "fold_arm-24")
+LARGE = ("paper-23", "arm-18", "fold_arm-24", "fold_arm16-18")
 WHOLE = [key for key in SETS if simulator() != "icarus" or key not in LARGE]
 FEW = ("one_result", "recurrences", "idle=bursts/stall=bursts", "full", "after=out")
 

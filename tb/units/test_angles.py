@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_vector`` and ``ik_fold_angle`` against their model, ``ik_limit`` against its definition."""
+"""``ik_vector``, ``ik_fold_angle`` against their model; ``ik_limit``, ``ik_fold_limit`` against the definition."""
 
 import itertools
 import random
+from functools import partial
 
 import numpy as np
 from cocotb.clock import Clock
@@ -47,7 +48,7 @@ def vector(W: int) -> Tests:
 
 
 def fold_angle(W: int) -> Tests:
-    """The program of a ball joint, repeated: (i, j) to h, (w, k), the angle between both, in some an elbow instead."""
+    """The program of a ball joint, repeated: in some an elbow, (i, j) to h, (w, k), in most the angle between both."""
     head, last = angles.iterations(W)
     rest = last - head  # iterations of the second stage
 
@@ -68,9 +69,9 @@ def fold_angle(W: int) -> Tests:
             at(two, load_y=1, word=y % (1 << W), rounding=rounding, negative=negative, opposite=opposite)
             return two + head + 1
 
-        def show(when: int, angle: int, minus: int = 0, twice: int = 0) -> None:
+        def show(when: int, angle: int, minus: int = 0) -> None:
             half = random.getrandbits(1)
-            at(when, minus=minus, twice=twice, half=half)
+            at(when, minus=minus, half=half)
             wanted[when] = (round_shift(angle, angles.ANGLE) + (half << W - 1)) % (1 << W)
 
         def signs(angle) -> tuple[int, int]:
@@ -83,22 +84,19 @@ def fold_angle(W: int) -> Tests:
         at(0, over=1)  # clears Y
         for n, (w, i, j, k) in enumerate(quaternions):
             clock += 1
+            if random.random() < 0.3:
+                negative_4, elbow = signs(elbows[n])
+                clock = load(i, w, 0b01, negative_4, opposite=1)
+                at(clock, over=1)
+                at(clock + rest + 1, to_h=1)
+                show(clock + rest + 2, 2 * elbow)
+                clock = max(clock + 1, clock + rest + 1 - head)
             negative, d = signs(ij[1][n])
             clock = load(i, j, 0b00, negative)
             at(clock, over=1)
-            of_h = clock + rest + 1
+            at(clock + rest + 1 + random.choice((0, 0, 1)) * (head + 3 > rest + 1), to_h=1)
             clock += 1
-            if random.random() < 0.3:  # h stays while an elbow passes
-                at(of_h, to_h=1)
-                negative_4, elbow = signs(elbows[n])
-                clock = max(load(i, w, 0b01, negative_4, opposite=1), of_h)
-                at(clock, over=1)
-                show(clock + rest + 1, 2 * elbow, twice=1)
-                clock = max(clock + 1, clock + rest + 1 - head)
-                tilt = None
-            else:
-                at(of_h + random.choice((0, 0, 1)) * (head + 3 > rest + 1), to_h=1)
-                tilt = tilts[n]
+            tilt = tilts[n] if random.random() < 0.7 else None
             negative, s = signs(wk[1][n])
             clock = load(w, k, 0b10, negative)
             negative, b = signs(tilts[n])
@@ -111,14 +109,16 @@ def fold_angle(W: int) -> Tests:
             clock += max(head + 1, rest + 2)
             if tilt is not None:
                 at(clock, over=1)
-                show(clock + rest + 1, 2 * b, twice=1)
+                at(clock + rest + 1, to_h=1)
+                show(clock + rest + 2, 2 * b)
+                clock = max(clock, clock + rest - 2 - head)
 
         program: list[dict[str, int]] = [{} for _ in range(max(when for when, _ in events) + 1)]
         for when, ports in events:
             assert not program[when].keys() & ports.keys(), f"two in clock {when}"
             program[when] |= ports
         idle = dict.fromkeys(("load_x", "load_y", "over", "again", "to_h"), 0)
-        free = {"word": W, "opposite": 1, "rounding": 2, "negative": 1, "minus": 1, "twice": 1, "half": 1}
+        free = {"word": W, "opposite": 1, "rounding": 2, "negative": 1, "minus": 1, "half": 1}
         driven: dict[str, int] = {}
         Clock(dut.clk, 10, unit="ns").start()
         now = 0
@@ -142,18 +142,32 @@ def fold_angle(W: int) -> Tests:
     return {"joints": joints}
 
 
+def over(W: int, th: int, low: int, high: int) -> int:
+    return int((th - low) % (1 << W) > (high - low) % (1 << W))
+
+
 def limit(W: int) -> Tests:
-    one = 1 << W
-
-    def over(th: int, low: int, high: int) -> int:
-        return int((th - low) % one > (high - low) % one)
-
     angle = unsigned(W)
-    return checks({"th": angle, "low": angle, "high": angle}, {"over": BIT}, each(over), latency=1)
+    return checks({"th": angle, "low": angle, "high": angle}, {"over": BIT}, each(partial(over, W)), latency=1)
+
+
+def fold_limit(W: int) -> Tests:
+    """Angles are mostly at or next to a limit."""
+
+    def of_joint(joint: int, th: int, limits: int) -> int:
+        return over(W, th, *(limits >> W * n & (1 << W) - 1 for n in (2 * joint - 2, 2 * joint - 1)))
+
+    def near() -> list[Vector]:
+        found = some(2000, range(1, 8), range(-1, 2), unsigned(14 * W))
+        return [(n, ((arcs >> W * (2 * n - 1 - arcs % 2)) + by) % (1 << W), arcs) for n, by, arcs in found]
+
+    inputs = {"joint": range(1, 8), "th": unsigned(W), "limits": unsigned(14 * W)}
+    return checks(inputs, {"over": BIT}, each(of_joint), near, latency=1)
 
 
 test_angles = runs(
     Case("ik_vector", vector, sets_of("W", (6,), (24,)), sets_of("W", (5,), (7,), (17,), (18,), (32,))),
     Case("ik_fold_angle", fold_angle, sets_of("W", (5,), (32,)), sets_of("W", (6,), (17,), (18,), (24,))),
     Case("ik_limit", limit, sets_of("W", (4,), (32,))),
+    Case("ik_fold_limit", fold_limit, sets_of("W", (4,), (32,))),
 )
