@@ -161,8 +161,8 @@ def fold_limit(W: int) -> Tests:
         found = some(2000, range(1, 8), range(-1, 2), unsigned(14 * W))
         return [(n, ((arcs >> W * (2 * n - 1 - arcs % 2)) + by) % (1 << W), arcs) for n, by, arcs in found]
 
-    inputs = {"joint": range(1, 8), "th": unsigned(W), "limits": unsigned(14 * W)}
-    return checks(inputs, {"over": BIT}, each(of_joint), near, latency=1)
+    inputs = {"joint": unsigned(3), "th": unsigned(W), "limits": unsigned(14 * W)}
+    return checks(inputs, {"over": BIT}, each(of_joint), near, latency=1, fits=lambda joint, *_: joint)
 
 
 test_angles = runs(
