@@ -379,8 +379,8 @@ module ik_fold_arm #(
 
   wire [FRAC+2:0] p_plain = p[2*D-5-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};  // the product, rounded like its node
   wire [FRAC+2:0] p_double = p[2*D-6-FRAC+:FRAC+3] + {{(FRAC + 2) {1'b0}}, 1'b1};
-  function [W+3:0] angle(input [3:0] rounding, input half_turn);  // of the vector in the second stage
-    angle = (opposite ? {{W{1'b0}}, rounding} - z_node : z_node - {{W{1'b0}}, rounding}) ^ {half_turn, {(W + 3) {1'b0}}};
+  function [W+3:0] angle(input [3:0] start, input half_turn);  // of the vector in the second stage
+    angle = (opposite ? {{W{1'b0}}, start} - z_node : z_node - {{W{1'b0}}, start}) ^ {half_turn, {(W + 3) {1'b0}}};
   endfunction
   wire unused = &{1'b0, p_plain, p_double, f_r_function, n, sum, in, shown, flags, result, length, z_node, left, opposite};
   `include "ik_fold_arm_nodes.vh"

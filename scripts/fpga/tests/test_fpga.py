@@ -267,8 +267,9 @@ def replay(monkeypatch, tmp_path):
 def test_recorded_figures_give_the_same_runs_and_placements(replay):
     """The runs equal fpga.json's: designs too large for the device are placed by module, seeds are tried up to the
     aim, each chip of the folded datapath is measured; a repeated command takes all figures from fpga.json."""
+    chosen = [design for design in designs.DESIGNS if design.name in RECORDED["designs"]]
     for again in (False, True):
-        found, ran = replay(designs.DESIGNS, on_farm)
+        found, ran = replay(chosen, on_farm)
         assert found.data["designs"] == RECORDED["designs"] and not found.left_out
         for title, run in found.data["runs"].items():
             assert without(run, "date", "key") == without(RECORDED["runs"][title], "date", "key")
