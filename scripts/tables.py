@@ -13,7 +13,7 @@ from model.bounds import tolerances
 from model.dataflow.datapaths import MODELS
 from model.io import flags as flag_bits
 from model.io.scoring import Score
-from tb.core import worst_targets
+from model.io.words import FIELDS
 from tb.core.random_targets import Core, Found
 
 LATENCY, CLOCKS, RATE = "latency (clocks)", "clocks for all targets", "results per clock while they flow"
@@ -166,11 +166,12 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
 def table_of_hardest(found: Found) -> Table:
     """Return the hardest targets: first by hand error relative to its tolerance, then by norm error."""
     words = next((hard.words for hard in found.by_hand + found.by_norm), [])
-    headings = ("target", "hand", "/ tol.", "norm", *worst_targets.named(len(words)))
+    names = FIELDS if len(words) == len(FIELDS) else ()  # poses have too many words for a line
+    headings = ("target", "hand", "/ tol.", "norm", *names)
     table = _table("the hardest targets", headings, left=0, padding=(0, 1, 0, 0))
     for hards in (found.by_hand, found.by_norm):
         for hard in hards:
             figures = f"{hard.hand_error:.2e}", f"{hard.hand_error / hard.tolerance:.3f}", f"{hard.norm_error:.2e}"
-            table.add_row(str(hard.target), *figures, *map(str, hard.words))
+            table.add_row(str(hard.target), *figures, *map(str, hard.words[: len(names)]))
         table.add_section()
     return table
