@@ -364,12 +364,12 @@ function drawMotion(g, w, h, t) {
   drawFloor(g, view.project, view.bounds);
   drawAxes(g, view.direction, h, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]);
   drawPlane(g, view.project, t, n);
-  if (t.hands?.free) {
-    drawSwivel(g, view.project, t, n);
-  }
   const arms = [...new Set(t.arm)].filter((arm) => arm !== t.arm[n]);
   for (const arm of [...arms, t.arm[n]]) {
     drawPaths(g, view.project, t, arm, n);
+  }
+  if (t.hands?.free) {
+    drawSwivel(g, view.project, t, n);
   }
   for (const arm of arms) {
     const last = t.arm.lastIndexOf(arm, n); // last pose of the other arm

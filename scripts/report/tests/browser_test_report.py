@@ -281,29 +281,31 @@ def test_a_clip_is_drawn_and_fits(clip, browser, size, scheme):
 
 @pytest.mark.parametrize(("size", "scheme"), SIZES[::2], ids=str)
 def test_hand_poses_are_drawn_and_fit(browser, size, scheme, tmp_path):
-    """Strips of seven joints; the circle through the elbow is green only where all joints are within limits."""
-    poses = replace(trajectories.make("pick_and_place"), phi=np.linspace(-3, 3, 100))
-    (tmp_path / "t.csv").write_text(format_csv(poses))
+    """Strips of seven joints; the elbow's circle is green just where all joints are within their limits."""
+    poses, phi = trajectories.make("pick_and_place"), np.linspace(-3, 3, 100)
+    still = {name: np.full(100, getattr(poses, name)[30]) for name in "xyz"}
+    others = {name: column[30:31] * 100 for name, column in poses.others.items()}
+    (tmp_path / "t.csv").write_text(format_csv(replace(poses, phi=phi, others=others, **still)))
     address = write_without_rtl(tmp_path, "--trajectory", str(tmp_path / "t.csv"), "--robot", "iiwa14")
     page = browser(address + "#target=0", size, prefers_color_scheme=scheme)
-    (data,) = data_in(tmp_path / "report.html")
-    pictures = set()
-    for n in (0, 30, 95):
+    hands = data_in(tmp_path / "report.html")[0]["hands"]
+    over, names, ends = np.array(hands["over"]), np.array(hands["names"]), np.radians(hands["free"][0]).ravel()
+    away = np.abs(np.angle(np.exp(1j * (phi - ends[:, None])))).min(axis=0)
+    shown, pictures, elbows = np.flatnonzero(away > 0.3)[::5].tolist(), set(), {}
+    for n in shown:
         page.choose("scrub", n)
         assert_fits(page, n)
-        over, names = data["hands"]["over"][n], np.array(data["hands"]["names"])
-        expected = ", ".join(names[(over >> np.arange(7) & 1) > 0]) or "none"
-        assert page.text("now").endswith(f"joints outside limits{expected}")
+        beyond = ", ".join(names[(over[n] >> np.arange(7) & 1) > 0]) or "none"
+        assert page.text("now").endswith(f"joints outside limits{beyond}")
         assert min(margin for _, margin, _ in page.run(f"{PIXELS}('scene', ['upper', 'fore', 'body', 'joint'])")) > 0
-        assert (
-            min(count for count, *_ in page.run(f"{PIXELS}('seven', ['upper', 'fore', 'plane', 'elbow', 'bad'])")) > 50
-        )
+        strips = page.run(f"{PIXELS}('seven', ['upper', 'fore', 'plane', 'elbow', 'bad'])")
+        assert min(count for count, *_ in strips) > 50
         pictures |= {page.picture(), page.picture("seven")}
         *_, (x, y, *_), _, _, _ = page.run(f"{CALLS}('scene', 'arc')")  # elbow, wrist twice, ring
-        assert (page.run(f"{GREEN}({x}, {y}, {30 if size == WIDE else 14})") > 5) == (over == 0), (
-            "the circle at the elbow"
-        )
-    assert len(pictures) == 6
+        elbows[n] = f"{x}, {y}, {30 if size == WIDE else 10}"
+    assert len(pictures) == 2 * len(shown)
+    green = [page.run(f"{GREEN}({elbow})") > 2 for elbow in elbows.values()]
+    assert green == (over[shown] == 0).tolist() and 2 < sum(green) < len(shown) - 2, (green, over[shown])
     assert_plots_move_to_the_pointer(page, ("#seven",), 99)
 
 
