@@ -1,13 +1,13 @@
 // No rounding here. Inputs: Q2.(W-2) and a binary angle; results: Q2.(W-2) and binary angles.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The whole arm with AXI4-Stream ports: hand pose in, seven joint angles out; one datapath between credit logic and an
-// output FIFO, as in ik_axis.
+// The whole arm with AXI4-Stream ports: hand pose in, seven joint angles out. As in ik_axis, credit logic admits poses
+// to the datapath, and an output FIFO holds results.
 //
 // A pose is admitted only when a FIFO slot is free for its result, so the datapath never stalls and no result is lost,
 // repeated or reordered. tready and tvalid do not depend on each other combinationally. The folded datapath has its own
 // flow control and bypasses the FIFO.
-// Throughput: one pose per clock; folded, one per period of its program.
+// Throughput: one pose per clock; folded, one per PERIOD clocks (ik_fold_arm_program.vh).
 // Latency: T_OUT (ik_arm_nodes.vh) plus 2 clocks in the FIFO; folded, see ik_fold_arm.
 `default_nettype none
 

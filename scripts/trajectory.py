@@ -122,7 +122,7 @@ def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[
     chosen = [chosen] if isinstance(chosen, str) else chosen
     if prepared[0].targets.hand is not None:
         if "datapath" in arguments.given:
-            raise InputError(f"argument --datapath: hand poses run on {ARM.name}, not on {', '.join(chosen)}")
+            raise InputError(f"argument --datapath: applies to wrist targets; hand poses always run on {ARM.name}")
         chosen = [ARM.name]
     return {each: arguments.out / each for each in chosen} if len(chosen) > 1 else {chosen[0]: arguments.out}
 
@@ -192,7 +192,7 @@ def _robot(arguments: SimpleNamespace) -> arms.Arm | None:
     name, ends = arguments.robot, (arguments.base, arguments.tip)
     if name is None or name in arms.ROBOTS:
         if any(ends):
-            raise InputError("argument --robot: --base and --tip are links of a URDF file")
+            raise InputError("argument --robot: --base and --tip need a URDF file")
         return arms.ROBOTS.get(name)
     if not name.lower().endswith(".urdf") and not os.path.exists(name):
         raise InputError(f"argument --robot: unknown robot {name!r}; valid: {', '.join(arms.ROBOTS)}, a URDF file")

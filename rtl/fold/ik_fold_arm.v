@@ -3,7 +3,7 @@
 //
 // The whole arm on one multiplier, AXI4-Stream ports: ik_fold with another program, and the serial CORDIC of
 // ik_fold_angle, which takes result words as they are made. A hand pose enters; Qs, Qe, Qw and seven joint angles leave.
-// The lap, stalls and steps are those of ik_fold. Codes of fields that both programs have are the same.
+// Lap, stalls and steps work as in ik_fold. Codes of fields that both programs have are the same.
 // Throughput: one target per PERIOD clocks.
 // Latency: set by the program (ik_fold_arm_program.vh), counted from the clock that accepts the target.
 `default_nettype none

@@ -30,7 +30,7 @@ module ik_lean_arm #(
     // Result
     output wire             out_valid,
     output wire [TAG_W-1:0] out_tag,
-    output wire [     15:0] out_flags,   // those of ik_lean, with saturated in bit 5; bad_hand, over_1 to over_7
+    output wire [     15:0] out_flags,   // as in ik_lean; bit 5 saturated, 8 bad_hand, 9 to 15 over_1 to over_7
     output wire [ 17*W-1:0] out_data     // th1 .. th7, qs_w .. qs_k, qe_w, qe_i, qw_w .. qw_k, lowest bits first
 );
 
@@ -169,7 +169,7 @@ module ik_lean_arm #(
   // ---- align the results ----
 
   wire [10*W-1:0] words_at_out;
-  wire [FLAGS_W-4:0] flags_at_out;  // saturated, bad_hand, tag, those of ik_lean
+  wire [FLAGS_W-4:0] flags_at_out;  // saturated, bad_hand, tag, flags of ik_lean
   ik_ring #(.W(10*W+FLAGS_W-3), .N(T_OUT-T_QW_W)) u_words_at_out (
       .clk(clk), .rst(rst),
       .d({flags_at_qw[FLAGS_W-4:0], qw_k, qw_j, qw_i, qw_w, qse_at_qw}), .q({flags_at_out, words_at_out})

@@ -1,8 +1,8 @@
 // Rounding and format of each node: ik_arm_nodes.vh; products as in ik_mul3, results half up.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The wrist's orientation Qw = (Qs Rx(th4))~ Qh in two products of quaternions: G = Qs~ h, then (-qe_i + qe_w i)~ G.
-// h, qs and qe at clock T_QS_W, each output at its clock T_<NODE>.
+// The wrist's orientation Qw = (Qs Rx(th4))~ Qh, as two quaternion products: G = Qs~ h, then (-qe_i + qe_w i)~ G. h, qs
+// and qe are valid at clock T_QS_W, each output at its clock T_<NODE>.
 // Throughput: one pose per clock.
 `default_nettype none
 

@@ -1,9 +1,9 @@
 // Rounding and format of each node: ik_arm_nodes.vh; flags exact, products as in ik_mul3, the wrist half up, saturated.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The wrist of a hand pose: hand - 2 t r, with r half the third column of the rotation of Qh. A quaternion whose length
-// lies outside [1 - 2^-8, 1 + 2^-8) counts as 1, and its tool as 0. Inputs at clock 0, each output at its clock
-// T_<NODE>.
+// The wrist of a hand pose: hand - 2 t r, where t is the tool's length and r is half the third column of Qh's rotation
+// matrix. A hand is bad if |Qh| is outside [1 - 2^-8, 1 + 2^-8); then Qh is replaced by 1 and t by 0. Inputs are valid
+// at clock 0, each output at its clock T_<NODE>.
 // Throughput: one pose per clock.
 `default_nettype none
 
@@ -94,7 +94,7 @@ module ik_lean_hand #(
     tool_h <= bad_hand ? {W{1'b0}} : tool_at_bad;
   end
 
-  // ---- (L65)-(L67) half the third column of Qh's rotation; of a bad hand it is not used ----
+  // ---- (L65)-(L67) half the third column of Qh's rotation matrix; multiplied by 0 for a bad hand ----
 
   localparam integer SH_H = F_QH_I + F_QH_K - F_H_IK;
   wire signed [N-1:0] h_ik;  // (L65)

@@ -82,7 +82,7 @@ def test_poses_of_a_robot(cli, simulator, robot):
 
 SLIPS = [
     ("--robot kuka", "argument --robot: unknown robot 'kuka'; valid: iiwa14, human, a URDF file"),
-    ("--robot iiwa14 --base l1", "argument --robot: --base and --tip are links of a URDF file"),
+    ("--robot iiwa14 --base l1", "argument --robot: --base and --tip need a URDF file"),
     ("--robot t.urdf --tip x", "argument --robot: t.urdf: no chain of joints leads from base to x"),
     ("--robot bent.urdf", "argument --robot: links are bent: the joints of ik_arm are along or across its bones"),
     ("--robot fork.urdf", "argument --robot: fork.urdf: no link stands out as tip: other, tip"),
@@ -93,7 +93,7 @@ SLIPS = [
         "argument --robot: circle has no orientations of a hand, such as columns qw,",
     ),
     ("--soft 0.1", "argument --soft: applies to wrist targets, not to hand poses"),
-    ("--datapath fold", "argument --datapath: hand poses run on arm, not on fold"),
+    ("--datapath fold", "argument --datapath: applies to wrist targets; hand poses always run on arm"),
 ]
 
 
