@@ -115,10 +115,10 @@ class Arm:
         return replace(poses, phi=phi, hand=q, origin=self.base, default_arm=(), **own)
 
     def solve(self, points: ArrayLike, hand: ArrayLike, phi: ArrayLike | None = None, branch: ArrayLike = 0) -> ArmPose:
-        """Return the poses of N tips, points (N, 3) and orientations (N, 4), or of one.
+        """Return the poses for tips at points (N, 3) with orientations (N, 4), or for one tip.
 
-        joints, over_limit and names are the robot's own; a joint is put into its limits by whole turns where that is
-        possible.  The swivel angle phi (rad, a number or (N,)) is measured from axis 1; None is :func:`hanging`.
+        joints and over_limit are the robot's own, in the order of names; whole turns bring a joint into its limits
+        where possible.  The swivel angle phi (rad, a number or (N,)) is measured from axis 1; None is :func:`hanging`.
         Raises ValueError, as :func:`cga_ik.solve` does.
         """
         wrists, q = self._wrists(points, hand)
@@ -145,7 +145,8 @@ class Arm:
         return self.base + rotate(self.mount, point), multiply(self.mount, multiply(qh, self.tip))
 
     def feasible_swivel(self, points: ArrayLike, hand: ArrayLike, branch: ArrayLike = 0) -> Swivels:
-        """Return the swivel angles for which the joints of N tips are within their limits."""
+        """Return the swivel angles for which all joints are within their limits, for tips at points (N, 3) with
+        orientations (N, 4).  Raises ValueError, as :func:`cga_ik.solve` does."""
         wrists, q = self._wrists(points, hand)
         return feasible_swivel(wrists, q, self.d1, self.d2, limits=self.bounds, branch=branch, bent=self._bent)
 

@@ -104,7 +104,7 @@ class ArmPose(Pose):
     * qw (N, 4): wrist quaternion, (Qs Rx(th4))~ Qh
     * hand (N, 3): the hand's point from forward kinematics
     * joints (N, 7): th1 .. th7, rad in -pi to pi
-    * over_limit (N, 7): whether a joint is outside its limits
+    * over_limit (N, 7): True for a joint outside its limits
     """
 
     qw: Floats
@@ -172,7 +172,7 @@ def solve(
     * axis: the reference axis, a name ("z", "-z", "x", ...) or a vector of three; th1 turns about it
     * width: None is double precision; 16 to 32 gives the words of the core, bit for bit
     * datapath: "lean", "paper", or "lean25", which is lean with products cut for 25x18-bit multipliers
-    * nan: "pass" gives rows with a nan a pose of nan and the flags 0; "raise" refuses them
+    * nan: "pass" returns nan and flags 0 for rows with a nan; "raise" raises ValueError
     * hand (N, 4) or (4,): orientation of the hand, unit quaternions; in words, with datapath "lean" only
     * tool: distance from the wrist to the hand's point, along the hand's z axis; a number or (N,)
     * branch: bits of :class:`Branch`, one of eight solutions for the joints; a number or (N,)

@@ -31,9 +31,9 @@ class Swivels:
 
     * intervals (N, K, 2): first and last angle of each closed interval, rad: the first in -pi to pi, the last up to a
       turn above it; nan beyond a pose's own number of intervals
-    * over_limit (N, 7): the joints outside their limits where the fewest are; all False for a feasible pose
-    * distance, reach: (N,) from shoulder to wrist, and (N, 2) least and largest distance of the arm
-    * start: swivel angle at which the elbow hangs
+    * over_limit (N, 7): joints outside their limits at the best swivel angle; all False for a feasible pose
+    * distance (N,): from shoulder to wrist; reach (N, 2): least and largest distance that the arm allows
+    * start: swivel angle (rad) at which the elbow hangs
     """
 
     intervals: Floats
@@ -58,8 +58,8 @@ class Swivels:
     def nearest(self, near: ArrayLike | None = None, margin: float = 0.0) -> Floats:
         """Return the feasible swivel angle (N,) nearest to ``near``, rad in -pi to pi; nan where there is none.
 
-        near: a number or (N,); None takes the poses for a path: each is near the one before, the first near
-        ``start``.  margin: distance (rad) from both ends of an interval; a shorter interval gives its middle.
+        near: rad, a number or (N,); None treats the poses as a path: each angle is near the previous one, the first
+        near ``start``.  margin: distance (rad) from both ends of an interval; a shorter interval gives its middle.
         """
         first, last = np.moveaxis(self.intervals, 2, 0)
         inset = np.minimum(margin, (last - first) / 2)
@@ -244,7 +244,7 @@ def choose_swivel(
 def continuous_joints(angles: ArrayLike) -> Floats:
     """Return joints (N, 7) of a path without jumps: each pose in the branch and the turns nearest to the pose before.
 
-    Rows of nan are passed over.  Where th2 or th6 is 0 or pi within `joints.SINGULAR`, only a sum or difference of the
+    angles (N, 7): rad; rows of nan are skipped.  Where th2 or th6 is 0 or pi within `joints.SINGULAR`, only a sum or difference of the
     two angles around it counts; the first of them then keeps its angle.
     """
     found = np.array(angles, dtype=np.float64)
