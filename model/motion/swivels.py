@@ -244,8 +244,8 @@ def choose_swivel(
 def continuous_joints(angles: ArrayLike) -> Floats:
     """Return joints (N, 7) of a path without jumps: each pose in the branch and the turns nearest to the pose before.
 
-    angles (N, 7): rad; rows of nan are skipped.  Where th2 or th6 is 0 or pi within `joints.SINGULAR`, only a sum or difference of the
-    two angles around it counts; the first of them then keeps its angle.
+    angles (N, 7): rad; rows of nan are skipped.  Where th2 or th6 is 0 or pi within `joints.SINGULAR`, only a sum or
+    difference of the two angles around it counts; the first of them then keeps its angle.
     """
     found = np.array(angles, dtype=np.float64)
     present = np.flatnonzero(np.isfinite(found).all(axis=1))
