@@ -188,11 +188,11 @@ module ik_fold_arm #(
   );
 
   wire few, s_other, taken;
-  reg down, minus, carry;
+  reg down, subtract, carry;
   always @(posedge clk)
     if (go) begin
       down  <= f_cut == CUT_ROOT || f_cut == CUT_SINE || (f_cut == CUT_POWER && !few);
-      minus <= taken;
+      subtract <= taken;
       carry <= f_carry == CARRY_MINUS && taken;
     end
   wire [TW-1:0] sum;
@@ -201,7 +201,7 @@ module ik_fold_arm #(
       .C0_AT(TW-4-C0_FRAC), .C1_AT(TW-4-C1_FRAC), .SLOPE(TW-4-SLOPE_FRAC), .DOWN(DOWN)
   ) u_sum (
       .clk(clk), .go(go), .choice(f_s), .by(s_other), .c0(c0), .c1(c1),
-      .p(p), .down(down), .minus(minus), .carry(carry), .t(sum)
+      .p(p), .down(down), .minus(subtract), .carry(carry), .t(sum)
   );
   wire [XW-1:0] t = sum[TW-1-:XW];
 
@@ -382,7 +382,7 @@ module ik_fold_arm #(
   function [W+3:0] angle(input [3:0] start, input half_turn);  // of the vector in the second stage
     angle = (opposite ? {{W{1'b0}}, start} - z_node : z_node - {{W{1'b0}}, start}) ^ {half_turn, {(W + 3) {1'b0}}};
   endfunction
-  wire unused = &{1'b0, p_plain, p_double, f_r_function, n, sum, in, shown, flags, result, length, z_node, left, opposite};
+  wire unused = &{1'b0, PERIOD[0], p_plain, p_double, f_r_function, n, sum, in, shown, flags, result, length, z_node, left, opposite};
   `include "ik_fold_arm_nodes.vh"
 
 endmodule
