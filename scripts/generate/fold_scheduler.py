@@ -27,7 +27,7 @@ try:
 except ImportError:
     cp_model = None
 
-LATENCY, PERIOD = {"fold": 140, "fold_arm": 320}, {"fold": 88, "fold_arm": 140}
+LATENCY, PERIOD = {"fold": 140, "fold_arm": 330}, {"fold": 88, "fold_arm": 140}
 """Largest latency of a target and default period, in clocks."""
 
 
