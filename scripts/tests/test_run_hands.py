@@ -78,6 +78,9 @@ def test_poses_of_a_robot(cli, simulator, robot):
         np.testing.assert_allclose(np.load("o/results.npz")[arm.names[0]], found[:, 0])
         assert simulator.calls[-1]["limits"] == limit_words(arm.bounds, 32)
         assert scores("o/score.json")[0]["over_limit"] == np.count_nonzero(over)
+    write_poses(3 * points, q, phi=np.zeros(60))  # some are out of reach: poses are the nearest
+    assert cli("--trajectory", "t.csv", "--out", "o", "--robot", robot)[0] == 0
+    assert scores("o/score.json")[0]["flagged"] > 5
 
 
 SLIPS = [
