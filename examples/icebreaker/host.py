@@ -12,8 +12,6 @@ Exit status: 0 if every trajectory passes, 1 if one fails or the board does not 
 on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 import time
@@ -51,7 +49,7 @@ class Board:
         except (OSError, ValueError) as exc:  # pyserial's exception is an OSError
             raise InputError(f"cannot open the serial port {port!r}: {_why(exc)}") from None
 
-    def __enter__(self) -> Board:
+    def __enter__(self) -> "Board":
         return self
 
     def __exit__(self, *_) -> None:

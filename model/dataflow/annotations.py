@@ -9,8 +9,6 @@ words (:func:`cases`), each with geometric bounds on lengths; a node's range is 
 * ``clamped``: everything else; computed as an arm d1 = d2 = 1/4 (see :func:`model.dataflow.paper.guard`).
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Sequence
@@ -36,7 +34,7 @@ class Case:
     straight: float = 0.0  # distance of the words of p_e from a + t m of the words (model.dataflow.paper.off_length)
     square: float = 0.0  # distance of the words' |p_e|^2 from exact arithmetic
 
-    def tilted(self, error: float) -> Case:
+    def tilted(self, error: float) -> "Case":
         """Return the case with the words pi_swivel, which have an error of ``error``, taken as exact."""
         b = self.b[0] - error, self.b[1] + error
         return replace(self, b=b, tilt=error / b[0])

@@ -18,8 +18,6 @@ A product always fits its format; a sum and a quotient are narrowed by geometry 
 proof (:mod:`model.bounds.ranges`) only nodes with ``limited`` ever saturate.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -190,16 +188,16 @@ class Node:
     section: str
     equation: str
     op: str
-    operands: tuple[Node, ...]
+    operands: tuple["Node", ...]
     format: Format
     latency: str | None
     time: int
     value: Any = field(repr=False, default=None)
-    after: Node | None = None
+    after: "Node | None" = None
     error: tuple[float, float] = (0.0, 0.0)
     facts: Facts = Facts()
 
-    def __neg__(self) -> Negated:
+    def __neg__(self) -> "Negated":
         return Negated(self)
 
     @property
@@ -242,7 +240,7 @@ class Domain:
         self._section = section or self._section
         self._equation = equation
 
-    def line(self, number: int) -> Domain:
+    def line(self, number: int) -> "Domain":
         """Set the lean equation of the following nodes, (L``number``) of :mod:`model.reference.lean_equations`."""
         self._equation = f"(L{number})"
         return self

@@ -4,8 +4,6 @@
 A flagged result is still a defined value: a clamped pose, or a pose by convention.
 """
 
-from __future__ import annotations
-
 from enum import IntFlag
 
 import numpy as np
@@ -16,7 +14,7 @@ class Flag(IntFlag):
 
     meaning: str
 
-    def __new__(cls, bit: int, meaning: str = "") -> Flag:
+    def __new__(cls, bit: int, meaning: str = "") -> "Flag":
         flag = int.__new__(cls, bit)
         flag._value_, flag.meaning = bit, meaning
         return flag

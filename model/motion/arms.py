@@ -5,8 +5,6 @@ Joint n of the robot is at signs[n] * th_n + offsets[n], where th_n is an angle 
 in are `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, a left arm with anatomical limits.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -163,7 +161,7 @@ class Arm:
         return self.feasible_swivel(points, hand, branch).nearest(near, margin)
 
     @classmethod
-    def from_urdf(cls, path: str | Path, base: str | None = None, tip: str | None = None) -> Arm:
+    def from_urdf(cls, path: str | Path, base: str | None = None, tip: str | None = None) -> "Arm":
         """Return the arm between two links of a URDF file, by default the only first and last link of a chain.
 
         Raises OSError, and ValueError for a file that is no URDF, a chain without seven turning joints, and axes that

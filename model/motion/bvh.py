@@ -6,8 +6,6 @@ is kept as it is, and the table as numbers, so a file that is read and written h
 A position channel replaces its coordinate of OFFSET; rotation channels multiply in the order of the file.
 """
 
-from __future__ import annotations
-
 import codecs
 import re
 from dataclasses import dataclass, replace
@@ -144,7 +142,7 @@ class Clip:
         """Return whether a node has a rotation channel for each axis, hence any orientation."""
         return sorted(channel.axis for channel in self.nodes[node].of("rotation")) == [0, 1, 2]
 
-    def turned(self, turn: dict[int, np.ndarray]) -> Clip:
+    def turned(self, turn: dict[int, np.ndarray]) -> "Clip":
         """Return the clip with some nodes at new orientations (F, 4) to the world; only their channels change."""
         table, world = self.table.copy(), self.turn.copy()
         for k, parent in enumerate(self.parents):

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Clip as an animated glTF 2.0 binary in metres: an armature of its joints, and a skin of double pyramids as bones."""
 
-from __future__ import annotations
-
 import numpy as np
 import pygltflib as gltf
 
@@ -60,7 +58,7 @@ def animated(clip: Clip, name: str, scale: float = 1.0) -> bytes:
     return b"".join(file.save_to_bytes())
 
 
-def _bones(clip: Clip, scale: float, data: _Data) -> gltf.Mesh:
+def _bones(clip: Clip, scale: float, data: "_Data") -> gltf.Mesh:
     """Return the bones of the rest pose; each moves with the joint at which it begins."""
     points, joints = [np.zeros((0, 3))], []
     for node in clip.nodes:

@@ -13,8 +13,6 @@ host rotates coordinates by R, which takes the axis to z, and multiplies Qs by R
 further turn about z changes azimuth and Qs by the same angle, and leaves phi unchanged.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -89,7 +87,7 @@ class Pose:
     phi: Floats
     order: Order = "wxyz"
 
-    def to_scipy(self) -> tuple[Rotation, Rotation]:
+    def to_scipy(self) -> "tuple[Rotation, Rotation]":
         """Return shoulder and elbow as :class:`scipy.spatial.transform.Rotation` (matrices, Euler angles, slerp)."""
         from scipy.spatial.transform import Rotation
 

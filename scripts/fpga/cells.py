@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Memories and multipliers of a netlist as cells of ``cells.v``, where Yosys has no model of a family's own."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Yosys and nextpnr of YoWASP: versions, programs, runs with a time limit."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

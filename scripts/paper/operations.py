@@ -5,8 +5,6 @@ Expressions are parsed from model/reference/equations.py, the operations of a da
 operators that work at once, Verilator elaborates the RTL (``--json-only``). Nothing is simulated or compiled.
 """
 
-from __future__ import annotations
-
 import json
 import operator
 import subprocess
@@ -43,7 +41,7 @@ class Ops(NamedTuple):
     scale: int = 0
     trig: int = 0
 
-    def __add__(self, other: Ops) -> Ops:
+    def __add__(self, other: "Ops") -> "Ops":
         return Ops(*map(operator.add, self, other))
 
 

@@ -6,8 +6,6 @@ flattened design (:meth:`Design.formula`); z3 decides whether each property hold
 clock if all hold in this one. A single question about all properties does not terminate for long pipelines.
 """
 
-from __future__ import annotations
-
 import re
 import time
 from collections.abc import Callable, Iterable
@@ -129,7 +127,7 @@ class Design:
             raise ProofError(wrong)
         return path
 
-    def formula(self) -> Steps:
+    def formula(self) -> "Steps":
         """Return the formula of one clock. Raises ProofError."""
         return Steps(self._write("formula", self.proof.claims, PREPARE))
 

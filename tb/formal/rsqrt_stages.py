@@ -8,8 +8,6 @@ holds the product of the words before it, that these are the model's factors, an
 use one arbitrary word of the table; the table's words are compared with the model one by one.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -53,10 +51,10 @@ class Term:
     lower: bool = False
     products: tuple[list, list] | None = None  # the registers, and the factors found
 
-    def _of(self, text: str) -> Term:
+    def _of(self, text: str) -> "Term":
         return Term(text, self.lower, self.products)
 
-    def _with(self, operator: str, other) -> Term:
+    def _with(self, operator: str, other) -> "Term":
         return self._of(f"({operator} {self.text} {_text(other)})")
 
     def __add__(self, other):

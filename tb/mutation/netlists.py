@@ -5,8 +5,6 @@ In a mutant, one bit of a cell's port is stuck, inverted, or inverted if another
 of `ik_axis` contains all its mutants; an input of the top selects one.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import itertools
@@ -50,7 +48,7 @@ def source_name(module: str) -> str:
 class Mutant:
     """A mutant of a netlist; `command` is the mutate command of Yosys."""
 
-    netlist: Netlist
+    netlist: "Netlist"
     file: str
     number: int
     line: int
