@@ -68,11 +68,11 @@ module ik_fold_angle #(
   wire [YW-1:0] nearer = y + term + {{(YW - 1) {1'b0}}, subtract};
 
   // z starts at minus the sum of all turns, and iteration i adds its turn twice or not at all.
-  function [ZW-1:0] turns_from(input integer n);
+  function [ZW-1:0] turns_from(input integer first);
     integer k;
     begin
       turns_from = {ZW{1'b0}};
-      for (k = n; k < HEAD; k = k + 1) turns_from = turns_from + turn(k);
+      for (k = first; k < HEAD; k = k + 1) turns_from = turns_from + turn(k);
     end
   endfunction
   localparam [ZW-1:0] ALL = turns_from(0);
