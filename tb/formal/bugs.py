@@ -20,8 +20,8 @@ def _admits(file: str) -> Bug:
 
 
 def _depends(file: str) -> Bug:
-    return Bug("tready depends on the receiver", file,
-        "(credits != 0);", "(credits != 0 || m_axis_tready);", "independent")  # fmt: skip
+    wrong = "(credits != 0 || m_axis_tready);"
+    return Bug("tready depends on the receiver", file, "(credits != 0);", wrong, "independent")
 
 
 def _folded(file: str) -> dict[str, Bug]:
