@@ -338,8 +338,10 @@ def test_jobs_of_memory_are_counted_and_a_failing_piece_is_replayed(command, mon
 
     monkeypatch.setattr(soak_memory, "run_in_process", run_in_process)
     monkeypatch.setattr(soak_memory, "ECHO_PLACE", tmp_path)
-    status, out, _ = command(soak_memory.main, "--jobs", "401", "--seed", "3", "--processes", "1")
-    assert status == 0 and "500 jobs, 10000 targets, seed 3" in out[-1] and len({seed for seed, *_ in ran}) == 5
+    pieces = len(CORE) + 1
+    status, out, _ = command(soak_memory.main, "--jobs", f"{100 * pieces - 99}", "--seed", "3", "--processes", "1")
+    assert status == 0 and f"{pieces}00 jobs, {2000 * pieces} targets, seed 3" in out[-1]
+    assert len({seed for seed, *_ in ran}) == pieces
     assert [(parameters, echo) for _, parameters, echo in ran] == [*((p, None) for p in CORE), (ran[-1][1], "echo")]
     ran.clear()
     status, out, err = command(soak_memory.main, "--jobs", "1000", "--seed", "7", "--processes", "1")
