@@ -84,13 +84,12 @@ module ik_fold_arm #(
     end
   end
 
-  // Registers behind the memory of small chips cost logic cells. Number 255 is a step that does nothing. The one read
-  // under reset finds no target.
+  // Registers behind the memory of small chips cost logic cells. Number 255 is a step that does nothing.
   generate
     if (TILE == 16) begin : g_step
       reg [STEP_W-1:0] read_step;
       initial read_step = 0;
-      always @(posedge clk) if (rst || (go && !waits)) read_step <= rom[read];
+      always @(posedge clk) if (rst || (go && !waits)) read_step <= rom[rst ? 8'd255 : read];
       assign step = read_step;
     end else begin : g_steps
       reg [STEP_W-1:0] next_step, this_step;
