@@ -36,7 +36,8 @@ def test_around_the_core(tmp_path, parameters):
     """All tests with an echo instead of the datapath; Icarus runs the short ones on one instance."""
     left_out = LONG if ICARUS else SAME if parameters not in (ECHO[0], ECHO[3]) else ""
     tests = f"^(?!.*({left_out}))" if left_out else ""
-    run(MODULES, parameters, 80, tests, env={"IK_AXI_CORE": "echo"}, **echoing(tmp_path))
+    jobs = 80 if parameters == ECHO[0] else 30
+    run(MODULES, parameters, jobs, tests, env={"IK_AXI_CORE": "echo"}, **echoing(tmp_path))
 
 
 @pytest.mark.sim
