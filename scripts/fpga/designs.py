@@ -21,7 +21,8 @@ class Design:
     """Top module with parameters, and the families for which it is synthesized or placed.
 
     parameters: all but W. aims: family -> MHz at which no further placement seed is tried; clocks vary by a tenth
-    between seeds. whole: the module that is placed, if not the top. sections: modules that are placed alone as well.
+    between seeds. within: parameters of `ik_axis`, if it is placed instead of the top. sections: modules that are placed
+    alone as well.
     """
 
     datapath: str
@@ -30,7 +31,7 @@ class Design:
     families: tuple[str, ...]
     aims: dict[str, float] = field(default_factory=dict)
     parameters: dict[str, int] = field(default_factory=dict)
-    whole: str = ""
+    within: dict[str, int] | None = None
     sections: tuple[str, ...] = ()
 
     @property
@@ -46,8 +47,9 @@ class Design:
         """Return a run of the top, or of a module alone."""
         values = {"W": self.width, **self.parameters}
         aim = self.aims.get(family) if kind == "place" else None
-        top = (kind == "place" and self.whole) or self.top
-        return Run(kind, family, module or top, values, aim, echo=self.datapath == "echo")
+        if kind == "place" and not module and self.within is not None:
+            return Run(kind, family, "ik_axis", values | self.within, aim)
+        return Run(kind, family, module or self.top, values, aim, echo=self.datapath == "echo")
 
 
 FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
@@ -57,10 +59,11 @@ MEMORY = ("xc2vp", "xc7", "ecp5")
 SMALL = ("ecp5-12k", "xc7", "gowin")
 
 DESIGNS = (
-    Design("lean", 18, "ik_lean", FAMILIES, {"ecp5": 190}, whole="ik_axis"),
-    *(Design("lean", width, "ik_lean", FAMILIES, {"ecp5": 170}, whole="ik_axis") for width in (24, 32)),
+    Design("lean", 18, "ik_lean", FAMILIES, {"ecp5": 190}, within={}),
+    *(Design("lean", width, "ik_lean", FAMILIES, {"ecp5": 170}, within={}) for width in (24, 32)),
     Design("lean25", 18, "ik_lean", ("xc7", "xcup"), {}, {"TILE": 25}),
     Design("paper", 32, "ik_paper", FAMILIES, {"ecp5": 150}, {"DIGIT": 1}, sections=PAPER),
+    Design("paper", 18, "ik_paper", ("ecp5",), {"ecp5": 150}, {"DIGIT": 1}, within={"DATAPATH": 0}),
     Design("echo", 32, "ik_axi", MEMORY, {"ecp5": 200}),
     *(Design("memory", width, "ik_axi", MEMORY, {"ecp5": 200}) for width in (18, 32)),
     *(Design("fold16", width, "ik_axis", ("up5k",), {"up5k": 33}, FOLD16) for width in (18, 24)),
