@@ -21,8 +21,8 @@ class Design:
     """Top module with parameters, and the families for which it is synthesized or placed.
 
     parameters: all but W. aims: family -> MHz at which no further placement seed is tried; clocks vary by a tenth
-    between seeds. within: parameters of `ik_axis`, if it is placed instead of the top. sections: modules that are placed
-    alone as well.
+    between seeds. within: parameters of `ik_axis`, if it is placed instead of the top. sections: modules placed alone
+    as well.
     """
 
     datapath: str
