@@ -141,3 +141,13 @@ def test_merge_keeps_groups_apart_and_nothing_twice_or_out_of_reach():
     assert [row.width for row in kept] == sorted(row.width for row in kept)
     assert len({(row.width, row.words) for row in kept}) == len(kept)
     assert not any(expected_flags(np.array([row.words]), row.width)[0] & UNREACHABLE for row in kept)
+
+
+def test_the_list_reads_as_it_was_written(tmp_path):
+    rows = [
+        worst_targets.Row("lean", 18, (1, -2, 3, 4, 5, 6), 1.5e-8, "a, b"),
+        worst_targets.Row("paper", 32, (0,) * 6, None, "c"),
+    ]
+    path = tmp_path / "list.csv"
+    path.write_text(worst_targets.text(rows), encoding="utf-8")
+    assert worst_targets.read(path) == rows
