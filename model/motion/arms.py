@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..io.words import DEFAULT_D1, DEFAULT_D2, Targets
 from ..reference import joints
-from ..reference.kinematics import conjugate, multiply, rotate
+from ..reference.kinematics import about, conjugate, matrix, multiply, quaternion, rotate
 from .hands import Hands, checked_limits
 from .pose import ArmPose, Floats, hanging, solve
 from .swivels import Swivels, feasible_swivel
@@ -199,8 +199,8 @@ def _chain(robot: ElementTree.Element, base: str, tip: str) -> tuple[list, list,
     for joint in reversed(chain):
         name, kind = joint.attrib["name"], joint.attrib["type"]
         roll, pitch, yaw = _numbers(joint, "origin", "rpy", "0 0 0")
-        turn = _about("z", yaw) @ _about("y", pitch) @ _about("x", roll)
-        frame = frame @ _placed(turn, _numbers(joint, "origin", "xyz", "0 0 0"))
+        turn = multiply(multiply(about(2, yaw), about(1, pitch)), about(0, roll))
+        frame = frame @ _placed(matrix(turn), _numbers(joint, "origin", "xyz", "0 0 0"))
         if kind == "fixed":
             continue
         if kind not in ("revolute", "continuous"):
@@ -237,27 +237,6 @@ def _numbers(joint: ElementTree.Element, part: str, name: str, default: str) -> 
     if len(found) != len(default.split()) or np.isnan(found).any():
         raise ValueError(f"joint {joint.attrib['name']}: {part} {name} {text!r}")
     return found
-
-
-def _about(axis: str, angle: float) -> Floats:
-    """Return the rotation (3, 3) about x, y or z."""
-    c, s, n = np.cos(angle), np.sin(angle), "xyz".index(axis)
-    return np.roll(((c, -s, 0), (s, c, 0), (0, 0, 1)), (n + 1, n + 1), axis=(0, 1))
-
-
-def _quaternion(m: Floats) -> Floats:
-    """Return the unit quaternion (4,) of a rotation matrix (3, 3)."""
-    squares = 1 + np.array((1, 1, 1)) @ (np.array(((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))) * np.diag(m)).T
-    rows = np.array(
-        (
-            (squares[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]),
-            (m[2, 1] - m[1, 2], squares[1], m[1, 0] + m[0, 1], m[0, 2] + m[2, 0]),
-            (m[0, 2] - m[2, 0], m[1, 0] + m[0, 1], squares[2], m[2, 1] + m[1, 2]),
-            (m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[2, 1] + m[1, 2], squares[3]),
-        )
-    )
-    q = rows[np.argmax(squares)]
-    return q / np.linalg.norm(q)
 
 
 def _placed(turn: Floats, point: Floats) -> Floats:
@@ -314,11 +293,12 @@ def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict:
 
     flexion = np.arctan2(axes[3] @ np.cross(u, f), u @ f)
     mount, upper_arm = frame(a[1], a[0]), frame(axes[3], u)
-    upper = _about("x", -tilt(a[0], a[1], a[2])) @ mount.T @ upper_arm
+    upper = matrix(about(0, -tilt(a[0], a[1], a[2]))) @ mount.T @ upper_arm
     wrist_frame = frame(a[5], a[4])
-    fore = (upper_arm @ _about("x", flexion)).T @ wrist_frame
-    to_hand = _about("x", -tilt(a[4], a[5], a[6])) @ wrist_frame.T
+    fore = (upper_arm @ matrix(about(0, flexion))).T @ wrist_frame
+    to_hand = matrix(about(0, -tilt(a[4], a[5], a[6]))) @ wrist_frame.T
     th = np.array((0, tilt(a[0], a[1], a[2]), spin(upper) or 0, flexion, spin(fore) or 0, tilt(a[4], a[5], a[6]), 0))
+    turns = quaternion(np.stack((mount, to_hand @ end[:3, :3], upper, fore)))
     return {
         "d1": d1,
         "d2": d2,
@@ -326,10 +306,10 @@ def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict:
         "offsets": -signs * th,
         "signs": signs,
         "base": shoulder,
-        "mount": _quaternion(mount),
-        "tip": _quaternion(to_hand @ end[:3, :3]),
-        "upper": UNIT if spin(upper) is not None else _quaternion(upper),
-        "fore": UNIT if spin(fore) is not None else _quaternion(fore),
+        "mount": turns[0],
+        "tip": turns[1],
+        "upper": UNIT if spin(upper) is not None else turns[2],
+        "fore": UNIT if spin(fore) is not None else turns[3],
     }
 
 

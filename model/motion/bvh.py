@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..io.words import TargetError
-from ..reference.kinematics import conjugate, matrix, multiply, rotate
+from ..reference.kinematics import about, conjugate, matrix, multiply, rotate
 
 COMMENT = re.compile(r"(?<!\S)(?:#|//).*")
 WORD = re.compile(r"[{}]|[^\s{}]+")
@@ -162,13 +162,6 @@ class Clip:
         end = "\r\n" if "\r\n" in self.head[1] else "\n"
         rows = (" ".join(map(repr, row)) for row in self.table.tolist())
         return f"{self.head[0]}{len(self.table)}{self.head[1]}{end}{end.join(rows)}{end}".encode(self.encoding)
-
-
-def about(axis: int, angle: np.ndarray) -> np.ndarray:
-    """Return quaternions (F, 4) of rotations by angles (F,), rad, about x, y or z: 0, 1 or 2."""
-    found = np.zeros((len(angle), 4))
-    found[:, 0], found[:, 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
-    return found
 
 
 def _angles(turn: np.ndarray, axes: list[int], near: np.ndarray) -> np.ndarray:

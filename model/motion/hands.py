@@ -22,6 +22,7 @@ from ..io.words import (
     to_words,
 )
 from ..reference import joints
+from ..reference.kinematics import product
 
 Floats = NDArray[np.float64]
 
@@ -85,7 +86,7 @@ class Hands:
 
     def reached(self, rows: slice, qs: Floats, qe: Floats, qw: Floats) -> Floats:
         """Return vectors (3, n) from the wrist to the hand's point for Qs (4, n), qe_w and qe_i (2, n), Qw (4, n)."""
-        q = joints.product(joints.product(qs, np.array((-qe[1], qe[0], 0 * qe[0], 0 * qe[0]))), qw)
+        q = product(product(qs, np.array((-qe[1], qe[0], 0 * qe[0], 0 * qe[0]))), qw)
         return joints.tool_offset(q / np.linalg.norm(q, axis=0), self._tool(rows))
 
 

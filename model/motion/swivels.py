@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..io.words import DEFAULT_D1, DEFAULT_D2
 from ..reference import joints
+from ..reference.kinematics import product
 from .hands import Hands, checked_limits
 from .pose import Axis, Floats, Order, hanging, solve, to_z
 
@@ -125,7 +126,7 @@ def feasible_swivel(
         qe, ends = poses[0].qe[rows, :2].T, []
         for qs in (at_0, at_half):
             qw = joints.wrist_quaternion(qs, qe, hand_q[:, rows])
-            found = joints.product(frame, qs), joints.flexion(qe), qw, branches[rows]
+            found = product(frame, qs), joints.flexion(qe), qw, branches[rows]
             qs, flexion, qw, own_branch = found if bent is None else joints.bent(*found, *bent)
             ends.append((qs, qw))
         parts.append(_intervals(np.array(ends), flexion, bounds, own_branch, unreachable[rows]))

@@ -15,6 +15,7 @@ from fractions import Fraction
 import numpy as np
 
 from ..io.flags import AT_SHOULDER, BAD_LENGTH, TOO_FAR, UNREACHABLE, combine
+from .kinematics import quaternion
 
 _REACH = "(p_w_x**2 + p_w_z**2 + p_w_y**2 + d1**2 - d2**2)"
 C4 = "(p_e_x**2 - p_e_x*p_w_x + p_e_y**2 - p_e_y*p_w_y - p_e_z*p_w_z + p_e_z**2)/(d1*d2)"
@@ -219,20 +220,7 @@ def shoulder_quaternion(n, e):
     It is the rotation with the columns -n, e x (-n), e, equivalent to (15)-(18). n and e are
     orthogonal unit vectors. This form has no singular pose, so it also serves the clamped ones.
     """
-    x_axis = -n
-    y_axis = np.cross(e, x_axis)
-    r = np.stack((x_axis, y_axis, e), axis=-1)
-    trace = np.trace(r, axis1=1, axis2=2)
-    # Each row is the quaternion times four times one of its components; the largest diagonal is the safest divisor.
-    rows = np.empty((len(r), 4, 4))
-    rows[:, 0, 0] = 1 + trace
-    rows[:, 0, 1:] = rows[:, 1:, 0] = np.stack(
-        [r[:, (n + 2) % 3, (n + 1) % 3] - r[:, (n + 1) % 3, (n + 2) % 3] for n in range(3)], axis=-1
-    )
-    rows[:, 1:, 1:] = r + np.swapaxes(r, 1, 2) + (1 - trace)[:, None, None] * np.eye(3)
-    largest = np.argmax(np.diagonal(rows, axis1=1, axis2=2), axis=-1)
-    q = rows[np.arange(len(rows)), largest]
-    q /= np.linalg.norm(q, axis=-1, keepdims=True)
+    q = quaternion(np.stack((-n, np.cross(e, -n), e), axis=-1))
     return np.where(q[:, 3:] < 0, -q, q)
 
 

@@ -15,7 +15,7 @@ from enum import IntFlag
 
 import numpy as np
 
-from .kinematics import conjugate, rotate
+from .kinematics import conjugate, product, rotate
 
 
 class Branch(IntFlag):
@@ -54,19 +54,6 @@ def zxz(q):
     with np.errstate(divide="ignore"):
         found[1] = 2 * np.arctan(np.sqrt((i * i + j * j) / (w * w + k * k)))
     return found
-
-
-def product(p, q):
-    """Return the Hamilton product p q of quaternions (4, N) or (4,)."""
-    (a_w, a_i, a_j, a_k), (b_w, b_i, b_j, b_k) = p, q
-    return np.array(
-        (
-            a_w * b_w - a_i * b_i - a_j * b_j - a_k * b_k,
-            a_w * b_i + a_i * b_w + a_j * b_k - a_k * b_j,
-            a_w * b_j - a_i * b_k + a_j * b_w + a_k * b_i,
-            a_w * b_k + a_i * b_j - a_j * b_i + a_k * b_w,
-        )
-    )
 
 
 def wrist_quaternion(qs, qe, hand):

@@ -10,19 +10,29 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
-def multiply(a, b):
-    """Return the Hamilton product a b of quaternions (N, 4) and (N, 4), either of which may be (4,)."""
-    a_w, a_i, a_j, a_k = np.moveaxis(np.asarray(a, dtype=np.float64), -1, 0)
-    b_w, b_i, b_j, b_k = np.moveaxis(np.asarray(b, dtype=np.float64), -1, 0)
-    return np.stack(
+def product(p, q):
+    """Return the Hamilton product p q of quaternions with components first, (4, N) or (4,)."""
+    (a_w, a_i, a_j, a_k), (b_w, b_i, b_j, b_k) = p, q
+    return np.array(
         (
             a_w * b_w - a_i * b_i - a_j * b_j - a_k * b_k,
             a_w * b_i + a_i * b_w + a_j * b_k - a_k * b_j,
             a_w * b_j - a_i * b_k + a_j * b_w + a_k * b_i,
             a_w * b_k + a_i * b_j - a_j * b_i + a_k * b_w,
-        ),
-        axis=-1,
+        )
     )
+
+
+def multiply(a, b):
+    """Return the Hamilton product a b of quaternions (N, 4) and (N, 4), either of which may be (4,)."""
+    return np.stack(product(*(np.moveaxis(np.asarray(q, dtype=np.float64), -1, 0) for q in (a, b))), axis=-1)
+
+
+def about(axis: int, angle):
+    """Return the quaternions (N, 4), or (4,), of rotations by angles (N,), rad, about x, y or z: 0, 1 or 2."""
+    found = np.zeros((*np.shape(angle), 4))
+    found[..., 0], found[..., 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
+    return found
 
 
 def conjugate(q):
@@ -40,6 +50,21 @@ def rotate(q, v):
 def matrix(q):
     """Return the rotation matrices (N, 3, 3) of unit quaternions (N, 4), or one (3, 3) for a single one (4,)."""
     return np.stack([rotate(q, e) for e in np.eye(3)], axis=-1)
+
+
+def quaternion(m):
+    """Return unit quaternions (N, 4) of rotation matrices (N, 3, 3), of either sign."""
+    trace = np.trace(m, axis1=1, axis2=2)
+    # Each row is the quaternion times four times one of its components; the largest diagonal is the safest divisor.
+    rows = np.empty((len(m), 4, 4))
+    rows[:, 0, 0] = 1 + trace
+    rows[:, 0, 1:] = rows[:, 1:, 0] = np.stack(
+        [m[:, (n + 2) % 3, (n + 1) % 3] - m[:, (n + 1) % 3, (n + 2) % 3] for n in range(3)], axis=-1
+    )
+    rows[:, 1:, 1:] = m + np.swapaxes(m, 1, 2) + (1 - trace)[:, None, None] * np.eye(3)
+    largest = np.argmax(np.diagonal(rows, axis1=1, axis2=2), axis=-1)
+    q = rows[np.arange(len(rows)), largest]
+    return q / np.linalg.norm(q, axis=-1, keepdims=True)
 
 
 def angle_between(a, b):
