@@ -3,9 +3,10 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from model.motion.arms import HUMAN, IIWA14, Arm
-from model.motion.tests.test_joints import apart, turn
+from model.motion.tests.test_joints import apart
 from model.reference.kinematics import matrix
 
 O, X, Y, Z = (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)
@@ -50,12 +51,12 @@ def urdf(path, chain, tip=TIP, limits=((-2.9, 2.9),) * 7, kind="revolute"):
 
 def tips(chain, th, tip=TIP):
     """Return points (N, 3) and orientations (N, 3, 3) of the tip for joints (N, 7)."""
-    point, m = np.zeros((len(th), 3)), np.eye(3)[None].repeat(len(th), axis=0)
-    for (xyz, rpy, axis), angle in zip([*chain, (*tip, Z)], [*th.T[:, :, None, None], 0.0], strict=True):
-        point, m = point + m @ xyz, m @ turn(2, rpy[2]) @ turn(1, rpy[1]) @ turn(0, rpy[0])
-        k = np.cross(np.eye(3), np.array(axis) / np.linalg.norm(axis))  # k v is axis x v
-        m = m @ (np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k)
-    return point, m
+    point, turn = np.zeros((len(th), 3)), Rotation.identity(len(th))
+    for (xyz, rpy, axis), angle in zip([*chain, (*tip, Z)], [*th.T, 0 * th[:, 0]], strict=True):
+        point = point + turn.apply(xyz)
+        about = Rotation.from_rotvec(np.outer(angle, np.array(axis) / np.linalg.norm(axis)))
+        turn = turn * Rotation.from_euler("xyz", rpy) * about
+    return point, turn.as_matrix()
 
 
 def assert_same(one, other, atol):

@@ -7,10 +7,12 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from model.io.flags import Flag
 from model.motion.pose import solve, to_z
 from model.motion.swivels import Swivels, continuous_joints, feasible_swivel
+from model.motion.tests.benchmark import targets
 from model.reference.joints import outside, turned
 from model.reference.kinematics import matrix, multiply
 
@@ -19,20 +21,12 @@ FREE = np.array([(-np.inf, np.inf)] * 7)
 LIMITS = np.radians([(-150, 150), (-120, 120), (-170, 100), (-10, 140), (-120, 170), (-100, 120), (-170, 175)])
 
 
-def turn(axis, angle):
-    """Return the matrices (N, 3, 3) of turns (N,) about coordinate axis 0, 1 or 2."""
-    c, s, m = np.cos(angle), np.sin(angle), np.zeros((*np.shape(angle), 3, 3))
-    u, v = (axis + 1) % 3, (axis + 2) % 3
-    m[..., axis, axis], m[..., u, u], m[..., v, v], m[..., u, v], m[..., v, u] = 1, c, c, -s, s
-    return m
-
-
 def chain(th, tool=TOOL):
     """Return points (N, 3) and orientations (N, 3, 3) of hands for joints (N, 7)."""
-    upper = turn(2, th[:, 0]) @ turn(0, th[:, 1]) @ turn(2, th[:, 2])
-    fore = upper @ turn(0, th[:, 3])
-    hand = fore @ turn(2, th[:, 4]) @ turn(0, th[:, 5]) @ turn(2, th[:, 6])
-    return D1 * upper[..., 2] + D2 * fore[..., 2] + tool * hand[..., 2], hand
+    upper, wrist = (Rotation.from_euler("ZXZ", th[:, three]) for three in (slice(3), slice(4, 7)))
+    fore = upper * Rotation.from_euler("X", th[:, [3]])
+    hand = fore * wrist
+    return sum(turn.apply((0, 0, d)) for turn, d in ((upper, D1), (fore, D2), (hand, tool))), hand.as_matrix()
 
 
 def branches_of(joints):
@@ -46,11 +40,9 @@ def branches_of(joints):
 
 def poses(count, seed=1, tool=TOOL):
     """Return points (N, 3), hands (N, 4) and swivel angles (N,) of reachable poses."""
-    random = np.random.default_rng(seed)
-    q, wrist = random.normal(size=(count, 4)), random.normal(size=(count, 3))
-    q /= np.linalg.norm(q, axis=1)[:, None]
-    wrist *= (random.uniform(0.07, 0.595, count) / np.linalg.norm(wrist, axis=1))[:, None]
-    return wrist + tool * matrix(q)[..., 2], q, random.uniform(-np.pi, np.pi, count)
+    wrist, phi, *_ = targets(count, seed)
+    q = Rotation.random(count, seed).as_quat(scalar_first=True)
+    return wrist + tool * matrix(q)[..., 2], q, phi
 
 
 def assert_reached(pose, points, hand, axis="z", tool=TOOL):
@@ -84,7 +76,7 @@ def test_joints_lead_to_the_hand(axis, tool):
     np.testing.assert_array_equal(mixed, joints[each % 8, each])
     last = solve(points, phi, axis=axis, hand=np.roll(q, -1, axis=1), tool=tool, order="xyzw")
     np.testing.assert_array_equal(last.joints, joints[0])
-    own = turn(2, last.joints[:, 4]) @ turn(0, last.joints[:, 5]) @ turn(2, last.joints[:, 6])
+    own = Rotation.from_euler("ZXZ", last.joints[:, 4:]).as_matrix()
     np.testing.assert_allclose(matrix(np.roll(last.qw, 1, axis=1)), own, rtol=0, atol=1e-14)
 
 

@@ -24,6 +24,7 @@ from model.motion.pose import (
     to_z,
 )
 from model.motion.tests.benchmark import targets, two_bones
+from model.motion.tests.test_joints import apart
 from model.reference.kinematics import continuous, matrix, multiply, rotate
 
 AXES = [*NAMED_AXES, (0.3, 1.0, 0.0), (0.0, -1.0, 1.0)]
@@ -34,10 +35,7 @@ COUNT = 500
 @pytest.fixture(scope="module")
 def reachable():
     """Return points (N, 3) and swivel angles (N,)."""
-    random = np.random.default_rng(1)
-    points = random.normal(size=(COUNT, 3))
-    points *= (random.uniform(0.1, 0.59, COUNT) / np.linalg.norm(points, axis=1))[:, None]
-    return points, random.uniform(-np.pi, np.pi, COUNT)
+    return targets(COUNT)[:2]
 
 
 @pytest.mark.parametrize("datapath", ["lean", "paper"])
@@ -49,8 +47,7 @@ def test_hand_and_swivel_in_the_users_frame(reachable, axis, datapath):
     np.testing.assert_allclose(pose.wrist, points, atol=1e-9 if datapath == "paper" else 1e-14)
     np.testing.assert_allclose(np.linalg.norm(pose.elbow, axis=1), D1, atol=1e-14)
     back = swivel((0, 0, 0), pose.elbow, pose.wrist, axis)
-    apart = np.abs(np.angle(np.exp(1j * (back - phi))))
-    assert apart.max() <= (1e-7 if datapath == "paper" else 1e-12)
+    assert apart(back, phi).max() <= (1e-7 if datapath == "paper" else 1e-12)
 
 
 def test_agrees_with_a_direct_solution():
