@@ -25,9 +25,11 @@ import numpy as np
 from model.io import trajectories
 from model.io.files import write_atomically
 from model.io.flags import FLAGS
-from model.io.words import FIELDS, HEADROOM_BITS
-from model.motion.pose import NAMED_AXES, to_z
-from model.reference.kinematics import matrix
+from model.io.words import DEFAULT_D1, DEFAULT_D2, FIELDS, HEADROOM_BITS
+from model.motion.arms import ROBOTS, Arm
+from model.motion.pose import NAMED_AXES, hanging, to_z
+from model.reference.joints import centred
+from model.reference.kinematics import conjugate, matrix
 from scripts.console import WORD_LENGTH, command, option, output, some_of
 from scripts.generate.render import TEMPLATES
 from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, table, tools, wasm
@@ -35,6 +37,22 @@ from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, t
 HERE = Path(__file__).parent
 REPORT = HERE.parent / "report"
 SCRIPTS = ("machine", "solve", "lane", "waves", "playground")
+
+
+HAND = (0.0, 0.5**0.5, 0.0, 0.5**0.5)  # z forward, x up
+ARMS = {"arm": Arm(DEFAULT_D1, DEFAULT_D2, names=[f"th{n}" for n in range(1, 8)]), **ROBOTS}
+
+
+def _robot(name: str, arm: Arm) -> dict[str, Any]:
+    """Return axis, joints and a target within their limits of an arm whose tool is along the tip's z axis."""
+    axis = next(axis for axis in NAMED_AXES if np.array_equal(matrix(to_z(axis)), matrix(conjugate(arm.mount))))
+    tool, place = float(np.linalg.norm(arm.tool)), np.array((0.35, 0.1, -0.15)) * (arm.d1 + arm.d2) / 0.6
+    point = arm.base + place + (tool, 0.0, 0.0)
+    phi = arm.choose_swivel(point[None], HAND, near=hanging(axis), margin=0.1).item()
+    target = dict(zip(FIELDS, (*place.tolist(), phi, arm.d1, arm.d2), strict=True)) | {"turn": HAND}
+    own = zip(arm.names, arm.signs.tolist(), arm.offsets.tolist(), *np.array(centred(arm.limits)).tolist(), strict=True)
+    joints = [dict(zip(("name", "sign", "offset", "middle", "half"), each, strict=True)) for each in own]
+    return {"name": name, "axis": axis, "tool": tool, "tip": arm.tip.tolist(), "target": target, "joints": joints}
 
 
 def data(machines: Sequence[Machine]) -> dict[str, Any]:
@@ -46,6 +64,7 @@ def data(machines: Sequence[Machine]) -> dict[str, Any]:
         "headroom": HEADROOM_BITS,
         "flags": [{"name": name, "bit": int(flag), "meaning": flag.meaning} for name, flag in FLAGS.items()],
         "axes": {name: {"turn": to_z(name).tolist(), "matrix": matrix(to_z(name)).tolist()} for name in NAMED_AXES},
+        "robots": [_robot(name, arm) for name, arm in ARMS.items()],
         "trajectories": [{"name": name, "rows": own} for name, own in rows.items()],
         "tools": tools(),
     }

@@ -6,10 +6,10 @@
 const TRAIL = 120; // results in the drawn trail
 const RATE = 20; // targets of a trajectory per second
 
-// target: in the user's frame; flow: run, slow or step; ready: m_axis_tready; dense: one target per clock.
+// target: in the user's frame, turn: orientation of the hand; flow: run, slow or step; ready: m_axis_tready; dense: one target per clock.
 const ui = {
-  target: { x: 0.35, y: 0.1, z: -0.15, phi: 2.6, d1: 0.33, d2: 0.27 }, axis: "z", trajectory: "", at: 0, flow: "run", speed: 8, owed: 0,
-  ready: true, dense: true, machines: [], followed: null, node: null, laid: null, watched: [], zoom: 80, last: null, held: false,
+  target: { x: 0.35, y: 0.1, z: -0.15, phi: 2.6, d1: 0.33, d2: 0.27, turn: [0, 1, 0, 1].map((v) => v * Math.SQRT1_2) }, robot: "arm", axis: "z", trajectory: "", at: 0, flow: "run", speed: 8, owed: 0,
+  ready: true, dense: true, machines: [], followed: null, node: null, laid: null, watched: [], zoom: 80, last: null, held: false, handle: null,
 };
 
 const axis = () => DATA.axes[ui.axis];
@@ -38,26 +38,30 @@ function judged(one, { width }) {
     qs: multiply(conjugate(axis().turn), qs), qe, flags: one.flags, owed, elbow: fromCore(ours.elbow), wrist: fromCore(ours.wrist),
     normal: fromCore(rotate(qs, [-1, 0, 0])), hand: off("wrist"), elbowError: off("elbow"),
     shoulderAngle: angleBetween(qs, exact.qs), elbowAngle: angleBetween([...qe, 0, 0], [...exact.qe, 0, 0]),
+    joints: jointsOf(qs, qe, multiply(axis().turn, one.turn)),
   };
 }
 
 // A run as drawn in the scene; each result extends it.
 const emptyRun = (machine) => ({
   datapath: machine.table.name, latency: machine.table.latency, arm: [], target: [], elbow: [], wrist: [], normal: [], lengths: [], hand: [], now: null,
+  hands: { goal: [], point: [], turn: [] },
 });
 
 function answered(i, one) {
   const [machine, run] = [ui.machines[i], state.runs[i]];
   const found = judged(one, machine.table);
-  const add = (name, value) => {
-    run[name].push(value);
-    if (run[name].length > TRAIL) run[name].shift();
+  const add = (name, value, to = run) => {
+    to[name].push(value);
+    if (to[name].length > TRAIL) to[name].shift();
   };
   const unit = 2 ** (2 - machine.table.width - one.exponent);
   add("arm", 0);
   add("target", one.place);
   add("lengths", [one.words[4] * unit, one.words[5] * unit]);
   ["elbow", "wrist", "normal", "hand"].forEach((name) => add(name, found[name]));
+  const hand = { goal: pointOf(one.place, one.turn), point: pointOf(found.wrist, one.turn), turn: one.turn };
+  Object.entries(hand).forEach(([name, value]) => add(name, value, run.hands));
   run.latency = one.latency;
   run.now = { ...found, one };
   state.at = Math.min(...state.runs.map((each) => each.target.length)) - 1;
@@ -168,6 +172,7 @@ function writeNow() {
   });
   element("now").replaceChildren(...rows(list));
   const flags = state.runs[0]?.now?.flags ?? 0;
+  writeAngles(state.runs[0]?.now?.joints ?? []);
   document.querySelectorAll("#flags li").forEach((item) => {
     const on = (flags & Number(item.dataset.bit)) !== 0;
     item.classList.toggle("on", on);
@@ -189,7 +194,10 @@ function drawAll() {
   frameArm();
   const { g, w, h } = prepare(scene);
   if (state.at >= 0) { // all cores have a result
-    eachRun(g, w, h, (pw, ph, t) => drawMotion(g, pw, ph, t));
+    eachRun(g, w, h, (pw, ph, t) => {
+      drawMotion(g, pw, ph, t);
+      drawRings(g, camera(pw, ph, state.bounds, state.view));
+    });
   }
   writeNow();
   drawLane();
@@ -222,11 +230,10 @@ function moveTo(p) {
   writeFields();
 }
 
-// Moves the wrist by pixels of the picture and by a distance towards the camera.
+// Moves wrist and hand by pixels of the picture and by a distance towards the camera.
 function moveBy(dx, dy, nearer = 0) {
-  const part = state.parts[0];
-  const view = camera(part.w, part.h, state.bounds, state.view);
-  const p = [ui.target.x, ui.target.y, ui.target.z];
+  const view = viewOf(state.parts[0]);
+  const p = place();
   const pixel = view.depth(p) / (view.scale * view.distance);
   const toward = unit(sum(view.eye, p, -1));
   moveTo(sum(sum(sum(p, view.right, dx * pixel), view.up, -dy * pixel), toward, nearer * pixel));
@@ -235,16 +242,110 @@ function moveBy(dx, dy, nearer = 0) {
 
 const partAt = (x, y) => state.parts.slice(0, state.runs.length).find((part) => x >= part.x && x < part.x + part.w && y >= part.y - 32 && y < part.y + part.h);
 
-function nearWrist(x, y) {
-  const part = partAt(x, y);
-  if (!part) return false;
-  const [px, py] = camera(part.w, part.h, state.bounds, state.view).project([ui.target.x, ui.target.y, ui.target.z]);
-  return Math.hypot(x - part.x - px, y - part.y - py) < 36;
-}
-
 // Redraws the page if it is stopped; a running page redraws itself.
 function afterwards() {
   if (ui.flow !== "run") drawAll();
+}
+
+// -- the hand ----------------------------------------------------------------------------------
+
+const RING = 0.22; // radius of the rings, relative to the reach: as long as the hand's axes in the picture
+const STEPS = 72; // parts of a ring
+
+const robot = () => DATA.robots.find(({ name }) => name === ui.robot);
+const place = () => [ui.target.x, ui.target.y, ui.target.z];
+const pointOf = (wrist, turn) => sum(wrist, rotate(turn, [0, 0, 1]), robot().tool);
+const viewOf = (part) => camera(part.w, part.h, state.bounds, state.view);
+
+// Returns the three rings around the hand's axes: places of their points in the picture, and whether each is behind the hand.
+function rings(view) {
+  const { turn, d1, d2 } = ui.target;
+  const centre = pointOf(place(), turn);
+  const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((e) => rotate(turn, e).map((v) => v * RING * (d1 + d2)));
+  return axes.map((_, k) => Array.from({ length: STEPS }, (_, i) => {
+    const angle = (2 * Math.PI * i) / STEPS;
+    const p = sum(sum(centre, axes[(k + 1) % 3], Math.cos(angle)), axes[(k + 2) % 3], Math.sin(angle));
+    return { at: view.project(p), behind: view.depth(p) > view.depth(centre) };
+  }));
+}
+
+function drawRings(g, view) {
+  const { bad, good, upper } = state.colours;
+  rings(view).forEach((ring, k) => {
+    Object.assign(g, { strokeStyle: [bad, good, upper][k], lineWidth: ui.handle?.ring === k ? 4.5 : 2 });
+    for (const behind of [true, false]) {
+      g.globalAlpha = behind ? 0.3 : 0.9;
+      g.beginPath();
+      ring.forEach((point, i) => {
+        if (point.behind === behind) {
+          g.moveTo(...point.at);
+          g.lineTo(...ring[(i + 1) % STEPS].at);
+        }
+      });
+      g.stroke();
+    }
+  });
+  g.globalAlpha = 1;
+}
+
+// Returns what the pointer takes at a place: {} the hand's point, {ring, i} point i of a ring, or null.
+function handleAt({ offsetX: x, offsetY: y, pointerType }) {
+  const part = partAt(x, y);
+  if (!part) return null;
+  const view = viewOf(part);
+  const away = ([px, py]) => Math.hypot(x - part.x - px, y - part.y - py);
+  const own = away(view.project(pointOf(place(), ui.target.turn)));
+  const points = rings(view).flatMap((each, ring) => each.map(({ at, behind }, i) => ({ ring, i, off: away(at) + (behind ? 4 : 0) })));
+  const nearest = points.reduce((a, b) => (b.off < a.off ? b : a));
+  const onRing = own > 20 && nearest.off < (pointerType === "touch" ? 18 : 9);
+  return onRing ? nearest : own < 36 ? {} : null;
+}
+
+// Turns the hand about an axis of its own, its point at rest.
+function turnHand(k, angle) {
+  const point = pointOf(place(), ui.target.turn);
+  const by = [Math.cos(angle / 2), 0, 0, 0];
+  by[k + 1] = Math.sin(angle / 2);
+  ui.target.turn = unit(multiply(ui.target.turn, by));
+  moveTo(sum(point, rotate(ui.target.turn, [0, 0, 1]), -robot().tool));
+  afterwards();
+}
+
+// Turns the hand by pixels of the picture; the pointer holds point i of a ring.
+function turnBy({ ring, i }, dx, dy) {
+  const points = rings(viewOf(state.parts[0]))[ring];
+  const along = sum(points[(i + 1) % STEPS].at, points.at(i - 1).at, -1).map((v) => (v * STEPS) / (4 * Math.PI)); // pixels per rad
+  const least = 15 ** 2; // where the ring runs away from the camera
+  turnHand(ring, (dx * along[0] + dy * along[1]) / Math.max(least, along[0] ** 2 + along[1] ** 2));
+}
+
+// Returns the positions of the chosen arm's joints (rad), and whether they are outside their limits.
+const jointsOf = (qs, qe, hand) => sevenAngles(qs, qe, multiply(hand, conjugate(robot().tip))).map((th, k) => {
+  const { sign, offset, middle, half } = robot().joints[k];
+  const at = wrap(sign * th + offset);
+  return { at, over: Math.abs(wrap(at - middle)) > half };
+});
+
+function writeAngles(found) {
+  [...element("angles").rows].forEach((row, k) => {
+    const { at, over } = found[k] ?? {};
+    row.className = over ? "over" : "";
+    row.cells[1].textContent = at === undefined ? "\u2013" : degrees(at);
+    row.cells[2].textContent = over ? "over limit" : "";
+    row.querySelector("b").style.left = `${((at ?? 0) / Math.PI + 1) * 50}%`;
+  });
+}
+
+function useRobot(name) {
+  choose("robot", name);
+  element("angles").replaceChildren(...robot().joints.map(({ name: joint, middle, half }) => {
+    const row = document.createElement("tr");
+    const width = half < Math.PI ? 100 * (half / Math.PI) : 0; // without a limit there is no band
+    const band = `left:${(middle / Math.PI + 1) * 50 - width / 2}%;width:${width}%`;
+    row.innerHTML = `<th scope="row"></th><td></td><td></td><td><div><i style="${band}"></i><b></b></div></td>`;
+    row.cells[0].textContent = joint;
+    return row;
+  }));
 }
 
 // -- the controls ------------------------------------------------------------------------------
@@ -307,7 +408,17 @@ function listen() {
   }
   element("axis").addEventListener("change", (event) => {
     ui.axis = event.target.value;
+    useRobot("arm"); // another arm's joints belong to its own axis
     forget();
+    afterwards();
+  });
+  element("robot").addEventListener("change", (event) => {
+    useRobot(event.target.value);
+    choose("axis", robot().axis);
+    choose("trajectory", "");
+    Object.assign(ui.target, robot().target);
+    forget();
+    writeFields();
     afterwards();
   });
   element("trajectory").addEventListener("change", (event) => {
@@ -346,22 +457,30 @@ function listen() {
     drawAll();
   });
 
-  let dragged = null; // dragged item and last position: touch events have no movement
+  let dragged = null; // last position: touch events have no movement
   scene.addEventListener("pointerdown", (event) => {
-    dragged = { wrist: nearWrist(event.offsetX, event.offsetY), x: event.clientX, y: event.clientY };
-    ui.held = dragged.wrist;
+    dragged = { x: event.clientX, y: event.clientY };
+    ui.handle = handleAt(event);
+    ui.held = Boolean(ui.handle);
     scene.setPointerCapture(event.pointerId);
   });
   scene.addEventListener("lostpointercapture", () => {
-    ui.held = false;
+    Object.assign(ui, { held: false, handle: null });
     afterwards();
   });
   scene.addEventListener("pointermove", (event) => {
-    scene.dataset.over = nearWrist(event.offsetX, event.offsetY);
-    if (!scene.hasPointerCapture(event.pointerId)) return;
+    if (!scene.hasPointerCapture(event.pointerId)) {
+      const last = ui.handle?.ring;
+      ui.handle = handleAt(event);
+      scene.dataset.over = Boolean(ui.handle);
+      if (ui.handle?.ring !== last) afterwards();
+      return;
+    }
     const [dx, dy] = [event.clientX - dragged.x, event.clientY - dragged.y];
     Object.assign(dragged, { x: event.clientX, y: event.clientY });
-    if (dragged.wrist) {
+    if (ui.handle?.ring !== undefined) {
+      turnBy(ui.handle, dx, dy);
+    } else if (ui.handle) {
       moveBy(dx, dy);
     } else {
       state.view.azimuth -= dx * 0.01;
@@ -369,14 +488,18 @@ function listen() {
       afterwards();
     }
   });
-  const by = 6;
+  const [by, turned] = [6, Math.PI / 36];
   const keys = {
     ArrowLeft: [-by, 0], ArrowRight: [by, 0], ArrowUp: [0, -by], ArrowDown: [0, by], PageUp: [0, 0, -by], PageDown: [0, 0, by],
+  };
+  const turns = {
+    ArrowLeft: [2, -turned], ArrowRight: [2, turned], ArrowUp: [0, -turned], ArrowDown: [0, turned], PageUp: [1, -turned], PageDown: [1, turned],
   };
   scene.addEventListener("keydown", (event) => {
     if (keys[event.key]) {
       event.preventDefault();
-      moveBy(...keys[event.key]);
+      if (event.shiftKey) turnHand(...turns[event.key]);
+      else moveBy(...keys[event.key]);
     }
   });
   document.addEventListener("keydown", (event) => {
@@ -420,6 +543,8 @@ async function start() {
   element("machine").replaceChildren(...names.map((name) => new Option(name)));
   element("second").replaceChildren(new Option("none", ""), ...names.map((name) => new Option(name)));
   element("axis").replaceChildren(...Object.keys(DATA.axes).map((name) => new Option(name)));
+  element("robot").replaceChildren(...DATA.robots.map(({ name }) => new Option(name)));
+  useRobot(ui.robot);
   element("trajectory").replaceChildren(new Option("by hand", ""), ...DATA.trajectories.map(({ name }) => new Option(name)));
   element("flags").replaceChildren(...DATA.flags.map(({ name, bit, meaning }) => {
     const item = Object.assign(document.createElement("li"), { textContent: name, title: meaning });
@@ -431,7 +556,7 @@ async function start() {
   readColours();
   writeFields();
   listen();
-  window.playground = { answer, solve, toWords, vcd: () => vcd(ui.machines[0]), camera, laneX, ui, state };
+  window.playground = { answer, solve, toWords, vcd: () => vcd(ui.machines[0]), camera, laneX, rings, viewOf, pointOf, place, ui, state };
   try {
     await useMachines();
   } catch (error) {

@@ -55,6 +55,17 @@ function forward(qs, qe, d1, d2) {
   return { elbow: rotate(qs, [0, 0, d1]), wrist: rotate(qs, sum([0, 0, d1], bent)) };
 }
 
+// Returns the angles of the seven joints (rad, -pi to pi), branch 0; hand: orientation Q_h in the core's frame.
+function sevenAngles(qs, [qe_w, qe_i], hand) {
+  const zxz = ([w, i, j, k]) => {
+    const [s, d] = [Math.atan2(k, w), Math.atan2(j, i)];
+    return [s + d, 2 * Math.atan2(Math.hypot(i, j), Math.hypot(w, k)), s - d];
+  };
+  const fore = multiply(qs, [-qe_i, qe_w, 0, 0]); // Q_s R_x(th4)
+  return [...zxz(qs), 2 * Math.atan2(qe_w, -qe_i), ...zxz(multiply(conjugate(fore), hand))].map(wrap);
+}
+const wrap = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
+
 // Returns the angle of the rotation from a to b (rad); signs and lengths are ignored.
 function angleBetween(a, b) {
   const [w, ...v] = multiply(conjugate(a), b);

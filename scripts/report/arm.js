@@ -342,7 +342,7 @@ function drawNames(g, w, { points, thick }, goal) {
   const bend = normal[0] * (elbow[0] - shoulder[0]) + normal[1] * (elbow[1] - shoulder[1]);
   const side = Math.abs(bend) > 2 ? Math.sign(bend) : normal[1] < 0 ? -1 : 1; // below a straight arm
   const ways = [unit(sum([-chord[0], -chord[1]], [0, -0.8])), normal.map((v) => side * v), unit(sum(chord, [0, -0.8]))];
-  ["shoulder", "elbow", "wrist"].forEach((name, i) => {
+  ["shoulder", "elbow", ...(goal ? ["wrist"] : [])].forEach((name, i) => { // a hand has its own axes there
     const [x, y] = sum(points[i], ways[i], 0.6 * thick + 14);
     const half = g.measureText(name).width / 2;
     const shifted = x + half * Math.max(-1, Math.min(1, 2 * ways[i][0]));

@@ -11,6 +11,8 @@ from model.dataflow import fixed
 from model.io import stimuli, trajectories
 from model.io.flags import expected_flags
 from model.io.words import FIELDS, Targets, from_words, to_words
+from model.reference.joints import wrap
+from model.reference.kinematics import conjugate, multiply, rotate
 from model.reference.lean_equations import solve_lean
 from scripts.playground import __main__ as playground
 from scripts.playground import machines
@@ -162,11 +164,7 @@ def test_the_wrist_follows_the_pointer(page, touch):
     page.middle("#scene")
     start = page.run(WRIST)
     end = [start[0] - 60, start[1] - 45]
-    if touch:
-        for kind, points in (("touchStart", [start]), ("touchMove", [end]), ("touchEnd", [])):
-            page.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y} for x, y in points])
-    else:
-        page.drag(start, end)
+    page.drag(start, end, touch=touch)
     assert np.allclose(page.run(WRIST), end, atol=3)
     page.wait_for(f"String(playground.state.runs[0].now.one.place) === String({PLACE})")
     assert page.run("playground.state.runs[0].now.hand") < 2e-8
@@ -188,6 +186,54 @@ def test_the_background_turns_the_view_and_keys_move_the_wrist(page):
     page.run("document.activeElement.blur()")
     page.press(" ")
     assert page.run("document.documentElement.dataset.flow") == "run"
+
+
+ANGLES = "[...document.getElementById('angles').rows].map((row) => [row.className, row.cells[1].textContent])"
+RING = """((ring, i) => {
+    const box = document.getElementById('scene').getBoundingClientRect();
+    const { state, rings, viewOf } = playground;
+    const [x, y] = rings(viewOf(state.parts[0]))[ring][i].at;
+    return [box.x + state.parts[0].x + x, box.y + state.parts[0].y + y];
+})"""
+NOW = "(({ joints, one }) => [joints.map(({ at }) => at), one.words, one.turn])(playground.state.runs[0].now)"
+
+
+@pytest.mark.parametrize("touch", [False, True])
+@pytest.mark.parametrize("name", playground.ARMS)
+def test_the_hand_turns_and_the_joints_follow(page, name, touch):
+    """A ring turns the hand about its axis, its point at rest, by pointer or by keys; the joints, and which of them are
+    beyond their limits, equal the arm's in double precision, to the core's."""
+    arm = playground.ARMS[name]
+    page.choose("robot", name)
+    step(page, LEAN + 2)
+    assert not any(over for over, _ in page.run(ANGLES)), "an arm starts within its limits"
+    page.choose("phi", -2.8)
+    page.run(FLOW.format("run"))
+    page.middle("#scene")
+    before, turns = page.run("playground.pointOf(playground.place(), playground.ui.target.turn)"), []
+    for ring in range(3):
+        turns.append(page.run("playground.ui.target.turn"))
+        start, end = page.run(f"[8, 14].map((i) => {RING}({ring}, i))")
+        page.drag(start, end, touch=touch)
+        by = multiply(conjugate(np.array(turns[-1])), np.array(page.run("playground.ui.target.turn")))
+        assert 0.2 < 2 * abs(by[1 + ring]) < 1.5 and np.abs(np.delete(by[1:], ring)).max() < 1e-9, "another axis"
+    page.run("document.getElementById('scene').focus()")
+    for key in ("ArrowRight", "PageUp"):
+        page.press(key, shift=True)
+    assert np.allclose(page.run("playground.pointOf(playground.place(), playground.ui.target.turn)"), before, atol=1e-9)
+    page.wait_for("String(playground.state.runs[0].now.one.turn) === String(playground.ui.target.turn)")
+    page.run(FLOW.format("step"))
+    joints, words, turn = page.run(NOW)
+    asked = from_words(np.array([words]), 0, 32, "page")
+    place = rotate(arm.mount, asked.position * (arm.d1 + arm.d2) / asked.reach) + arm.base
+    point = place + np.linalg.norm(arm.tool) * rotate(np.array(turn), (0.0, 0.0, 1.0))
+    pose = arm.solve(point, turn, asked.phi)
+    assert np.abs(wrap(pose.joints[0] - joints)).max() < 2e-8
+    shown = page.run(ANGLES)
+    degrees = [float(text.replace("\N{MINUS SIGN}", "-").rstrip("\N{DEGREE SIGN}")) for _, text in shown]
+    assert degrees == pytest.approx(np.degrees(joints), abs=0.051)
+    assert [bool(over) for over, _ in shown] == pose.over_limit[0].tolist()
+    assert pose.over_limit.any() == (name != "arm")
 
 
 def test_flags_are_shown_with_a_reason(page):

@@ -167,15 +167,21 @@ class Page:
         """Return the picture of the canvas with this id."""
         return self.run(f"document.getElementById('{name}').toDataURL()")
 
-    def press(self, key: str) -> None:
+    def press(self, key: str, *, shift: bool = False) -> None:
         code = "Space" if key == " " else key
         for kind in ("rawKeyDown", "keyUp"):
             number = {" ": 32, "ArrowLeft": 37, "ArrowRight": 39, "Home": 36, "End": 35}.get(key, 0)
-            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=number)
+            event = {"type": kind, "key": key, "code": code, "windowsVirtualKeyCode": number, "modifiers": 8 * shift}
+            self.call("Input.dispatchKeyEvent", **event)
 
-    def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
-        """Press the mouse at one point and release it at another; the same point twice is a click."""
+    def drag(self, start: tuple[float, float], end: tuple[float, float], *, touch: bool = False) -> None:
+        """Press the mouse or a finger at one point and release it at another; the same point twice is a click."""
         middle = tuple((a + b) / 2 for a, b in zip(start, end, strict=True))
+        if touch:
+            for kind, points in (("Start", [start]), ("Move", [middle]), ("Move", [end]), ("End", [])):
+                touched = [{"x": x, "y": y} for x, y in points]
+                self.call("Input.dispatchTouchEvent", type=f"touch{kind}", touchPoints=touched)
+            return
         moves = [("mousePressed", start), ("mouseMoved", middle), ("mouseMoved", end), ("mouseReleased", end)]
         for kind, (x, y) in moves:
             down = kind != "mouseReleased"
