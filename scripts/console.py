@@ -184,9 +184,6 @@ def core_options(
     return [sim_option(sim), paths, length]
 
 
-WORD_LENGTH = click.IntRange(WIDTHS[0], WIDTHS[-1])
-
-
 def some_of(valid: Sequence[str], most: int) -> Callable[[str], list[str]]:
     """Return an option type: up to `most` different words of `valid`, separated by commas."""
     one = click.Choice(valid)
@@ -201,15 +198,26 @@ def some_of(valid: Sequence[str], most: int) -> Callable[[str], list[str]]:
 
 
 class Whole(click.IntRange):
-    """An option type: a whole number of at least `min`; the help omits the largest one."""
+    """An option type: a whole number in a range; the help omits a largest one that is only there to have one."""
 
     def _describe_range(self) -> str:
-        return f"x>={self.min}"
+        return f"x>={self.min}" if self.max == LARGEST else super()._describe_range()
+
+    def convert(self, value, param, context) -> int:
+        try:
+            return super().convert(value, param, context)
+        except click.BadParameter:
+            bounds = f"of at least {self.min}" if self.max == LARGEST else f"from {self.min} to {self.max}"
+            self.fail(f"{value!r} is not a whole number {bounds}", param, context)
+
+
+LARGEST = 10**15
+WORD_LENGTH = Whole(WIDTHS[0], WIDTHS[-1])
 
 
 def whole(least: int) -> Whole:
     """Return an option type: a whole number of at least `least`."""
-    return Whole(least, 10**15)
+    return Whole(least, LARGEST)
 
 
 class Finite(click.FloatRange):

@@ -153,7 +153,8 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     """Return the trajectories of --trajectory. Raises InputError or TargetError."""
     name, width, axis = arguments.trajectory, arguments.width, arguments.axis or "z"
     kind = _kind(name)
-    arguments.robot = arguments.robot or trajectories.ROBOTS.get(name)
+    own = trajectories.ROBOTS.get(name)
+    arguments.robot = arguments.robot or own
     for given, kinds in GOES_WITH.items():
         if getattr(arguments, given) is not None and kind not in kinds:
             goes = " or a ".join(kinds)
@@ -169,7 +170,7 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
         if getattr(arguments, given) == word:
             raise InputError(f"argument --{given}: {word} applies to a {CLIP}, not to a {kind} ({name})")
     robot = _robot(arguments)
-    notes: tuple[str, ...] = ()
+    notes = (f"the poses are for ROBOT={own}",) if arguments.robot != own and own else ()
     if kind == CSV:
         phi = (None if robot else hanging(axis)) if arguments.phi is None else arguments.phi
         found = [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
@@ -214,7 +215,8 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
         differ = [name for name in ("d1", "d2") if name not in given.default_arm]
         differ = [name for name in differ if (getattr(own, name) != getattr(given, name)).any()]
         differ += ["tool"] if "tool" in given.others and (own.tool != given.tool).any() else []
-        notes = (*notes, *([f"ROBOT= overrides {', '.join(differ)} of the file"] if differ else []))
+        if differ and given.path is not None:
+            notes = (*notes, f"ROBOT= overrides {', '.join(differ)} of the file")
         targets = own
     limits = limit_words(robot.bounds if robot else None, arguments.width)
     for name, (low, high) in zip(robot.names if robot else (), limits, strict=False):
@@ -260,9 +262,9 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
     """Load the trajectories and print warnings. Raises InputError or TargetError."""
     prepared = _load(arguments)
     for item in prepared:
-        if item.targets.path is not None:  # not built-in
-            for doubt in (*item.notes, *doubts(item.targets, item.robot is None)):
-                print(f"warning: {item.targets.path}: {doubt}", file=sys.stderr)
+        path = item.targets.path  # None: built-in
+        for doubt in (*item.notes, *(doubts(item.targets, item.robot is None) if path is not None else ())):
+            print(f"warning: {path or item.targets.name}: {doubt}", file=sys.stderr)
     return prepared
 
 

@@ -95,6 +95,10 @@ SLIPS = [
         "--robot iiwa14 --trajectory circle",
         "argument --robot: circle has no orientations of a hand, such as columns qw,",
     ),
+    (
+        "--robot human --trajectory clip.bvh",
+        "argument --robot: applies to a CSV file or a built-in trajectory, not to a BVH clip",
+    ),
     ("--soft 0.1", "argument --soft: applies to wrist targets, not to hand poses"),
     ("--datapath fold", "argument --datapath: applies to wrist targets; hand poses always run on arm"),
 ]
@@ -111,9 +115,12 @@ def test_slips_with_robots(cli, words, message):
     assert (status, out) == (2, []) and line.startswith(f"run: {message}")
 
 
-def test_lengths_of_a_file_that_differ_from_the_robots(cli):
+def test_lengths_and_poses_of_another_robot(cli):
     write_poses([(0.3, 0.1, 0.5)], [(1, 0, 0, 0)], d1=[0.42], tool=[0.2])
     assert cli("--trajectory", "t.csv", "--robot", "iiwa14")[2] == ["warning: t.csv: ROBOT= overrides tool of the file"]
+    hint = "warning: pick_and_place: the poses are for ROBOT=iiwa14"
+    assert cli("--trajectory", "pick_and_place", "--robot", "human")[2][0] == hint
+    assert cli("--trajectory", "pick_and_place")[2] == []
 
 
 @pytest.mark.parametrize(
