@@ -127,12 +127,13 @@ CASES = {
 }
 """Name -> case -> value: poses by convention and clamped poses; the last case that applies counts."""
 
+SQUARES = ("rho_sq", "s", "a_far", "b_near", "k_law")  # sums whose unit is the square of the lengths'
+
 EXACT, SCALED = ("Sums of the inputs",), ("Roots, first level", "Directions", "Triangle")
 """Groups evaluated without rounding, and with exponents beyond the range of doubles."""
 
 _CODE = {group: {name: compile(text, name, "eval") for name, text in lines.items()} for group, lines in LEAN.items()}
 _HALF = [[compile(text, branch, "eval") for text in parts] for branch, parts in HALF.items()]
-_ZERO = -(1 << 14)  # exponent of 0
 _SPLIT = 2.0**27 + 1
 _LEAST, _MOST = 1e-280, 1e280
 """Squares between which :func:`solve_direct` computes without scaling."""
@@ -150,44 +151,12 @@ def _two_sum(a, b):
     return total, (a - (total - part)) + (b - part)
 
 
-def _two_product(a, b):
-    """Return a b rounded, and the rounding error: exact together for numbers of moderate size."""
-    product = a * b
-    a_high, b_high = (v * _SPLIT - (v * _SPLIT - v) for v in (a, b))
-    a_low, b_low = a - a_high, b - b_high
-    return product, a_low * b_low - (((product - a_high * b_high) - a_low * b_high) - a_high * b_low)
-
-
-class _Exact:
-    """Unrounded sum of terms times 2^exponent; the last term is the largest, in [1/2, 1)."""
-
-    def __init__(self, terms, exponent=0):
-        shift = np.frexp(terms[-1])[1]
-        self.terms = [np.ldexp(term, -shift) for term in terms]
-        self.exponent = np.where(terms[-1] == 0, _ZERO, exponent + shift)
-
-    def __add__(self, other):
-        exponent = np.maximum(self.exponent, other.exponent)
-        terms = [np.ldexp(term, v.exponent - exponent) for v in (self, other) for term in v.terms]
-        for _ in range(2):  # as if summed with 150 bits
-            for n in range(1, len(terms)):
-                terms[n], terms[n - 1] = _two_sum(terms[n], terms[n - 1])
-        while len(terms) > 3:
-            terms[:2] = [terms[0] + terms[1]]
-        return _Exact(terms, exponent)
-
-    def __sub__(self, other):
-        return self + _Exact([-term for term in other.terms], other.exponent)
-
-    def __mul__(self, other):
-        terms = [part for a in self.terms for b in other.terms for part in _two_product(a, b)[::-1]]
-        return _Exact(terms, self.exponent + other.exponent)
-
-    def __pow__(self, two):
-        return self * self
-
-    def rounded(self):
-        return _Scaled(sum(self.terms[:-1]) + self.terms[-1], self.exponent)
+def _exact(values):
+    """Return doubles (M, N) as Python integers, and the exponent (N,) of their unit in each column."""
+    mantissas, exponents = np.frexp(values)
+    exponents = np.where(mantissas == 0, exponents.max(axis=0), exponents)
+    unit = exponents.min(axis=0)
+    return np.ldexp(mantissas, 53).astype(np.int64).astype(object) << (exponents - unit).astype(object), unit - 53
 
 
 @dataclass
@@ -217,6 +186,12 @@ class _Scaled:
 
     def double(self):
         return np.ldexp(self.value, self.exponent)
+
+    @classmethod
+    def rounded(cls, words, exponent):
+        """Round Python integers times 2^exponent once."""
+        bits = np.frompyfunc(int.bit_length, 1, 1)(words)
+        return cls((words / (1 << bits)).astype(np.float64), bits.astype(np.int64) + exponent)
 
 
 _FUNCTIONS = {
@@ -250,7 +225,8 @@ def solve_lean(x, y, z, phi, d1, d2):
     }
     check_lengths(d1, d2, ~cases["clamped"])
 
-    values: dict[str, Any] = {name: _Exact([v]) for name, v in (("x", x), ("y", y), ("z", z), ("d1", d1), ("d2", d2))}
+    words, unit = _exact((x, y, z, d1, d2))
+    values: dict[str, Any] = dict(zip(("x", "y", "z", "d1", "d2"), words, strict=True))
 
     def evaluate(groups):
         for name, code in ((name, code) for group in groups for name, code in _CODE[group].items()):
@@ -258,7 +234,7 @@ def solve_lean(x, y, z, phi, d1, d2):
 
     with np.errstate(over="ignore", under="ignore"):
         evaluate(EXACT)
-        values = {name: value.rounded() for name, value in values.items()}
+        values = {name: _Scaled.rounded(v, unit * (1 + (name in SQUARES))) for name, v in values.items()}
         evaluate(SCALED)
         values = {name: value.double() for name, value in values.items()} | {"phi": phi}
     # Where d1 + d2 or d1 - d2 is not a double, a target may be out of reach by less than its rounding; then A or B is
