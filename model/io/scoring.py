@@ -34,6 +34,7 @@ from ..dataflow.operations import outside
 from ..reference.equations import solve_clamped
 from ..reference.joints import reached
 from ..reference.kinematics import angle_between, continuous, forward, rotate
+from ..reference.lean_equations import solve_lean
 from . import flags as flag_bits
 from .words import FIELDS, JOINTS, RESULT_FIELDS, WRIST_FIELDS, Targets, from_words, result_values
 
@@ -64,6 +65,24 @@ def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
 def singular_distance(targets: Targets) -> np.ndarray:
     """Return the distance (rad) of each pose from the nearest singular pose, (N,). 0 for an unreachable target."""
     return np.min(list(singular_distances(targets).values()), axis=0)
+
+
+def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
+    """Return the hand errors / reach (N,) of answers (N, 6)."""
+    answers = np.asarray(answers, dtype=np.float64)
+    wrist = forward(answers[:, :4], answers[:, 4:], targets.d1, targets.d2)[1]
+    return np.linalg.norm(wrist - targets.position, axis=1) / targets.reach
+
+
+def model_errors(words: np.ndarray, width: int, datapath: str) -> tuple[np.ndarray, float]:
+    """Solve reachable targets (N, 6) with the bit-true model of a datapath; return the errors of the hands / reach,
+    (N,), and the largest difference of a joint angle from double precision (rad)."""
+    values = result_values(fixed.run(words, width, datapath).results, width)
+    asked = from_words(words, 0, width, "words")
+    found = solve_lean(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
+    pose = np.column_stack([found[name] for name in RESULT_FIELDS])
+    elbow = angle_between(*(np.pad(each[:, 4:], ((0, 0), (0, 2))) for each in (values, pose)))
+    return hand_errors(values, asked), max(angle_between(values[:, :4], pose[:, :4]).max(), elbow.max())
 
 
 @dataclass(frozen=True, eq=False)

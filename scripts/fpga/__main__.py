@@ -25,6 +25,7 @@ import click
 
 from model.dataflow.datapaths import MODELS
 from model.dataflow.fixed import latency
+from model.io.scoring import model_errors
 from model.io.stimuli import region
 from scripts import parallel
 from scripts.console import WORD_LENGTH, InputError, command, option, progress, switch
@@ -32,7 +33,7 @@ from scripts.fpga import designs, page
 from scripts.fpga.designs import Design
 from scripts.fpga.netlist import HOLDS
 from scripts.fpga.runs import TOOLS, Run, attempts, commands, version
-from scripts.generate.accuracy import TARGETS, errors
+from scripts.generate.pages import TARGETS
 from tb.sim.env import ROOT
 
 FULL = 0.97
@@ -61,7 +62,7 @@ def describe(design: Design) -> dict:
         return facts
     if MODELS[design.datapath].side:
         return {"latency": latency(design.datapath, design.width), **facts}
-    hand, _ = errors(region("anywhere", TARGETS, design.width, 1), design.width, design.datapath)
+    hand, _ = model_errors(region("anywhere", TARGETS, design.width, 1), design.width, design.datapath)
     return {"latency": latency(design.datapath, design.width), "hand": float(f"{hand.max():.2g}"), **facts}
 
 

@@ -9,28 +9,31 @@ Runs all trajectories, and `ik_axi` with buses of 32, 64 and 128 bits, through t
 import json
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from itertools import groupby
 from pathlib import Path
 from types import SimpleNamespace
+
+import numpy as np
 
 from model.bounds import tolerances
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.fixed import FIFO_CLOCKS
 from model.dataflow.nodes import Latency, Node
 from model.io import trajectories
-from model.io.stimuli import REGIONS
+from model.io.scoring import model_errors
+from model.io.stimuli import REGIONS, region
 from scripts import run
 from scripts.console import command, sim_option
-from scripts.generate import accuracy
 from scripts.generate.flow import KINDS, WIDTH, design, kind, longest_path, start
-from scripts.generate.render import render, update
+from scripts.generate.render import error, render, update
 from tb.axi.ik_axi import BATCH, LONG
 from tb.axi.instances import run_in_process
 from tb.sim.env import GENERATED
 
 SCORES = GENERATED / "scores.md"
 BUSES = (32, 64, 128)
+TARGETS = 4000  # of a region
 
 LEFT, DRAWN, RIGHT = 230, 1000, 20
 """Widths of a pipeline picture in pixels: section titles, all clocks, right margin."""
@@ -53,10 +56,17 @@ COLOURS = {
 NAMES = KINDS | {"fifo": "output FIFO"}
 
 
+def by_region() -> Iterator[tuple[str, ...]]:
+    """Yield rows: region, then for each datapath the median and largest hand error and the largest angle error."""
+    for name in REGIONS:
+        found = [model_errors(region(name, TARGETS, WIDTH, 1), WIDTH, path) for path in DATAPATHS]
+        yield name, *(error(v) for hand, angle in found for v in (np.median(hand), hand.max(), angle))
+
+
 def scores_page(scores: dict[str, list[dict]]) -> str:
     """Return scores.md. scores: datapath -> objects of its score.json."""
     bars = {"lean_bar": f"{tolerances.LEAN[32]:.0e}", "regular_bar": f"{tolerances.REGULAR:.0e}"}
-    regions = {"region_targets": accuracy.TARGETS, "by_region": accuracy.by_region(), "regions": REGIONS}
+    regions = {"region_targets": TARGETS, "by_region": by_region(), "regions": REGIONS}
     described = [(name, trajectories.describe(name)) for name in trajectories.TRAJECTORIES]
     return render("scores", scores=scores, described=described, **bars, **regions)
 

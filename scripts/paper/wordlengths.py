@@ -10,10 +10,9 @@ from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
 from model.dataflow.nodes import WIDTHS
 from model.io.monte_carlo import Observed, monte_carlo, shown
-from model.io.scoring import singular_distance
+from model.io.scoring import hand_errors, singular_distance
 from model.io.words import Targets, result_values, to_words
 from scripts.console import progress
-from scripts.generate.accuracy import hand_errors
 from scripts.generate.render import error, render
 from tb.sim.env import GENERATED
 

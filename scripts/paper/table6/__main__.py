@@ -28,12 +28,12 @@ from typing import Any
 import numpy as np
 
 from model.dataflow import fixed
+from model.io.scoring import hand_errors
 from model.io.stimuli import random_reachable
 from model.io.trajectories import make
 from model.io.words import Targets, from_words, result_values, to_words
 from scripts.console import InputError, command, option, switch, whole
 from scripts.fpga.designs import load
-from scripts.generate.accuracy import hand_errors
 from scripts.generate.pages import measured
 from scripts.paper.table6.compiled import FLAGS, compiler_version
 from scripts.paper.table6.contenders import Contender, contenders, first

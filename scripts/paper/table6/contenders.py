@@ -21,11 +21,11 @@ import numpy as np
 import sympy
 from sympy.printing.pycode import PythonCodePrinter
 
+from model.io.scoring import hand_errors
 from model.io.words import FIELDS, LENGTHS, RESULT_FIELDS, Targets
 from model.reference.cga import symbol
 from model.reference.kinematics import forward, matrix, multiply
 from model.reference.lean_equations import LEAN, solve_lean
-from scripts.generate.accuracy import hand_errors
 from scripts.paper.derivation.proofs import parse, rsqrt
 from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Solver
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from model.dataflow.fixed import latency
+from model.io.scoring import hand_errors
 from model.io.stimuli import random_reachable
 from model.io.trajectories import make
 from model.io.words import RESULT_FIELDS, from_words
 from model.reference import equations
 from model.reference.lean_equations import solve_lean
 from scripts.fpga.designs import load
-from scripts.generate.accuracy import hand_errors
 from scripts.paper.table6 import __main__ as table6
 from scripts.paper.table6 import compiled
 from scripts.paper.table6.compiled import REALS, WAYS, Solver

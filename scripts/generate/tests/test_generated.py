@@ -1,22 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Documentation: pages are current, links lead to files, named files and commands exist; pictures, regions."""
+"""Generated files are current, headers equal the model; documents name what exists; pictures, regions."""
 
 import re
+import subprocess
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from model.dataflow import fixed
-from model.dataflow.datapaths import DATAPATHS
+from model.dataflow.datapaths import DATAPATHS, MODELS
 from model.io.flags import UNREACHABLE, expected_flags
+from model.io.scoring import model_errors
 from model.io.stimuli import REGIONS, region
 from model.io.words import result_values
 from model.reference.kinematics import forward
-from scripts.generate import pages
-from scripts.generate.accuracy import errors
+from scripts.generate import headers, pages, registers
 from scripts.generate.flow import design, start
-from tb.sim.env import ROOT
+from tb.sim.env import ROOT, environment
 
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
 
@@ -61,7 +63,7 @@ def test_hand_error_by_its_definition():
     for n, (x, y, z, _, d1, d2) in enumerate(words.tolist()):
         _, wrist = forward(value[n : n + 1, :4], value[n : n + 1, 4:], d1, d2)
         expected = np.linalg.norm(wrist[0] - (x, y, z)) / (d1 + d2)
-        assert errors(words, 24, "lean")[0][n] == pytest.approx(expected, rel=1e-9)
+        assert model_errors(words, 24, "lean")[0][n] == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("width", (16, 32))
@@ -88,3 +90,41 @@ def test_regions_are_in_reach_and_where_they_claim(name, width):
         assert ratio.max() > 2.0 ** (width - 5) and np.median(ratio) > 20
     if name == "short arms":
         assert (d1 + d2 <= 185).all()
+
+
+@pytest.mark.parametrize("generator", [headers, registers])
+def test_files_are_up_to_date(generator):
+    stale = [path.name for path, text in generator.texts().items() if path.read_text() != text]
+    assert not stale, f"run `python -m {generator.__name__}`: out of date are {stale}"
+
+
+def evaluated(header: str, datapath: str, width: int, folder: Path) -> dict[str, int]:
+    """Return the localparams of a header as Icarus evaluates them."""
+    names = re.findall(r"\b([A-Z]\w*) = ", "\n".join(re.findall(r"^localparam integer .*", header, re.M)))
+    shown = "\n".join(f'$display("{name} %0d", {name});' for name in names)
+    tile = MODELS[datapath].tile
+    text = f"module top;\nlocalparam W = {width}, TILE = {tile};\n{header}\ninitial begin\n{shown}\nend\nendmodule\n"
+    (folder / "top.v").write_text(text)
+    subprocess.run(["iverilog", "-o", "top", "top.v"], cwd=folder, env=environment(), check=True)
+    out = subprocess.run(["vvp", "top"], cwd=folder, env=environment(), capture_output=True, text=True, check=True)
+    return {name: int(value) for name, value in map(str.split, out.stdout.splitlines())}
+
+
+@pytest.mark.parametrize(
+    ("datapath", "header", "key"),
+    [("lean", "lean", 100), ("lean16", "lean", 1100), ("paper", "paper", 0), ("arm", "arm", None)],
+)
+def test_header_expressions_give_the_models_clocks(datapath, header, key, tmp_path):
+    """Expressions evaluate to the model's clocks and fraction bits at every word length."""
+    text = headers.node_formats(header).replace('`include "ik_lean_formats.vh"', headers.lean_formats())
+    latencies = dict(re.findall(r"(\d+): datapath_latency = (\d+);", headers.latencies()))
+    runs = headers.traced(datapath)
+    assert tuple(runs) == tuple(MODELS[datapath].widths)
+    for width, nodes in runs.items():
+        values = evaluated(text, datapath, width, tmp_path)
+        for name, node in nodes.items():
+            assert values[f"T_{name.upper()}"] == node.time, f"W={width}: clock of {name}"
+            if node.format.signed:
+                assert values[f"F_{name.upper()}"] == node.format.frac, f"W={width}: fraction bits of {name}"
+        leave = max(node.time for node in nodes.values())
+        assert values["T_OUT"] == leave and (key is None or leave == int(latencies[str(key + width)]))
