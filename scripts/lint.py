@@ -166,12 +166,14 @@ def main(options: SimpleNamespace) -> int:
     if not importlib.util.find_spec("pyslang"):
         print("skip slang: pyslang needs Python 3.11")
     with ThreadPoolExecutor(os.cpu_count()) as pool:
+        tools = {} if options.modules else TOOLS
+        checks = {name: pool.submit(findings, words, only_failures=True) for name, words in tools.items()}
         for name, found in pool.map(lint_module, [s for s in every if s.stem in (options.modules or [s.stem])]):
             report(name, found)
+        for name, check in checks.items():
+            report(name, check.result())
     if not options.modules:
         report("licences, lengths of files", unkept(findings(["git", "ls-files"]).splitlines()))
-        for name, words in TOOLS.items():
-            report(name, findings(words, only_failures=True))
     return 1 if failed else 0
 
 

@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import json
-import os
 import re
+import shlex
 import shutil
 import subprocess
 from copy import deepcopy
@@ -18,7 +18,7 @@ from model.io.words import pack
 from scripts.fpga.cells import modelled
 from scripts.fpga.netlist import ToolError
 from scripts.fpga.tools import LeftOutError, call, program, share
-from tb.sim.native_run import MAKE_ARGS
+from tb.sim.runner import runtime
 from tb.sim.subprocesses import compiled
 
 HERE = Path(__file__).parent
@@ -122,6 +122,10 @@ HELD = 300
 """Clocks for which a hand pose stays: the core loads its words during a lap."""
 
 
+SHORT = 1 << 20
+"""Bytes of a netlist below which its C++ is compiled as one file."""
+
+
 def simulated(
     folder: Path, design: dict, files: list[Path], ports: Ports, values: dict, family: str, whole: bool
 ) -> dict[str, int]:
@@ -151,15 +155,18 @@ endmodule
 """)
     models = share(next(folder for name, folder in MODELS.items() if family.startswith(name)) + "/cells_sim.v")
     slow = values.get("DATAPATH") == 2  # a result each 88 clocks, from a small netlist
-    done = compiled([
+    split = "0" if (place / "gate.v").stat().st_size < SHORT else "20000"
+    command = [
         "nice", "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "-Wno-lint", "-Wno-SPECIFYIGN",
         "-Wno-UNOPTFLAT", "--x-initial", "0", "--x-assign", "0", "--prefix", "Vtop", "--top-module", "bench",
-        "--Mdir", str(place / "obj"), f"-I{folder}", f"-I{models.parent}", "--output-split", "20000",
+        "--Mdir", str(place / "obj"), f"-I{folder}", f"-I{models.parent}", "--output-split", split,
         "-CFLAGS", "-std=gnu++20",
-        "-MAKEFLAGS", " ".join([*MAKE_ARGS, f"OPT_FAST=-O{int(slow)}", "OPT_SLOW=-O0", f"-j{os.cpu_count()}"]),
         *map(str, (place / "bench.v", place / "gate.v", HERE / "cells.v", models, HERE / "netlist_bench.cpp")),
         *(str(folder / path.name) for path in files if path.suffix == ".v"),
-    ])  # fmt: skip
+    ]  # fmt: skip
+    (place / "obj").mkdir(exist_ok=True)
+    with runtime(place / "obj", f"netlist{int(slow)}") as shared:
+        done = compiled([*command, "-MAKEFLAGS", shlex.join([*shared, f"OPT_FAST=-O{int(slow)}", "OPT_SLOW=-O0"])])
     if done.returncode:
         raise ToolError(f"{folder.name}: Verilator failed: {done.stderr[-3000:]}")
     pin = {label: k for way in ports.single.values() for k, label in enumerate(way, 1)}

@@ -6,7 +6,7 @@ import json
 import os
 import re
 import signal
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -387,70 +387,58 @@ def test_a_straight_arm_stays_straight(clip_cli):
 AIM = 1e-6  # largest permitted hand error of regular trajectories; their tolerance is wider
 
 
-def run_all(datapath, out, sim):
+def run_all(datapath, out, sim="icarus"):
     """Run all trajectories through the RTL; return trajectory -> its score."""
     arguments = ["--trajectory", "all", "--datapath", datapath, "--out", str(out), "--sim", sim, "--cores", cores()]
     assert run.main(arguments) == 0
     return {score["trajectory"]: score for score in scores(out / "score.json")}
 
 
-@pytest.fixture(scope="module")
-def outcome(tmp_path_factory):
-    """Return a function of a datapath: (folder, scores) of all trajectories, from one simulation."""
-
-    @cache
-    def outcome(datapath):
-        out = tmp_path_factory.mktemp(datapath)
-        return out, run_all(datapath, out, simulator_of_tests())
-
-    return outcome
-
-
 PAPER = pytest.param("paper", marks=pytest.mark.slow)
 
+if simulator_of_tests() == "icarus":
 
-@pytest.mark.sim
-@pytest.mark.cost(60)
-@pytest.mark.parametrize("datapath", ["lean", PAPER])
-def test_every_trajectory_passes(outcome, datapath):
-    _, found = outcome(datapath)
-    assert list(found) == list(trajectories.TRAJECTORIES)
-    assert len({score["latency_cycles"] for score in found.values()}) == 1
-    for name, score in found.items():
-        assert (score["targets"], score["bit_mismatches"], score["results_per_cycle"]) == (100, 0, 1.0), name
-        assert score["total_cycles"] == score["latency_cycles"] + 100, name
-        assert score["hand_error_max"] <= score["hand_error_predicted"], name
-        if datapath == "lean":
-            assert score["hand_error_bar"] == tolerances.LEAN[32], name
-        elif name in trajectories.REGULAR:
-            assert score["hand_error_bar"] == tolerances.REGULAR and score["hand_error_max"] <= AIM, name
-
-
-@pytest.mark.sim
-@pytest.mark.slow
-def test_the_page_of_scores_is_up_to_date(outcome):
-    page = pages.scores_page({name: list(outcome(name)[1].values()) for name in DATAPATHS})
-    heading = "## By region"  # sines of another processor may round the figures there differently
-    (old, old_regions), (new, new_regions) = (text.split(heading) for text in (pages.SCORES.read_text(), page))
-    number = re.compile(r"-?\b\d+\.?\d*(?:e[-+]?\d+)?\b")
-    assert old == new and number.sub("0", old_regions) == number.sub("0", new_regions), "run `make docs`"
-    figures, fresh = ([float(v) for v in number.findall(text)] for text in (old_regions, new_regions))
-    assert figures == pytest.approx(fresh, rel=0.06), "run `make docs`"
-
-
-if simulator_of_tests() == "verilator":
-    SLOW = partial(pytest.param, marks=pytest.mark.slow)
+    @pytest.fixture(scope="module")
+    def outcome(tmp_path_factory):
+        """Return a function of a datapath: the scores of all trajectories, from one simulation."""
+        return cache(lambda datapath: run_all(datapath, tmp_path_factory.mktemp(datapath)))
 
     @pytest.mark.sim
-    @pytest.mark.parametrize(
-        ("datapath", "sim"),
-        [SLOW("lean", "icarus"), SLOW("paper", "icarus"), ("lean", "verilator"), SLOW("paper", "verilator")],
-    )
-    def test_icarus_and_the_native_harness_write_the_same_files(datapath, sim, outcome, tmp_path, monkeypatch):
+    @pytest.mark.cost(60)
+    @pytest.mark.parametrize("datapath", ["lean", PAPER])
+    def test_every_trajectory_passes(outcome, datapath):
+        found = outcome(datapath)
+        assert list(found) == list(trajectories.TRAJECTORIES)
+        assert len({score["latency_cycles"] for score in found.values()}) == 1
+        for name, score in found.items():
+            assert (score["targets"], score["bit_mismatches"], score["results_per_cycle"]) == (100, 0, 1.0), name
+            assert score["total_cycles"] == score["latency_cycles"] + 100, name
+            assert score["hand_error_max"] <= score["hand_error_predicted"], name
+            if datapath == "lean":
+                assert score["hand_error_bar"] == tolerances.LEAN[32], name
+            elif name in trajectories.REGULAR:
+                assert score["hand_error_bar"] == tolerances.REGULAR and score["hand_error_max"] <= AIM, name
+
+    @pytest.mark.sim
+    @pytest.mark.slow
+    def test_the_page_of_scores_is_up_to_date(outcome):
+        page = pages.scores_page({name: list(outcome(name).values()) for name in DATAPATHS})
+        heading = "## By region"  # sines of another processor may round the figures there differently
+        (old, old_regions), (new, new_regions) = (text.split(heading) for text in (pages.SCORES.read_text(), page))
+        number = re.compile(r"-?\b\d+\.?\d*(?:e[-+]?\d+)?\b")
+        assert old == new and number.sub("0", old_regions) == number.sub("0", new_regions), "run `make docs`"
+        figures, fresh = ([float(v) for v in number.findall(text)] for text in (old_regions, new_regions))
+        assert figures == pytest.approx(fresh, rel=0.06), "run `make docs`"
+
+else:
+
+    @pytest.mark.sim
+    @pytest.mark.parametrize("datapath", ["lean", PAPER])
+    def test_icarus_and_the_native_harness_write_the_same_files(datapath, tmp_path, monkeypatch):
         """Verilator's native harness runs long files."""
         monkeypatch.setattr(simulate, "LONG", 0)
-        out, _ = outcome(datapath)
-        run_all(datapath, tmp_path, sim)
-        names = [f"{name}/results.csv" for name in trajectories.TRAJECTORIES]
-        for name in [*names, *(["score.json"] if sim == "verilator" else [])]:
-            assert (out / name).read_bytes() == (tmp_path / name).read_bytes(), f"{name} differs"
+        ours, theirs = (run_all(datapath, tmp_path / sim, sim) for sim in ("icarus", "verilator"))
+        assert ours == {name: score | {"simulator": "icarus"} for name, score in theirs.items()}
+        for name in trajectories.TRAJECTORIES:
+            files = [tmp_path / sim / name / "results.csv" for sim in ("icarus", "verilator")]
+            assert files[0].read_bytes() == files[1].read_bytes(), f"{name} differs"

@@ -23,11 +23,11 @@ ICARUS = simulator() == "icarus"
 
 QUICK = [("lean", 32), ("lean25", 18), ("lean16", 18), ("fold", 24), ("fold16", 18)]
 SLOW = [("lean", 18), ("paper", 18), ("arm", 18), ("arm", 32), ("fold_arm", 24), ("fold_arm", 32), ("fold_arm16", 18)]
+SLOW += [("lean16", 24), ("fold", 20), ("fold", 32), ("fold16", 20), ("fold16", 24)]
 if ICARUS:  # builds are cheap
     QUICK += [("paper", 32)]
-    SLOW += [("lean", 16), ("lean", 24), ("lean", 27), ("fold", 32), ("arm", 16), ("arm", 24), ("arm", 27)]
+    SLOW += [("lean", 16), ("lean", 24), ("lean", 27), ("arm", 16), ("arm", 24), ("arm", 27)]
 else:
-    QUICK += [("lean16", 24), ("fold", 20), ("fold", 32), ("fold16", 20), ("fold16", 24)]
     SLOW += [("paper", 32)]
 
 

@@ -48,7 +48,7 @@ async def power_up(dut):
 
 
 ICARUS = simulator() == "icarus"
-SEEDS = range(1, 2) if ICARUS else range(3, 13)
+SEEDS = (1,) if ICARUS else (3, 6, 12)
 """Other simulations use 1. Of 40 seeds, three start at a step that overwrites a constant; 12 is the first of them."""
 
 EVERY = "every_flag.*idle=False/stall=False"

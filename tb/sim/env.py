@@ -62,6 +62,7 @@ def environment(base=None) -> dict:
         # identical in every build: 10 s become 1 s.
         env.setdefault("OBJCACHE", "ccache")
         env.setdefault("CCACHE_DIR", str(ROOT / "build" / "ccache"))
+        env.setdefault("CCACHE_SLOPPINESS", "pch_defines,time_macros")  # allows precompiled headers
     return env
 
 

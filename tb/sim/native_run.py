@@ -6,8 +6,8 @@ targets and the bit-true model's words through the program that Verilator builds
 """
 
 import hashlib
-import os
 import re
+import shlex
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
@@ -22,7 +22,7 @@ from model.io.stimuli import arm_limits
 from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, environment
 from tb.sim.job import Difference, Job, Run, SimulationError, answer, limits_port, report
-from tb.sim.runner import COMPACT, MAKE_ARGS, alone, runtime
+from tb.sim.runner import COMPACT, alone, runtime
 from tb.sim.sources import includes, sources
 from tb.sim.subprocesses import compiled, full
 
@@ -125,14 +125,13 @@ def build(
         *(f"-G{key}={value}" for key, value in parameters.items()),
         *(f"-I{folder}" for folder in includes(root)),
         "-CFLAGS", " ".join(["-std=gnu++20", *([f"-D{define}"] if define else [])]), "--Mdir", str(folder),
-        # -O2 compiles twice as long as -O1 and simulates as fast
-        "-MAKEFLAGS", " ".join([*MAKE_ARGS, "OPT_FAST=-O1", f"-j{os.cpu_count()}"]),
         *COMPACT, *map(str, sources(root)), *([str(top)] if wrapper else []), str(harness),
     ]  # fmt: skip
-    with alone(folder), runtime(folder, "native"):
+    # -O2 compiles twice as long as -O1 and simulates as fast
+    with alone(folder), runtime(folder, "native") as shared:
         if wrapper and not (top.exists() and top.read_text() == wrapper):
             top.write_text(wrapper)
-        done = compiled(command)
+        done = compiled([*command, "-MAKEFLAGS", shlex.join([*shared, "OPT_FAST=-O1"])])
     if done.returncode:
         raise RuntimeError(f"{toplevel}: {full(folder) or done.stderr[-4000:] or done.stdout[-4000:]}")
     return folder / "Vtop"

@@ -63,15 +63,42 @@ def alone(folder: Path):
         yield
 
 
+COMMON = {
+    "common.h": """\
+#ifndef IK_COMMON
+#define IK_COMMON
+#include <memory>
+#include <string>
+#include "verilated.h"
+#include "verilated_dpi.h"
+#include "verilated_vpi.h"
+#endif
+""",
+    "common.mk": """\
+Vtop__ALL.o verilator.o: | $(COMMON).gch
+$(COMMON).gch: $(COMMON)
+	$(CXX) $(CXXFLAGS) $(CPPFLAGS) $(OPT_FAST) -x c++-header $< -o $@.$$$$ && mv $@.$$$$ $@
+""",
+}
+"""Headers that all files of a cocotb build include, and the rule that parses them once: 3 s less for each build."""
+
+
 @contextmanager
 def runtime(folder: Path, kind: str):
-    """Share Verilator's own runtime, 7 s of compilation, between all builds of a kind."""
+    """Share Verilator's own runtime and its parsed headers, 10 s of compilation, between all builds of a kind; yield
+    the arguments of their make, which would otherwise find the runtime older than its makefile."""
     store = BUILD / "verilator" / f"runtime-{version('verilator')}-{kind}"
-    store.mkdir(parents=True, exist_ok=True)
-    for path in store.glob("*.o"):
+    with alone(store):
+        for name, text in COMMON.items():
+            if not (store / name).exists():
+                (store / name).write_text(text)
+    ready = list(store.glob("*.o"))
+    for path in ready:
         if not (folder / path.name).exists():
             shutil.copy(path, folder / path.name)
-    yield
+    rule, header = (os.path.relpath(store / name, folder) for name in ("common.mk", "common.h"))
+    given = [f"COMMON={header}", f"USER_CPPFLAGS=-include {header}", *(f"--old-file={path.name}" for path in ready)]
+    yield [f"-j{os.cpu_count()}", *MAKE_ARGS, "-f", rule, *given]
     for path in folder.glob("verilated*.o"):
         if not (store / path.name).exists():
             copy = store / f"{path.name}.{os.getpid()}"
@@ -158,7 +185,6 @@ def simulate(
             *(coverage.FLAGS if coverage.folder() else []),
         ]
         options["timescale"] = None
-        options["make_args"] = [f"-j{os.cpu_count()}", *MAKE_ARGS, *UNOPTIMIZED]
         random_start = [word.format(start) for word in RANDOM_START]
         options["plus_args"] = [*random_start, *(["--trace", "--trace-file", str(waves)] if waves else [])]
     # cocotb-test compares the ages of sources only, not of included files
@@ -170,8 +196,8 @@ def simulate(
             with alone(folder), _whole(built_as):
                 Icarus(compile_only=True, **options).run()
         elif not built:
-            with alone(folder), runtime(folder, "waves" if waves else "plain"):
-                Verilator(compile_only=True, **options).run()
+            with alone(folder), runtime(folder, "waves" if waves else "plain") as shared:
+                Verilator(compile_only=True, make_args=[*shared, *UNOPTIMIZED], **options).run()
         if sim == "icarus":
             return Path(Icarus(**options).run())
         with coverage.counting(root) as counts:
