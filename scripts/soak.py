@@ -3,20 +3,20 @@
 
     python -m scripts.soak [--targets N] [--seed S] [--from CHUNK] [--special] [--against c] [--farm ADDRESS] ...
     python -m scripts.soak --again FILE.csv
-    python -m scripts.soak --worst ROUNDS [--width W] [--seed S]
+    python -m scripts.soak --worst ROUNDS [--datapath lean|arm] [--width W] [--seed S] [--keep]
 
 A chunk of 20000 targets is a function of seed, width and chunk number, so --from resumes at any chunk. --special runs
 all 12^6 targets of twelve special words on each input. --against c also compares results with the C of table 6. The
 hardest targets go into OUT/hardest.csv and, with --keep, into tb/core/worst_targets.csv and docs/generated/soak.md.
-The whole arm gets hand poses with these wrists, its hardest ones are in OUT/hardest_poses.csv only, and the error of a
-pose is relative to its tolerance.
+The whole arm gets hand poses with these wrists; the error of a pose is relative to its tolerance.
 
 The run stops at the first chunk with a wrong bit or flag, a quaternion that is not of unit length or a hand of the lean
 datapath beyond its tolerance, and writes those targets to OUT/failing.csv. The paper datapath has no tolerance near its
 singular poses; the excess over `model.bounds.predict` is reported.
 
---worst searches the bit-true model of the lean datapath for the largest hand errors: each round changes the worst
-targets of the round before in one to six words.
+--worst searches the bit-true model of the lean datapath or of the whole arm for the largest hand errors: each round
+changes the worst targets of the round before in one or more words. Of the whole arm it searches for the largest errors
+of the hand's point and of its orientation, with a reach from 1 on, to which the host scales.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.io.files import write_atomically
-from model.io.flags import CORE_FLAGS, expected_flags
+from model.io.flags import CORE_FLAGS, UNREACHABLE, expected_flags
 from model.io.scoring import singular_distance
-from model.io.stimuli import REGIONS, SPECIAL, hands, mixed, region
-from model.io.words import from_words
+from model.io.stimuli import REGIONS, SPECIAL, hand_poses, hands, mixed, region
+from model.io.words import ARM_FIELDS, from_words
 from scripts import parallel
 from scripts.console import (
     InputError,
@@ -83,7 +83,7 @@ OPTIONS = [
     option("--against", "also compare results with the C of table 6 in long double", click.Choice(["c"])),
     switch("--keep", "update tb/core/worst_targets.csv and soak.md"),
     option("--again", "run the targets of a failing.csv or hardest.csv", Path, metavar="FILE"),
-    option("--worst", "search the model of the lean datapath for the largest errors", whole(1), metavar="ROUNDS"),
+    option("--worst", "search the model of lean or arm for the largest errors", whole(1), metavar="ROUNDS"),
 ]
 
 
@@ -92,6 +92,8 @@ def _check(options: SimpleNamespace) -> None:
     for name, excluded in EXCLUDED.items():
         if getattr(options, name) and (others := sorted(options.given & excluded)):
             raise InputError(f"argument --{others[0].rstrip('_')}: not allowed with --{name}")
+    if options.worst and options.datapath not in SEARCHED:
+        raise InputError(f"argument --worst: only for {' and '.join(SEARCHED)}")
     if options.special:
         options.seed, options.targets = None, SPECIAL - CHUNK * options.from_
         if options.targets <= 0:
@@ -161,9 +163,28 @@ KEPT, EACH, ALIKE = 400, 50, 8
 """Targets of a round, changed copies of each, and targets of one kind: the same signs and sizes."""
 
 
-def hand_errors(words: np.ndarray, width: int) -> np.ndarray:
-    """Return hand error / reach (N,) of the lean model; 0 for targets out of reach."""
-    return np.nan_to_num(worst_targets.errors(words, fixed.run(words, width, "lean").results, width)[0])
+SEARCHED = {"lean": ("of the reach",), "arm": ("of the reach", "rad")}
+"""Datapath -> units of the errors that are searched for: of the hand, or of its point and its orientation."""
+
+
+def hand_errors(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
+    """Return the errors of a model in its units and their tolerances, (2, units, N); 0 for what is not searched."""
+    answer = fixed.run(words, width, datapath)
+    if datapath == "lean":
+        hand = np.nan_to_num(worst_targets.errors(words, answer.results, width)[0])[None]
+        return np.array((hand, np.full_like(hand, tolerances.sought(width))))
+    reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
+    bars = np.array([np.broadcast_to(bar, reach.shape) for bar in tolerances.arm(words, width)])
+    bars[0] /= np.maximum(reach, 1)
+    relative = tolerances.pose_errors(words, answer.results, answer.flags, width)
+    return np.array((np.nan_to_num(relative) * bars * (reach >= 1 << width - 2), bars))
+
+
+def _posed(words: np.ndarray, width: int) -> np.ndarray:
+    """Return words whose hands, if there are any, are of unit length."""
+    hand = words[:, len(ARM_FIELDS) - 4 :]
+    hand[:] = np.rint(hand * ((1 << width - 2) / np.maximum(np.linalg.norm(hand, axis=1, keepdims=True), 1)))
+    return words
 
 
 def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.ndarray:
@@ -172,15 +193,15 @@ def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.n
     steps <<= random.integers(0, random.integers(1, width, (len(rows), 1)), rows.shape)
     changed = random.random(rows.shape) < random.choice([0.2, 0.5, 1.0], (len(rows), 1))
     top = (1 << (width - 1)) - 1
-    return np.unique(np.clip(rows + np.where(changed, steps, 0), -top - 1, top), axis=0)
+    return np.unique(_posed(np.clip(rows + np.where(changed, steps, 0), -top - 1, top), width), axis=0)
 
 
-def _worst_of(words: np.ndarray, width: int) -> np.ndarray:
+def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.ndarray:
     """Return the KEPT worst targets, the worst first, with a limited number of each kind."""
     seen: dict[bytes, int] = {}
     chosen = []
-    for n in np.argsort(-hand_errors(words, width), kind="stable").tolist():
-        row = words[n, [0, 1, 2, 4, 5]]
+    for n in np.argsort(-hand_errors(words, width, datapath)[0, unit], kind="stable").tolist():
+        row = np.delete(words[n, :7], 3)
         kind = np.concatenate([np.sign(row), np.frexp(row.astype(float))[1] // 2]).tobytes()
         seen[kind] = seen.get(kind, 0) + 1
         if seen[kind] <= ALIKE:
@@ -188,24 +209,37 @@ def _worst_of(words: np.ndarray, width: int) -> np.ndarray:
     return words[chosen[:KEPT]]
 
 
-def worst_target(width: int, rounds: int, seed: int, meter: Meter) -> np.ndarray:
-    """Return the worst target found, (1, 6)."""
+def worst_found(core: Core, unit: int, rounds: int, seed: int, meter: Meter) -> np.ndarray:
+    """Return the worst targets found by the error in a unit, the worst first."""
+    width, datapath = core.width, core.datapath
     random = np.random.default_rng((seed, width))
     words = np.concatenate([mixed(20000, width, seed), *(region(name, 5000, width, seed) for name in REGIONS)])
-    words = _worst_of(words, width)
+    if datapath == "arm":
+        words = hand_poses(words[expected_flags(words, width) & UNREACHABLE == 0], width, seed)
+    words = _worst_of(words, width, datapath, unit)
     for number in range(rounds):
-        words = _worst_of(np.unique(np.concatenate([words, _changed(words, width, random)]), axis=0), width)
+        changed = np.concatenate([words, _changed(words, width, random)])
+        words = _worst_of(np.unique(changed, axis=0), width, datapath, unit)
         meter(number + 1, f"W = {width}")
-    return words[:1]
+    return words
 
 
 def _worst(arguments: SimpleNamespace) -> int:
-    width, bar = arguments.width, tolerances.sought(arguments.width)
-    with progress("soak", arguments.worst) as meter:
-        words = worst_target(width, arguments.worst, arguments.seed, meter)
-    hand = hand_errors(words, width)[0]
-    print(f"W = {width}: {hand:.3e} of the reach, tolerance {bar:.3g}: {', '.join(map(str, words[0]))}")
-    return int(hand > bar)
+    core, beyond = Core(arguments.sim, arguments.datapath, arguments.width), False
+    listed = worst_targets.groups(worst_targets.read(worst_targets.LIST)) if arguments.keep else {}
+    rows = listed.pop((core.datapath, core.width), [])
+    for unit, name in enumerate(SEARCHED[core.datapath]):
+        with progress("soak", arguments.worst) as meter:
+            words = worst_found(core, unit, arguments.worst, arguments.seed, meter)
+        error, bar = hand_errors(words[:1], core.width, core.datapath)[:, unit, 0]
+        print(f"W = {core.width}: {error:.3e} {name}, tolerance {bar:.3g}: {', '.join(map(str, words[0]))}")
+        beyond |= error > bar
+        branch = [0] * bool(MODELS[core.datapath].side)
+        rows += [_row(core, [*own, *branch], 0.0, "search") for own in words[: worst_targets.KEPT].tolist()]
+    if arguments.keep:
+        listed[core.datapath, core.width] = worst_targets.merge(rows)
+        write_atomically(worst_targets.LIST, worst_targets.text(row for key in sorted(listed) for row in listed[key]))
+    return int(beyond)
 
 
 # -- files -------------------------------------------------------------------------------------------------------------
@@ -267,11 +301,9 @@ def _compile(sim: str, datapath: str, width: int) -> Core:
 
 
 def _soak(arguments: SimpleNamespace) -> int:
-    poses = bool(MODELS[arguments.datapath].side)
-    hardest_path = arguments.out / ("hardest_poses.csv" if poses else "hardest.csv")
-    failing = arguments.out / "failing.csv"
+    hardest_path, failing = arguments.out / "hardest.csv", arguments.out / "failing.csv"
     with output(arguments.out, [hardest_path, failing]):
-        lists = [hardest_path, *([worst_targets.LIST] if arguments.keep and not poses else [])]
+        lists = [hardest_path, *([worst_targets.LIST] if arguments.keep else [])]
         earlier = {file: worst_targets.read(file) if file.exists() else [] for file in lists}
         if arguments.against:
             for name in EQUATIONS:

@@ -22,18 +22,19 @@ from model.dataflow.fixed import FIFO_CLOCKS
 from model.dataflow.nodes import Latency, Node
 from model.io import trajectories
 from model.io.scoring import model_errors
-from model.io.stimuli import REGIONS, region
+from model.io.stimuli import REGIONS, hand_poses, region
 from scripts import run
 from scripts.console import command, sim_option
 from scripts.generate.flow import KINDS, WIDTH, design, kind, longest_path, start
 from scripts.generate.render import error, render, update
+from scripts.soak import hand_errors
 from tb.axi.ik_axi import BATCH, LONG
 from tb.axi.instances import run_in_process
 from tb.sim.env import GENERATED
 
 SCORES = GENERATED / "scores.md"
 BUSES = (32, 64, 128)
-TARGETS = 4000  # of a region
+TARGETS, ARM_WIDTHS = 4000, (32, 24, 18)  # of a region
 
 LEFT, DRAWN, RIGHT = 230, 1000, 20
 """Widths of a pipeline picture in pixels: section titles, all clocks, right margin."""
@@ -63,10 +64,19 @@ def by_region() -> Iterator[tuple[str, ...]]:
         yield name, *(error(v) for hand, angle in found for v in (np.median(hand), hand.max(), angle))
 
 
+def arm_by_region(widths: Iterable[int]) -> Iterator[tuple[str, ...]]:
+    """Yield rows: region, then for each word length the largest errors of the whole arm's hand, point / reach and
+    orientation (rad), for reaches from 1 on."""
+    for name in (name for name in REGIONS if name != "short arms"):
+        poses = [(hand_poses(region(name, TARGETS, width, 1), width, 1), width) for width in widths]
+        yield name, *(error(each.max()) for own, width in poses for each in hand_errors(own, width, "arm")[0])
+
+
 def scores_page(scores: dict[str, list[dict]]) -> str:
     """Return scores.md. scores: datapath -> objects of its score.json."""
     bars = {"lean_bar": f"{tolerances.LEAN[32]:.0e}", "regular_bar": f"{tolerances.REGULAR:.0e}"}
     regions = {"region_targets": TARGETS, "by_region": by_region(), "regions": REGIONS}
+    regions |= {"arm_by_region": arm_by_region(ARM_WIDTHS), "arm_widths": ARM_WIDTHS}
     described = [(name, trajectories.describe(name)) for name in trajectories.TRAJECTORIES]
     return render("scores", scores=scores, described=described, **bars, **regions)
 

@@ -27,6 +27,7 @@ def main_of(name):
 
 
 HEAD = ",".join(worst_targets.COLUMNS)
+NONE = ",,,,,,"  # a target has no tool, hand and branch
 VCD = "$scope module {} $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n"
 
 BAD_INPUT = [
@@ -35,7 +36,8 @@ BAD_INPUT = [
     ("run --datapath lean,lean", "--datapath 'lean,lean'"),
     ("run --datapath lean,", "--datapath ''"),
     ("run --width 33", "--width 33 16 32"),
-    ("run --width x", "--width 'x'"),
+    ("run --width x", "--width 'x' whole number from 16 to 32"),
+    ("soak --targets 0", "--targets '0' whole number at least 1"),
     ("run --datapath lean,fold --width 23", "--width fold 20, 22,"),
     ("run --cores fast", "--cores 'fast' 'behavioural', 'digit'"),
     ("run --speed 9", "--speed"),
@@ -99,13 +101,15 @@ BAD_INPUT = [
     ("soak --again in.csv", "in.csv: row 1", "x,y,z\n"),
     ("soak --again in.csv", "in.csv: no targets", HEAD),
     ("soak --again in.csv", "in.csv: row 2: 9 columns", f"{HEAD}\nlean,32,1,2,3,4,5,0.1,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: datapath 'mean'", f"{HEAD}\nmean,32,1,2,3,4,5,6,0.1,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: width 33", f"{HEAD}\nlean,33,1,2,3,4,5,6,,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: word 18 bits", f"{HEAD}\nlean,18,1,2,131072,4,5,6,,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: column z: '1.5'", f"{HEAD}\nlean,18,1,2,1.5,4,5,6,,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: column d2: '1_0'", f"{HEAD}\nlean,18,1,2,3,4,5,1_0,,here\n"),
-    ("soak --again in.csv", "row 2: column hand_error: '-1.#IND00'", f"{HEAD}\nlean,18,1,2,3,4,5,6,-1.#IND00,here\n"),
+    ("soak --again in.csv", "in.csv: row 2: datapath 'mean'", f"{HEAD}\nmean,32,1,2,3,4,5,6{NONE},0.1,here\n"),
+    ("soak --again in.csv", "in.csv: row 2: width 33", f"{HEAD}\nlean,33,1,2,3,4,5,6{NONE},,here\n"),
+    ("soak --again in.csv", "in.csv: row 2: word 18 bits", f"{HEAD}\nlean,18,1,2,131072,4,5,6{NONE},,here\n"),
+    ("soak --again in.csv", "in.csv: row 2: column z: '1.5'", f"{HEAD}\nlean,18,1,2,1.5,4,5,6{NONE},,here\n"),
+    ("soak --again in.csv", "in.csv: row 2: column d2: '1_0'", f"{HEAD}\nlean,18,1,2,3,4,5,1_0{NONE},,here\n"),
+    ("soak --again in.csv", "row 2: hand_error: '-1.#IND00'", f"{HEAD}\nlean,18,1,2,3,4,5,6{NONE},-1.#IND00,here\n"),
+    ("soak --again in.csv", "row 2: column tool: ''", f"{HEAD}\narm,32,1,2,3,4,5,6{NONE},,here\n"),
     ("soak --again in.csv", "in.csv: CSV", b"\xff"),
+    ("soak --worst 1 --datapath paper", "--worst: lean arm"),
     ("soak_memory --jobs 0", "--jobs 0"),
     ("waves in.vcd peper 32 o.gtkw", "'peper' 'lean', 'paper',", ""),
     ("waves in.vcd paper 33 o.gtkw", "33", ""),

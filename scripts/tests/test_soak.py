@@ -84,12 +84,12 @@ def test_poses_of_the_whole_arm(cli, simulator, files, datapath):
     """Chunks have hands of all kinds; a wrong angle and a wrong over_limit are failures, whose poses run again."""
     words = ["--datapath", datapath, "--width", "18" if datapath == "arm" else "20", "--targets", "800"]
     status, out, err = cli(*words)
-    assert (status, err, files()) == (0, [], ["build/soak/hardest_poses.csv"])
+    assert (status, err, files()) == (0, [], ["build/soak/hardest.csv"])
     poses, width = np.concatenate(simulator.words), int(words[3])
     flags = answer(poses, width, datapath).flags
     assert poses.shape == (800, 12) and set(poses[:, 11]) == {*range(8)}
     assert all(((flags & flag) != 0).any() and (flags & flag == 0).any() for flag in ARM_FLAGS.values())
-    assert len(worst_targets.merge(worst_targets.read(Path("build/soak/hardest_poses.csv")))) <= 2 * worst_targets.KEPT
+    assert len(worst_targets.merge(worst_targets.read(Path("build/soak/hardest.csv")))) <= 2 * worst_targets.KEPT
 
     def spoil(run):
         run.flags[5] ^= ARM_FLAGS["over_6"]
@@ -253,14 +253,22 @@ def test_an_unusable_list_is_not_overwritten(cli, simulator):
     assert (status, out, len(err), simulator.calls, worst_targets.LIST.read_text()) == (2, [], 1, [], "old")
 
 
-def test_later_rounds_find_worse_targets(cli, monkeypatch):
+@pytest.mark.parametrize("datapath", soak.SEARCHED)
+def test_later_rounds_find_worse_targets(cli, monkeypatch, datapath):
+    """Of the arm both the hand's point and its orientation get worse."""
     monkeypatch.setattr(soak, "KEPT", 100)
     monkeypatch.setattr(soak, "REGIONS", ())
-    first, out, _ = cli("--worst", "1", "--width", "16")
+    worst_targets.LIST.write_text(worst_targets.text([]))
+    first, out, _ = cli("--worst", "1", "--width", "16", "--datapath", datapath)
     monkeypatch.setattr(tolerances, "sought", lambda width: 1e-5)
-    later, more, _ = cli("--worst", "4", "--width", "16")
-    errors = [float(line.split(": ")[1].split()[0]) for line in (*out, *more)]
-    assert (first, later) == (0, 1) and errors[1] > errors[0]
+    monkeypatch.setattr(tolerances, "ARM_ULPS", (10.0, 1.0))
+    later, more, _ = cli("--worst", "4", "--width", "16", "--datapath", datapath, "--keep")
+    errors, worse = ([float(line.split(": ")[1].split()[0]) for line in lines] for lines in (out, more))
+    assert (first, later) == (0, 1) and len(errors) == len(soak.SEARCHED[datapath])
+    assert all(b > a for a, b in zip(errors, worse, strict=True))
+    rows = worst_targets.read(worst_targets.LIST)
+    last = tuple(map(int, more[-1].split(": ")[-1].split(", ")))
+    assert (rows[0].datapath, rows[0].words[: len(last)]) == (datapath, last)
 
 
 # -- the C in long double ----------------------------------------------------------------------------------------------

@@ -46,7 +46,7 @@ def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) 
 
 def listed(datapath: str, width: int) -> np.ndarray:
     """Return the hardest targets; a width that is not in the list uses the longest words, truncated."""
-    own = datapath if datapath in DATAPATHS else "lean"
+    own = "arm" if MODELS[datapath].side else datapath if datapath in DATAPATHS else "lean"
     longest = max(w for d, w in GROUPS if d == own)
     found = width if (own, width) in GROUPS else longest
     return worst_targets.array(GROUPS[own, found]) >> max(0, found - width)
@@ -55,7 +55,8 @@ def listed(datapath: str, width: int) -> np.ndarray:
 def targets(datapath: str, width: int) -> np.ndarray:
     """Return the hardest targets and others of every kind; Icarus, a hundred times slower, runs fewer."""
     if MODELS[datapath].side:
-        return arm_targets(40 if ICARUS else 5000 if MODELS[datapath].period == 1 else 1000, width, 4)
+        mixed_poses = arm_targets(40 if ICARUS else 5000 if MODELS[datapath].period == 1 else 1000, width, 4)
+        return np.concatenate([listed(datapath, width), mixed_poses])
     few = ICARUS and (datapath, width) not in itertools.product(DATAPATHS, (18, 32))
     words = [listed(datapath, width), mixed(40 if few else 300, width, 4)]
     if not ICARUS:

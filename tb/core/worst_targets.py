@@ -3,8 +3,8 @@
 
 ``python -m scripts.soak --keep`` writes it; tb/core/test_every_node.py runs it. A reachable target is hard if its hand
 error is large compared with its tolerance (paper: its prediction) or its quaternions are far from unit length. A row
-holds the datapath, the word length, the six input words, the hand error / reach (from the bit-true model, which the RTL
-equals) and where it was found.
+holds the datapath, the word length, the input words, the hand error / reach (from the bit-true model, which the RTL
+equals) and where it was found. Hand poses, with the branch as last word, have their error relative to the tolerance.
 """
 
 import csv
@@ -27,9 +27,8 @@ from tb.sim.env import ROOT
 from tb.sim.job import answer
 
 LIST = ROOT / "tb" / "core" / "worst_targets.csv"
-COLUMNS = ("datapath", "width", *FIELDS, "hand_error", "found")
-POSE_COLUMNS = ("datapath", "width", *ARM_FIELDS, "branch", "hand_error", "found")
-"""Columns of a list for the whole arm, in a file of its own."""
+COLUMNS = ("datapath", "width", *FIELDS, *ARM_FIELDS[len(FIELDS) :], "branch", "hand_error", "found")
+"""Columns of the list; those from tool to branch are empty for targets of the core."""
 
 KEPT = 10  # targets kept for each measure of hardness, per datapath and word length
 
@@ -67,7 +66,7 @@ def errors(
 
 def named(count: int) -> tuple[str, ...]:
     """Return the names of the words of a target, or of a pose with its branch."""
-    return (POSE_COLUMNS if count > len(FIELDS) else COLUMNS)[2:-2]
+    return (*ARM_FIELDS, "branch") if count > len(FIELDS) else FIELDS
 
 
 def array(rows: Iterable[Row]) -> np.ndarray:
@@ -92,25 +91,26 @@ def read(path: Path) -> list[Row]:
             lines = list(csv.reader(stream, strict=True))
         except (UnicodeDecodeError, csv.Error) as error:
             raise TargetError(f"{path}: not a CSV file: {error}") from None
-    columns = next((columns for columns in (COLUMNS, POSE_COLUMNS) if lines and tuple(lines[0]) == columns), None)
-    if not columns:
+    if not lines or tuple(lines[0]) != COLUMNS:
         raise TargetError(f"{path}: row 1: the header has to be {','.join(COLUMNS)}")
     rows = []
     for line, cells in enumerate(lines[1:], 2):
         try:
-            rows.append(_row(cells, columns))
+            rows.append(_row(cells))
         except ValueError as error:
             raise TargetError(f"{path}: row {line}: {error}") from None
     return rows
 
 
-def _row(cells: list[str], columns: tuple[str, ...] = COLUMNS) -> Row:
-    if len(cells) != len(columns):
-        raise ValueError(f"{len(cells)} columns instead of {len(columns)}")
-    width, *words, error = map(_number, columns[1:-1], cells[1:-1])
+def _row(cells: list[str]) -> Row:
+    if len(cells) != len(COLUMNS):
+        raise ValueError(f"{len(cells)} columns instead of {len(COLUMNS)}")
     datapath, found = cells[0], cells[-1]
-    if datapath not in MODELS or bool(MODELS[datapath].side) != (columns is POSE_COLUMNS):
+    if datapath not in MODELS:
         raise ValueError(f"unknown datapath {datapath!r}")
+    end = len(cells) - 2 if MODELS[datapath].side else 2 + len(FIELDS)
+    width, *words = map(_number, COLUMNS[1:end], cells[1:end])
+    error = _number(COLUMNS[-2], cells[-2])
     if width not in WIDTHS:
         raise ValueError(f"unknown width {width}")
     if not all(-(1 << (width - 1)) <= word < 1 << (width - 1) for word in words):
@@ -130,14 +130,14 @@ def _number(column: str, cell: str) -> float | None:
 
 
 def text(rows: Iterable[Row]) -> str:
-    """Return the contents of the list file for these rows, all of targets or all of poses."""
+    """Return the contents of the list file for these rows."""
     out = io.StringIO()
     write = csv.writer(out, lineterminator="\n").writerow
-    rows = list(rows)
-    write(POSE_COLUMNS if rows and MODELS[rows[0].datapath].side else COLUMNS)
+    write(COLUMNS)
     for row in rows:
         error = "" if row.hand_error is None else _written(row.hand_error)
-        write((row.datapath, row.width, *row.words, error, row.found))
+        words = [*row.words, *[""] * (len(COLUMNS) - 4 - len(row.words))]
+        write((row.datapath, row.width, *words, error, row.found))
     return out.getvalue()
 
 
