@@ -23,7 +23,7 @@ class Datapath:
     ``sections`` maps a section to its description, ``widths`` are the supported word lengths.
     ``tile``: bits of the longer operand of the multipliers for which :func:`model.dataflow.operations.mul3` is cut.
     ``times(width)``: node -> clock in which it is valid, for a datapath without the dataflow's pipeline;
-    ``period``: clocks from a target to the next; ``behind``: clocks of the FIFO behind the datapath.
+    ``period``: clocks from a target to the next, at W = 24; ``behind``: clocks of the FIFO behind the datapath.
     ``top`` is the module around it, ``inputs`` and ``results`` are the words of a target and of a result, lowest bits
     first; ``side``: bits of a target above its tag; ``flags``: node -> its bit among the ``flag_bits`` of a result
     above the tag; ``core`` is the instance in the datapath that holds the sections of the lean one, if there is one.
@@ -62,6 +62,10 @@ class Datapath:
         """Module of the datapath inside its top."""
         return f"ik_{self.rtl}_arm" if self.side else f"ik_{self.rtl}"
 
+    def lap(self, width: int) -> int:
+        """Return the clocks from a target to the next at a word length."""
+        return program.schedule(width, self.entity.removeprefix("ik_")).period if self.times else 1
+
     @property
     def error(self) -> str:
         """Measure of a hand's error."""
@@ -89,8 +93,15 @@ class Datapath:
 
 LEAN = Datapath("lean", 1, lean.lean, lean.sections, lean.SECTIONS, lean.WIDTHS)
 PAPER = Datapath("paper", 0, paper.paper, paper.sections, paper.SECTIONS)
-PERIOD = program.schedule().period
-FOLD = replace(LEAN, name="fold", number=2, widths=range(20, 33, 2), times=shown.times, period=PERIOD, behind=0)
+FOLD = replace(
+    LEAN,
+    name="fold",
+    number=2,
+    widths=range(20, 33, 2),
+    times=shown.times,
+    behind=0,
+    period=program.schedule(24).period,
+)
 FOLD16 = replace(FOLD, name="fold16", tile=16, widths=range(18, 25, 2))
 
 DATAPATHS = {"lean": LEAN, "paper": PAPER}  # dataflows by name
@@ -111,7 +122,7 @@ ARM = replace(
 
 FOLD_ARM = replace(
     ARM, name="fold_arm", number=2, widths=FOLD.widths, times=partial(shown.times, name="fold_arm"),
-    period=program.schedule("fold_arm").period, behind=0, core="",
+    period=program.schedule(24, "fold_arm").period, behind=0, core="",
 )  # fmt: skip
 FOLD_ARM16 = replace(FOLD_ARM, name="fold_arm16", tile=16, widths=FOLD16.widths)
 

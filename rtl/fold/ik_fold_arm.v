@@ -22,7 +22,7 @@ module ik_fold_arm #(
     output wire                s_axis_tready,
     input  wire [    14*W-1:0] limits,         // lower and upper of th1 .. th7, lowest bits first; static
     // Results
-    output reg  [    17*W-1:0] m_axis_tdata,   // th1 .. th7, qs_w .. qs_k, qe_w, qe_i, qw_w .. qw_k, lowest bits first
+    output wire [    17*W-1:0] m_axis_tdata,   // th1 .. th7, qs_w .. qs_k, qe_w, qe_i, qw_w .. qw_k, lowest bits first
     output wire [TAG_W+16-1:0] m_axis_tuser,   // tag, flags of the core, bad_hand, over_limit 1 .. 7
     output reg                 m_axis_tvalid,
     input  wire                m_axis_tready
@@ -53,11 +53,12 @@ module ik_fold_arm #(
   // ---- the lap ----
 
   reg go;
-  reg [7:0] fetched, read, clock;  // step numbers: next but one, next, current
+  reg [7:0] fetched, read, clock;  // step numbers: next but one, next, current; with TILE = 16 next, -, current
+  wire [7:0] next = (TILE == 16) ? fetched : read;
   reg begins, last;  // the current step is the first, the last
   wire [STEP_W-1:0] step;
   // Accept no target and write no word before the first step arrives, or under reset: some words must stay 0.
-  initial {go, read} = 9'd255;
+  initial {go, fetched, read} = {1'b0, 8'd255, 8'd255};
   `include "ik_fold_arm_program.vh"
   `include "ik_fold_arm_fields.vh"
 
@@ -74,22 +75,24 @@ module ik_fold_arm #(
       begins <= 1'b0;
       last   <= 1'b0;
     end
-    if (rst || (go && back) || (go && !waits && fetched == END)) fetched <= 8'd0;
+    if (rst) fetched <= (TILE == 16) ? 8'd255 : 8'd0;
+    else if (go && (back || (!waits && fetched == END))) fetched <= 8'd0;
     else if (go && !waits) fetched <= fetched + 8'd1;
     if (go && !waits && !rst) begin
       read   <= fetched;
-      clock  <= read;
-      begins <= read == 8'd0;
-      last   <= read == END;
+      clock  <= next;
+      begins <= next == 8'd0;
+      last   <= next == END;
     end
   end
 
-  // Registers behind the memory of small chips cost logic cells. Number 255 is a step that does nothing.
+  // Registers behind the memory of small chips cost logic cells. Number 255 is a step that does nothing. With TILE = 16, a
+  // step of the lap may follow the first clock of a reset: what it writes is written again before it is read.
   generate
     if (TILE == 16) begin : g_step
       reg [STEP_W-1:0] read_step;
       initial read_step = 0;
-      always @(posedge clk) if (rst || (go && !waits)) read_step <= rom[rst ? 8'd255 : read];
+      always @(posedge clk) if (rst || (go && !waits)) read_step <= rom[fetched];
       assign step = read_step;
     end else begin : g_steps
       reg [STEP_W-1:0] next_step, this_step;
@@ -336,43 +339,47 @@ module ik_fold_arm #(
       .negative(negative), .over(f_over), .again(again), .to_h(f_to_h), .minus(less), .half(half), .th(th),
       .length(length), .z_node(z_node), .left_node(left), .negative_node(opposite)
   );
-  wire over;
-  ik_fold_limit #(.W(W)) u_limit (.clk(clk), .joint(joint), .th(th), .limits(limits), .over(over));
 
   // ---- output ----
 
+  // Results in the order in which they are written, the last one lowest, and the comparisons with the joints' limits.
+  reg [17*W-1:0] words;
+  reg [6:0] overs;
+  reg [2:0] joint_1;  // joint of the last word
+  reg angle_1, angle_2;  // an angle was written in the last clock, in the one before
   reg [TAG_W+8:0] head;  // tag and flags that leave with the first result
-  reg [6:0] over_limit;
-  assign m_axis_tuser = {over_limit, head};
-  wire [7:0] shown = 8'd1 << joint;
-  reg [6:0] compared;  // joint of `over`
+  wire over;
+  ik_fold_limit #(.W(W)) u_limit (.clk(clk), .joint(joint_1), .th(words[W-1:0]), .limits(limits), .over(over));
+
+  wire writes = go && giving && f_result != RESULT_NONE && f_result <= RESULT_QW_K;
+  wire of_angle = f_result <= RESULT_TH7;
   always @(posedge clk) begin
-    compared   <= (go && giving && f_result <= RESULT_TH7) ? shown[7:1] : 7'd0;
-    over_limit <= (over_limit & ~compared) | ({7{over}} & compared);
-    if (go && giving) begin
-      if (f_first_result) head <= {not_unit, flags[7:6], hand_nodes[1], flags[4:0], tag};
-      case (f_result)
-        RESULT_TH1: m_axis_tdata[0*W+:W] <= th;
-        RESULT_TH2: m_axis_tdata[1*W+:W] <= th;
-        RESULT_TH3: m_axis_tdata[2*W+:W] <= th;
-        RESULT_TH4: m_axis_tdata[3*W+:W] <= th;
-        RESULT_TH5: m_axis_tdata[4*W+:W] <= th;
-        RESULT_TH6: m_axis_tdata[5*W+:W] <= th;
-        RESULT_TH7: m_axis_tdata[6*W+:W] <= th;
-        RESULT_QS_W: m_axis_tdata[7*W+:W] <= answer;
-        RESULT_QS_I: m_axis_tdata[8*W+:W] <= answer;
-        RESULT_QS_J: m_axis_tdata[9*W+:W] <= answer;
-        RESULT_QS_K: m_axis_tdata[10*W+:W] <= answer;
-        RESULT_QE_W: m_axis_tdata[11*W+:W] <= answer;
-        RESULT_QE_I: m_axis_tdata[12*W+:W] <= answer;
-        RESULT_QW_W: m_axis_tdata[13*W+:W] <= answer;
-        RESULT_QW_I: m_axis_tdata[14*W+:W] <= answer;
-        RESULT_QW_J: m_axis_tdata[15*W+:W] <= answer;
-        RESULT_QW_K: m_axis_tdata[16*W+:W] <= answer;
-        default: ;
-      endcase
-    end
+    joint_1 <= joint;
+    angle_1 <= writes && of_angle && !rst;
+    angle_2 <= angle_1 && !rst;
+    if (writes) words <= {words[16*W-1:0], of_angle ? th : answer};
+    if (angle_2) overs <= {overs[5:0], over};
+    if (go && giving && f_first_result) head <= {not_unit, flags[7:6], hand_nodes[1], flags[4:0], tag};
   end
+
+  function integer angles_after(input integer one);  // angles written after th1 (0) to th7 (6)
+    integer m;
+    begin
+      angles_after = 0;
+      for (m = 0; m < 7; m = m + 1) if (AFTER[8*m+:8] < AFTER[8*one+:8]) angles_after = angles_after + 1;
+    end
+  endfunction
+  assign m_axis_tuser[TAG_W+8:0] = head;
+  genvar k;
+  generate
+    for (k = 0; k < 17; k = k + 1) begin : g_word
+      assign m_axis_tdata[W*k+:W] = words[W*AFTER[8*k+:8]+:W];
+      if (k < 7) begin : g_over
+        localparam integer PLACE = angles_after(k);
+        assign m_axis_tuser[TAG_W+9+k] = overs[PLACE];
+      end
+    end
+  endgenerate
 
   // ---- dataflow nodes, for waves and testbenches only ----
 
@@ -381,7 +388,7 @@ module ik_fold_arm #(
   function [W+3:0] angle(input [3:0] start, input half_turn);  // of the vector in the second stage
     angle = (opposite ? {{W{1'b0}}, start} - z_node : z_node - {{W{1'b0}}, start}) ^ {half_turn, {(W + 3) {1'b0}}};
   endfunction
-  wire unused = &{1'b0, PERIOD[0], p_plain, p_double, f_r_function, n, sum, in, shown, flags, result, length, z_node, left, opposite};
+  wire unused = &{1'b0, PERIOD[0], p_plain, p_double, f_r_function, n, sum, in, flags, result, length, z_node, left, opposite};
   `include "ik_fold_arm_nodes.vh"
 
 endmodule

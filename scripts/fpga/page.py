@@ -101,7 +101,7 @@ def folded(data: dict) -> str:
             if not run:
                 continue
             cells, facts, path = run["cells"], data["designs"][design.name], MODELS[design.datapath]
-            mhz, critical, period = placed.get("mhz"), placed.get("path", {}), path.period
+            mhz, critical, period = placed.get("mhz"), placed.get("path", {}), path.lap(design.width)
             rows.append([
                 f"`{path.top}` on {chip}, W = {design.width}", f"`{design.datapath}`", period, facts["latency"],
                 _form(facts.get("hand"), "{:.1e}"),

@@ -115,7 +115,7 @@ SETTLE = 2048
 """Clocks before the comparison: the pipeline and the shift registers around it are then filled."""
 
 CLOCKS, FOLDED_CLOCKS = 12_000, 800_000
-"""Clocks compared; folded, a result takes 88, of a hand pose 143 or more. Every eighth target of random words is
+"""Clocks compared; folded, a result takes 88, of a hand pose 140 or more. Every eighth target of random words is
 reachable, so 1000 are; half of 800 hand poses."""
 
 HELD = 300

@@ -18,7 +18,7 @@ from types import SimpleNamespace
 
 from model.dataflow.fold import steps as timing
 from model.dataflow.fold.lowering import Groups, Lowering
-from model.dataflow.fold.program import PROGRAMS, SCHEDULES, WIDTH, Schedule, encode, lower
+from model.dataflow.fold.program import PROGRAMS, SCHEDULES, Schedule, encode, lower, schedules
 from model.dataflow.fold.steps import Placed, Selector
 from scripts.console import InputError, command, option, whole
 
@@ -27,8 +27,8 @@ try:
 except ImportError:
     cp_model = None
 
-LATENCY, PERIOD = {"fold": 140, "fold_arm": 330}, {"fold": 88, "fold_arm": 140}
-"""Largest latency of a target and default period, in clocks."""
+LATENCY, PERIOD = {"fold": 140, "fold_arm": 340}, {"fold": {32: 88}, "fold_arm": {24: 140, 32: 143}}
+"""Largest latency of a target, and default period by the longest word length of each program, in clocks."""
 
 
 class _Problem:
@@ -68,7 +68,8 @@ class _Problem:
         steps, last = self.placed, timing.last_count
         loads = [(f"load {name}", 0) for name in self.loads]
         joints = self.lowering.joints.values()
-        shown = [(name, clock + of.shown) for of in joints for name, clock in (over[of.angle],)]
+        angle = self.lowering.angle_clocks.shown
+        shown = [(name, clock + angle + of.late) for of in joints for name, clock in (over[of.angle],)]
         self._one_each((name, of.at) for name, of in steps)
         self._one_each((name, clock) for name, of in steps for clock in timing.row_reads(of))
         self._one_each(loads + [(name, use.at) for name, of in steps for use in timing.word_writes(of)])
@@ -77,27 +78,31 @@ class _Problem:
         self._one_each((name, n) for name, of in counting for n in range(timing.first_count(of), last(of) + 1))
 
     def _angles(self) -> dict[str, tuple[str, int]]:
-        """Allow one vector at a time in the angle unit, from the elbow's to the wrist's; return the clock in which each
-        is handed over, counted from a start."""
+        """Allow one vector at a time in the angle unit, from the elbow's to the wrist's, and two clocks for its angle;
+        return the clock in which each is handed over, counted from a start."""
         at = {of.step.result: self.starts[name] + of.at + timing.WRITE for name, of in self.placed if of.step.result}
         early = (of.step for _, of in self.placed if of.step.name in timing.ELBOW and of.step.write)
         at |= {step.write.to: at[step.result] for step in early}
         found: dict[str, tuple[str, int]] = {}
+        clocks = self.lowering.angle_clocks
         order = sorted(self.lowering.vectors.values(), key=lambda vector: not vector.opposite)
         for before, vector in zip([None, *order], order, strict=False):
-            name, after = (before.angle, timing.AGAIN) if vector.lengths else (vector.angle, 0)
+            name, after = (before.angle, clocks.again) if vector.lengths else (vector.angle, 0)
             found[vector.angle] = name, after
             if not vector.lengths:
                 x, y, over = at[vector.x], at[vector.y], self.starts[name]
                 self.model.add(y >= x + 2)
-                self.model.add(over >= y + timing.ITERATED)
+                self.model.add(over >= y + clocks.iterated)
                 if before:
                     name, after = found[before.angle]
                     self.model.add(x > self.starts[name] + after)
+                    self.model.add(over > self.starts[name] + after + clocks.shown)
         if order:  # the wrist's is handed over in the lap of the next target's first one, which needs no reset so
             name, after = found[order[-1].angle]
-            self.model.add(self.starts[name] + after >= self.period)
-            self.model.add(self.starts[name] + after < at[order[0].x] + self.period)
+            over = self.starts[name] + after
+            self.model.add(over >= self.period)
+            self.model.add(over < at[order[0].x] + self.period)
+            self.model.add(over + clocks.shown < self.starts[order[0].angle] + self.period)
         return found
 
     def _written(self, by: Callable[[Placed], Iterable[timing.Use]], loaded: Iterable[str]) -> dict[str, list]:
@@ -136,16 +141,17 @@ class _Problem:
 
     def _results(self, registers: dict[str, list], vectors: dict[str, tuple[str, int]]) -> None:
         """Flags and tag leave with the first result. The last result precedes the next target's first one and stays
-        clear of the last clocks of a lap, in which the core would begin another lap.  A joint's limit is compared in
-        the clock after its angle."""
+        clear of the last clocks of a lap, in which the core would begin another lap.  A joint's limit is compared
+        after its angle."""
         found = [(of.step.result, self.starts[name] + of.at + timing.WRITE) for name, of in self.placed]
         written = {result: clock for result, clock in found if result}
         over = {angle: self.starts[name] + clock for angle, (name, clock) in vectors.items()}
-        joints = [over[joint.angle] + joint.shown for joint in self.lowering.joints.values()]
+        shown = self.lowering.angle_clocks.shown
+        joints = [over[joint.angle] + shown + joint.late for joint in self.lowering.joints.values()]
         results = [clock for name, clock in written.items() if name in self.lowering.RESULTS]
         first, last, taken = (self.model.new_int_var(0, 2 * self.latency, name) for name in ("first", "last", "taken"))
-        self.model.add_min_equality(first, results)
-        self.model.add_max_equality(last, results + [clock + 1 for clock in joints])
+        self.model.add_min_equality(first, results + joints)
+        self.model.add_max_equality(last, results + [clock + timing.COMPARED for clock in joints])
         self.model.add_max_equality(taken, list(self.loads.values()))
         flags = [name for name in ("clamp", "away", "on_axis", "bad_hand", "saturated") if name in self.lowering.nodes]
         for name in flags:
@@ -179,20 +185,24 @@ def main(parsed: SimpleNamespace) -> int:
     name = parsed.datapath
     if name not in PROGRAMS:
         raise InputError(f"DATAPATH={name}: use {' or '.join(PROGRAMS)}")
-    lowering, groups = lower(WIDTH, name)
-    period, latency = parsed.period or PERIOD[name], LATENCY[name]
-    print(f"{sum(map(len, groups.values()))} steps, one target every {period} clocks", flush=True)
-    problem, solver = _Problem(lowering, groups, period, latency), cp_model.CpSolver()
-    solver.parameters.max_time_in_seconds = parsed.seconds
-    status = solver.solve(problem.model)
-    if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-        none = status == cp_model.INFEASIBLE
-        print(f"no schedule within {latency} clocks" if none else f"none found in {parsed.seconds} s")
-        return 1
-    found = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
-    made = Schedule(period, *found)
-    encode(lowering, groups, made, name)  # raises where two steps need a field or a place
-    SCHEDULES[name].write_text(json.dumps(asdict(made), indent=1) + "\n", encoding="utf-8")
+    made = schedules(name).copy()
+    for longest, clocks in PERIOD[name].items():
+        lowering, groups = lower(longest, name)
+        period = parsed.period or clocks
+        steps = sum(map(len, groups.values()))
+        print(f"{steps} steps, one target every {period} clocks up to W = {longest}", flush=True)
+        problem, solver = _Problem(lowering, groups, period, LATENCY[name]), cp_model.CpSolver()
+        solver.parameters.max_time_in_seconds = parsed.seconds
+        status = solver.solve(problem.model)
+        if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
+            none = status == cp_model.INFEASIBLE
+            print(f"no schedule within {LATENCY[name]} clocks" if none else f"none found in {parsed.seconds} s")
+            return 1
+        found = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
+        made[longest] = Schedule(period, *found)
+        encode(lowering, groups, made[longest], name)  # raises where two steps need a field or a place
+    written = {longest: asdict(of) for longest, of in made.items()}
+    SCHEDULES[name].write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
     print(f"wrote {SCHEDULES[name].name}")
     return 0
 

@@ -13,7 +13,7 @@ from model.dataflow import angles
 from model.dataflow.datapaths import MODELS
 from model.dataflow.fixed import SINCOS_GUARD, TABLE_BITS, atan_table, cordic_gain, nodes
 from model.dataflow.fold import steps as timing
-from model.dataflow.fold.program import PROGRAMS, SCHEDULES, WIDTH, codes, fields, program
+from model.dataflow.fold.program import PROGRAMS, SCHEDULES, Program, codes, fields, program, schedules
 from model.dataflow.fold.shown import shown
 from model.dataflow.fold.steps import Operand, Pick, Selector
 from model.dataflow.nodes import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, Node, inner_frac
@@ -158,9 +158,9 @@ NO_STEP = 255
 """Number of the step that does nothing, for reset."""
 
 
-def fold_program(of: str) -> str:
-    _, made = program(WIDTH, of)
-    period, bits = made.period, sum(fields(of).values())
+def _rows(made: Program) -> list[tuple[str, list[str]]]:
+    """Return the rows of a program, each with its notes."""
+    bits, period = sum(fields(made.name).values()), made.period
     notes: list[list[str]] = [[] for _ in range(period)]
     for name, clock in made.loads.items():
         notes[clock].append(f"{name} loaded")
@@ -175,12 +175,32 @@ def fold_program(of: str) -> str:
             notes[(at + timing.WRITE) % period].append(f"-> {step.result}")
     for name, clock in made.shown.items():
         notes[clock % period].append(f"-> {name}")
-    first, last = made.results
-    later = " and ".join(map(str, range(1, last // period + 1)))
-    words = [(f"{bits}'h{made.word(n):0{-(-bits // 4)}x}", notes[n]) for n in range(period)]
-    laps = {"HOLD": first - 1, "FIRST": first, "LAST": last}
-    none = NO_STEP if of != "fold" else None
-    return BODIES.fold_program(of, later, period, (period - 1).bit_length(), laps, none, words)
+    return [(f"{bits}'h{made.word(n):0{-(-bits // 4)}x}", notes[n]) for n in range(period)]
+
+
+def _pick(values: Iterable[object]) -> str:
+    """Return a value of each program, the one of short words first, as Verilog."""
+    values = list(map(str, values))
+    return values[0] if len(set(values)) == 1 else f"SHORT ? {values[0]} : {values[1]}"
+
+
+def _after(made: Program) -> str:
+    """Return for each result, a byte each, how many are written after it."""
+    clocks = [made.written[result] for result in codes(made.name)["result"] if result in made.written]
+    return "_".join(f"{sum(other > clock for other in clocks):02x}" for clock in reversed(clocks))
+
+
+def fold_program(of: str) -> str:
+    made, arm = [program(longest, of)[1] for longest in schedules(of)], of != "fold"
+    last = made[0].results[1] // made[0].period
+    size, later = (made[0].period - 1).bit_length(), " and ".join(map(str, range(1, last + 1)))
+    lap = _pick(p.period for p in made), _pick(f"{size}'d{p.period - 1}" for p in made)
+    events = {"HOLD": [p.results[0] - 1 for p in made], "FIRST": [p.results[0] for p in made]}
+    events["LAST"] = [p.results[1] for p in made]
+    laps = {name: _pick(at // p.period for at, p in zip(clocks, made, strict=True)) for name, clocks in events.items()}
+    after = _pick(f"136'h{_after(p)}" for p in made) if arm else ""
+    tables = dict(zip(("short", "long") if arm else ("",), map(_rows, made), strict=True))
+    return BODIES.fold_program(of, later, size, lap, laps, min(schedules(of)), after, NO_STEP if arm else None, tables)
 
 
 def _operand(of: Operand | None) -> str:
@@ -221,12 +241,18 @@ def _fold_rows(root: Form, sine: Form) -> list[str]:
 
 
 def fold_nodes(name: str) -> str:
-    lowering, made = program(WIDTH, name)
+    made = [program(longest, name) for longest in schedules(name)]
     blocks: dict[str, list[tuple]] = {}
-    bits = (made.period - 1).bit_length()
-    for of in shown(lowering, made).values():
-        when = " || ".join(f"clock == {bits}'d{clock % made.period}" for clock in of.clocks)
-        blocks.setdefault(of.node.instance, []).append((of, _range(of.node), when))
+    bits = (made[0][1].period - 1).bit_length()
+    places = [shown(*one) for one in made]
+    for of in places[0].values():
+        each = [place[of.node.name] for place in places]
+        clocks = (
+            [f"{bits}'d{c % p.period}" for c, (_, p) in zip(one, made, strict=True)]
+            for one in zip(*(place.clocks for place in each), strict=True)
+        )  # those of every program
+        when = " || ".join(f"clock == {f'({pick})' if '?' in pick else pick}" for pick in map(_pick, clocks))
+        blocks.setdefault(of.node.instance, []).append((of, _range(of.node), when, _pick(at.text for at in each)))
     return BODIES.fold_nodes(name, blocks)
 
 

@@ -149,7 +149,7 @@ def table(machine: Machine) -> dict[str, Any]:
         }
         for node in nodes_of(machine.datapath, machine.width)
     ]
-    of = {"name": machine.name, "datapath": machine.datapath, "width": machine.width, "period": path.period}
+    of = {"name": machine.name, "datapath": machine.datapath, "width": machine.width, "period": path.lap(machine.width)}
     of |= {"latency": fixed.latency(machine.datapath, machine.width), "folded": path.times is not None}
     used = [{"name": name, "about": sections[name]} for name in dict.fromkeys(n["section"] for n in nodes)]
     return {**of, "sections": used, "nodes": nodes}

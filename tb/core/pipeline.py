@@ -119,7 +119,7 @@ class Pipeline:
             AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True
         )
         self.scoreboard = Scoreboard(self._handle, fixed.nodes(self.datapath, self.width).values() if nodes else ())
-        self.period, self.behind = path.period, path.behind
+        self.period, self.behind = path.lap(self.width), path.behind
         self.go = getattr(self.core, f"g_{path.rtl}").u_core.go if path.times else None  # low: the core is stalled
         self.clock = 0
         self.ran = 0  # clocks in which the core was not stalled

@@ -10,6 +10,7 @@
 `define IK_FIELDS "ik_fold_arm_fields.vh"
 localparam integer WORDS = 17, CLOCK_W = 8, SIDE_W = TAG_W + 3;
 wire f_earlier = earlier;
+wire [STEP_W-1:0] f_step_read = g_steps.next_step;
 wire [SIDE_W-1:0] f_side = {branch_in, tag};  // of the target taken last
 wire [SIDE_W-1:0] f_side_given = {branch, m_axis_tuser[TAG_W-1:0]};  // of the results
 wire [W*WORDS-1:0] f_value = {{10{answer}}, {7{th}}};
@@ -17,6 +18,7 @@ wire [W*WORDS-1:0] f_value = {{10{answer}}, {7{th}}};
 `define IK_FIELDS "ik_fold_fields.vh"
 localparam integer WORDS = 6, CLOCK_W = 7, SIDE_W = TAG_W;
 wire f_earlier = 1'b0;
+wire [STEP_W-1:0] f_step_read = step_read;
 wire [SIDE_W-1:0] f_side = tag;
 wire [SIDE_W-1:0] f_side_given = m_axis_tuser[TAG_W-1:0];
 wire [W*WORDS-1:0] f_value = {WORDS{answer}};
@@ -43,6 +45,7 @@ wire [PERIOD-1:0] f_takes, f_holds, f_begins, f_ends;
 wire [CLOCK_W*PERIOD-1:0] f_take_at, f_first_at, f_end_at;  // sums of the clocks so far
 // words of an answer before a clock: of those written in one lap, then also of those of the lap before
 wire [WORDS*(PERIOD+1)-1:0] f_in_lap, f_so_far;
+wire [7*PERIOD-1:0] f_angles;  // the first seven words: those of each clock
 assign f_in_lap[WORDS-1:0] = {WORDS{1'b0}};
 assign f_so_far[WORDS-1:0] = f_in_lap[WORDS*PERIOD+:WORDS];
 genvar gi;
@@ -57,6 +60,7 @@ generate
     assign f_begins[gi] = f_first_result;
     assign f_ends[gi] = f_last_result;
     wire [WORDS-1:0] of_clock = f_result == RESULT_NONE ? {WORDS{1'b0}} : ONE << (f_result - 1);
+    assign f_angles[7*gi+:7] = of_clock;
     assign f_in_lap[WORDS*(gi+1)+:WORDS] = (f_first_result ? {WORDS{1'b0}} : f_in_lap[WORDS*gi+:WORDS]) | of_clock;
     assign f_so_far[WORDS*(gi+1)+:WORDS] = (f_first_result ? {WORDS{1'b0}} : f_so_far[WORDS*gi+:WORDS]) | of_clock;
     assign f_take_at[CLOCK_W*gi+:CLOCK_W] = (f_last_input ? CLOCK : 0) + (gi == 0 ? 0 : f_take_at[BEFORE+:CLOCK_W]);
@@ -111,30 +115,58 @@ wire [WORDS-1:0] f_word = (go && giving && f_result != RESULT_NONE) ? ONE << (f_
 always @(posedge clk)
   f_words <= rst ? {WORDS{1'b0}} : ((go && f_first_result && giving) ? {WORDS{1'b0}} : f_words) | f_word;
 wire [WORDS-1:0] f_kept;
+`ifdef IK_ARM
+// Results are kept in the order of the program, the last one lowest: f_ordered is a whole answer, f_shifted the part of it
+// that is written.
+wire [W*WORDS-1:0] f_ordered;
+wire [4:0] f_left = 5'd17 - $countones(f_words);
+wire [W*WORDS-1:0] f_shifted_4 = f_left[4] ? f_ordered >> 16 * W : f_ordered;
+wire [W*WORDS-1:0] f_shifted_3 = f_left[3] ? f_shifted_4 >> 8 * W : f_shifted_4;
+wire [W*WORDS-1:0] f_shifted_2 = f_left[2] ? f_shifted_3 >> 4 * W : f_shifted_3;
+wire [W*WORDS-1:0] f_shifted_1 = f_left[1] ? f_shifted_2 >> 2 * W : f_shifted_2;
+wire [W*WORDS-1:0] f_shifted = f_left[0] ? f_shifted_1 >> W : f_shifted_1;
+`endif
 generate
-  for (gi = 0; gi < WORDS; gi = gi + 1) begin : g_word
+  for (gi = 0; gi < WORDS; gi = gi + 1) begin : g_kept
     always @(posedge clk) if (f_word[gi]) f_data[W*gi+:W] <= f_value[W*gi+:W];
+`ifdef IK_ARM
+    assign f_ordered[W*AFTER[8*gi+:8]+:W] = f_data[W*gi+:W];
+    assign f_kept[gi] = gi + f_left >= WORDS || words[W*gi+:W] == f_shifted[W*gi+:W];
+`else
     assign f_kept[gi] = !f_words[gi] || m_axis_tdata[W*gi+:W] == f_data[W*gi+:W];
+`endif
   end
 endgenerate
 
 `ifdef IK_ARM
-// the comparison with a joint's limits is valid in the clock after its angle was written
-reg [6:0] f_th, f_beyond;
-wire [6:0] f_kept_limits = ~f_words[6:0] | f_th | ~(over_limit ^ f_beyond);
-wire [6:0] f_compared;
+// An angle's comparison with its limits is kept two clocks after the angle, in the same order.
+reg [6:0] f_angle_1, f_angle_2, f_judged, f_beyond;  // written in the last clock, the one before; compared
+wire [6:0] f_over_ordered, f_joint;
+wire [6:0] f_over_wrong = (overs ^ (f_over_ordered >> 3'd7 - $countones(f_judged))) & (7'h7f >> 3'd7 - $countones(f_judged));
 generate
-  for (gi = 0; gi < 7; gi = gi + 1) begin : g_over
-    always @(posedge clk) if (f_th[gi]) f_beyond[gi] <= over;
-    assign f_compared[gi] = f_th[gi] == (compares && compared == gi);
+  for (gi = 0; gi < 7; gi = gi + 1) begin : g_over_kept
+    localparam integer PLACE = angles_after(gi);
+    always @(posedge clk) if (f_angle_2[gi]) f_beyond[gi] <= over;
+    assign f_over_ordered[PLACE] = f_beyond[gi];
+    assign f_joint[gi] = !f_angle_1[gi] || joint_1 == gi + 1;
   end
 endgenerate
-always @(posedge clk) f_th <= f_word[6:0];
+always @(posedge clk) begin
+  f_angle_1 <= rst ? 7'd0 : f_word[6:0];
+  f_angle_2 <= rst ? 7'd0 : f_angle_1;
+  f_judged <= rst ? 7'd0 : (go && f_first_result && giving) ? f_angle_2 : f_judged | f_angle_2;
+end
+wire [CLOCK_W-1:0] f_before = clock == 0 ? END : clock - 1;
+wire [CLOCK_W-1:0] f_two_before = f_before == 0 ? END : f_before - 1;
 always @* if (f_on) begin
-  limits_whole : assert (!m_axis_tvalid || over_limit == f_beyond);
-  compared_word : assert (&f_compared);
-  over_kept : assert (&f_kept_limits);
-  compared_before : assert (!(compares && m_axis_tvalid));
+  limits_whole : assert (!m_axis_tvalid || m_axis_tuser[TAG_W+9+:7] == f_beyond);
+  compared : assert (angle_1 == |f_angle_1 && angle_2 == |f_angle_2 && &f_joint);
+  compared_once : assert (f_words[6:0] == (f_judged | f_angle_1 | f_angle_2) && (f_angle_2 & f_angle_1) == 0 &&
+      (f_judged & (f_angle_1 | f_angle_2)) == 0);
+  angle_of_clock : assert (f_angle_1 == (given ? f_angles[7*f_before+:7] : 7'd0));
+  angle_before : assert (f_angle_2 == (given && f_before != f_first_clock ? f_angles[7*f_two_before+:7] : 7'd0));
+  judged : assert (given || f_judged == 7'd0 || f_judged == 7'h7f);
+  over_kept : assert (f_over_wrong == 7'd0);
 end
 `endif
 
@@ -194,7 +226,7 @@ always @* if (f_on) begin
   ends_once : assert (f_ends == {{(PERIOD - 1) {1'b0}}, 1'b1} << f_end_clock && f_ends[0] == 0);
   begins_once : assert (f_begins == {{(PERIOD - 1) {1'b0}}, 1'b1} << f_first_clock);
   holds_before : assert (f_holds == {{(PERIOD - 1) {1'b0}}, 1'b1} << (f_first_clock == 0 ? END : f_first_clock - 1));
-  step_read_of_clock : assert (!(read <= END) || step_read == rom[read]);
+  step_read_of_clock : assert (!(read <= END) || f_step_read == rom[read]);
   fetched_in_lap : assert (fetched <= END);
   read_in_lap : assert (read <= END || read == NEVER);
   clock_in_lap : assert (f_some || clock == NEVER);

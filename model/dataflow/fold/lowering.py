@@ -21,6 +21,7 @@ from ..nodes import Domain, Node, inner_frac, root_frac
 from ..operations import operation
 from .steps import (
     ALWAYS,
+    ANGLE_CLOCKS,
     DOUBLE,
     HALF,
     NEVER,
@@ -88,6 +89,7 @@ class Lowering(Domain):
         self.picks: dict[str, Pick] = {}  # place of a squared length, or a word that a flag replaces by 0
         self.vectors: dict[str, Vector] = {}  # of the angle unit
         self.joints: dict[str, Joint] = {}
+        self.angle_clocks = next(of for longest, of in ANGLE_CLOCKS.items() if width <= longest)
 
     def build(self) -> None:
         """Build the whole dataflow."""

@@ -38,7 +38,7 @@ class Schedule:
     starts: dict[str, int]
 
 
-WIDTH = 24  # a word length; steps and program are the same at all
+WIDTH = 24  # a word length; steps are the same at all
 PLACES = 64  # read/write words of the memory; an equal number of powers follows
 
 WINDOWS = ("plain", "double", "low")
@@ -121,6 +121,7 @@ class Program:
     results: tuple[int, int] = (0, 0)  # the clocks of the first and the last one
     turns: dict[str, Turn] = field(default_factory=dict)
     shown: dict[str, int] = field(default_factory=dict)  # joint -> the clock of its angle
+    written: dict[str, int] = field(default_factory=dict)  # result -> its clock
 
     def word(self, clock: int) -> int:
         """Return the packed fields of a clock, the first of :func:`fields` lowest."""
@@ -196,7 +197,7 @@ def turns(lowering: Lowering, steps: list[Placed], starts: dict[str, int]) -> di
     found, over = {}, 0
     for angle, vector in lowering.vectors.items():
         loads = (over, over) if vector.lengths else (results[vector.x], results[vector.y])
-        over = over + timing.AGAIN if vector.lengths else starts[angle]
+        over = over + lowering.angle_clocks.again if vector.lengths else starts[angle]
         found[angle] = Turn(vector, loads, over)
     return found
 
@@ -230,9 +231,13 @@ def encode(lowering: Lowering, groups: Groups, of: Schedule, name: str = "fold")
         put(clock, source="input", input=name, w=program.places[name], w_by=NEVER)
     put(max(loads.values()), last_input=1)
     program.turns = turns(lowering, steps, of.starts)
-    program.shown = {joint.name: program.turns[joint.angle].over + joint.shown for joint in lowering.joints.values()}
-    results = [p.at + timing.WRITE for p in steps if p.step.result in lowering.RESULTS]
-    first, last = min(results), max(results + [clock + 1 for clock in program.shown.values()])
+    joints = lowering.joints.values()
+    angle = {name: turn.over + lowering.angle_clocks.shown for name, turn in program.turns.items()}
+    program.shown = {joint.name: angle[joint.angle] + joint.late for joint in joints}
+    results = {p.step.result: p.at + timing.WRITE for p in steps if p.step.result in lowering.RESULTS}
+    program.written = results | program.shown
+    first = min(program.written.values())
+    last = max(*results.values(), *(clock + timing.COMPARED for clock in program.shown.values()))
     program.results = first, last
     put(first - 1, hold=1)
     put(first, first_result=1)
@@ -274,31 +279,37 @@ def encode(lowering: Lowering, groups: Groups, of: Schedule, name: str = "fold")
             for number, (factor, register) in enumerate(step.count.terms):
                 base = str(step.count.base) if number == 0 else "count"
                 put(begin + number, n_base=base, n_e=register, n_minus=factor < 0, n_twice=abs(factor) == 2)
-    firsts = {joint.other for joint in lowering.joints.values()}
-    for angle, turn in program.turns.items():
-        joints = [joint for joint in lowering.joints.values() if joint.angle == angle]
+    firsts = {joint.other for joint in joints}
+    for name, turn in program.turns.items():
+        of_angle = [joint for joint in joints if joint.angle == name]
         if turn.vector.lengths:
-            put(turn.loads[0], again_by=joints[0].by)
+            put(turn.loads[0], again_by=of_angle[0].by)
         put(turn.over, over=1)
-        if angle in firsts or not joints[0].other:
-            put(turn.over + timing.SHOWN, to_h=1)
+        if name in firsts or not of_angle[0].other:
+            put(angle[name], to_h=1)
     for name, clock in program.shown.items():
         put(clock, result=name)
     return program
 
 
 SCHEDULES = {name: Path(__file__).with_name(f"{name.replace('fold', 'schedule')}.json") for name in PROGRAMS}
-"""Schedules found by `make schedule`."""
+"""Files of the schedules found by `make schedule`."""
 
 
 @cache
-def schedule(name: str = "fold") -> Schedule:
-    """Return the schedule on file."""
-    return Schedule(**json.loads(SCHEDULES[name].read_text(encoding="utf-8")))
+def schedules(name: str) -> dict[int, Schedule]:
+    """Return the schedules on file by the longest word length of each, shortest first."""
+    found = json.loads(SCHEDULES[name].read_text(encoding="utf-8"))
+    return {int(longest): Schedule(**of) for longest, of in found.items()}
+
+
+def schedule(width: int, name: str = "fold") -> Schedule:
+    """Return the schedule at a word length."""
+    return next(of for longest, of in schedules(name).items() if width <= longest)
 
 
 @cache
 def program(width: int, name: str = "fold") -> tuple[Lowering, Program]:
     """Return a dataflow's steps at a word length, and the program of the schedule on file."""
     lowering, groups = lower(width, name)
-    return lowering, encode(lowering, groups, schedule(name), name)
+    return lowering, encode(lowering, groups, schedule(width, name), name)

@@ -126,7 +126,7 @@ class _Finder:
             self.add(name, max(set_at[root] for root in self.lowering.registers(Selector(name))) + 1, wires[name])
         self.add("low", set_at["e_q"] + 2, "q_low")
         for name, clock in joints.items():
-            self.add(name, clock + 1, "over")
+            self.add(name, clock + timing.COMPARED, "over")
 
     def angles(self) -> None:
         """Add lengths, before they are handed over, the angles, and the joints."""
@@ -134,7 +134,7 @@ class _Finder:
         for angle, turn in self.program.turns.items():
             self.add(turn.vector.length or "", turn.over, "length")
             half = "1'b0" if turn.vector.lengths else "left"
-            self.add(angle, turn.over + timing.SHOWN, f"angle(4'd{joints.get(angle, 0)}, {half})")
+            self.add(angle, turn.over + self.lowering.angle_clocks.shown, f"angle(4'd{joints.get(angle, 0)}, {half})")
         for name, clock in self.program.shown.items():
             self.add(name, clock, "th")
 

@@ -157,9 +157,18 @@ FETCH = 3  # clocks from a step's place in the program to its issue
 ELBOW = ("elbow_w", "elbow_i")  # steps whose results are constants where there is no elbow
 
 
-ITERATED, SHOWN, AGAIN = 16, 17, 18
-"""Clocks of ``ik_fold_angle`` at its longest words: from loading y to the second stage; from there to the angle; from
-there until the vector of two lengths enters the second stage."""
+class AngleClocks(NamedTuple):
+    """Clocks of ``ik_fold_angle``: from loading y to the second stage; from there to the angle; from there until the
+    vector of two lengths enters the second stage."""
+
+    iterated: int
+    shown: int
+    again: int
+
+
+ANGLE_CLOCKS = {24: AngleClocks(12, 15, 16), 32: AngleClocks(16, 17, 18)}
+"""Longest word length of each program of the whole arm -> its clocks; the last one is at least ``shown`` + 1."""
+COMPARED = 2  # clocks from a joint's angle until its comparison with the limits
 
 
 @dataclass(frozen=True)
@@ -185,9 +194,9 @@ class Joint:
     branch: tuple[str, ...] = ()
 
     @property
-    def shown(self) -> int:
-        """Clocks from handing over its vector."""
-        return SHOWN + (self.minus or not self.other)
+    def late(self) -> bool:
+        """Written in the second clock in which its vector's angle is shown."""
+        return self.minus or not self.other
 
     @property
     def by(self) -> str:
