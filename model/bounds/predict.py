@@ -13,7 +13,7 @@ import numpy as np
 from ..dataflow import fixed
 from ..dataflow.angles import gain
 from ..dataflow.datapaths import MODELS
-from ..dataflow.nodes import Domain, Node, real_value
+from ..dataflow.nodes import EXACT, Domain, Node, real_value
 from ..io.words import ARMS, RESULT_FIELDS
 from ..reference.kinematics import forward
 
@@ -100,11 +100,6 @@ class Real(Domain):
         return forward(q[:, :4], q[:, 4:], d1, d2)
 
 
-def rounded_nodes(bits: fixed.Bits) -> list[Node]:
-    """Return the nodes that rounding can move, in dataflow order."""
-    return [node for node in bits.nodes.values() if node.error != (0.0, 0.0)]
-
-
 CORNERS = 32
 """Number of random combinations of rounding ends that :func:`hand_bar` tries besides the first-order worst case."""
 
@@ -119,7 +114,7 @@ def hand_bar(words: np.ndarray, width: int, datapath: str = "paper") -> np.ndarr
     well. The rounding of the input words is added, half an ulp each.
     """
     bits = fixed.run(words, width, datapath).bits
-    nodes = rounded_nodes(bits)
+    nodes = [node for node in bits.nodes.values() if node.error != EXACT]  # those that rounding can move
     length = 2.0 ** (2 - bits.width)
     d1, d2 = (bits.nodes[name].value * length for name in ARMS)
     count = len(d1)

@@ -252,6 +252,7 @@ def score(
         bar = tolerances.hand(width, datapath, regular=bool((distance >= tolerances.REGULAR_DISTANCE).all()))
     bars = table if bar is None else np.full(count, bar)
     worst = int(np.argmax(np.where(reachable, hand_error, -1.0))) if reachable.any() else None
+    nearest_singular = "" if worst is None else min(distances, key=lambda what: distances[what][worst])
     norm_bar = tolerances.norm(width, datapath)
     everywhere = np.ones(count, dtype=bool)
 
@@ -286,7 +287,7 @@ def score(
         hand_error_predicted=None if predicted is None else _max(predicted, reachable),
         hand_error_over_bar=None if bars is None else _max(hand_error / bars, reachable),
         hand_error_target=worst,
-        hand_error_pose=None if worst is None else _pose({what: far[worst] for what, far in distances.items()}),
+        hand_error_pose=None if worst is None else f"{distance[worst]:.3f} rad from singular: {nearest_singular}",
         orientation_error_max=_max(of_hand.orientation_error, everywhere) if of_hand else None,
         orientation_error_bar=turn_bar,
         angle_error_max=_max(np.maximum(shoulder_angle, elbow_angle), reachable),
@@ -324,12 +325,6 @@ def _hand(targets: Targets, exponent: int, value: dict[str, np.ndarray], width: 
 
 def _max(values: np.ndarray, where: np.ndarray) -> float | None:
     return float(values[where].max()) if where.any() else None
-
-
-def _pose(distances: dict[str, float]) -> str:
-    """Describe the distance of a pose from the nearest singular one."""
-    what, far = min(distances.items(), key=lambda item: item[1])
-    return f"{far:.3f} rad from singular: {what}"
 
 
 def _outcome(passed: bool, bar: float | None, error: float) -> str:

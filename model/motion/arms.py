@@ -244,12 +244,6 @@ def _placed(turn: Floats, point: Floats) -> Floats:
     return np.vstack((np.column_stack((turn, point)), (0, 0, 0, 1)))
 
 
-def _centre(axes: Floats, points: Floats) -> Floats:
-    """Return the point nearest to three axes (3, 3) through points (3, 3)."""
-    across = np.eye(3) - axes[:, :, None] * axes[:, None, :]  # removes the part along each axis
-    return np.linalg.solve(across.sum(axis=0), (across @ points[:, :, None]).sum(axis=0)[:, 0])
-
-
 def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict:
     """Return the fields of an arm from its axes (7, 3) through points (7, 3), and the tip (4, 4), all joints at 0."""
     size = np.linalg.norm(np.ptp(np.vstack((points, end[:3, 3])), axis=0))
@@ -260,7 +254,8 @@ def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict:
             if abs(axes[one] @ axes[other]) > TOLERANCE:
                 angle = np.degrees(np.arccos(abs(axes[one] @ axes[other])))
                 raise ValueError(f"axes {one + 1} and {other + 1} are {angle:.6g} degrees apart, not 90")
-        centre = _centre(axes[own], points[own])
+        across = np.eye(3) - axes[own, :, None] * axes[own, None, :]  # removes the part along each axis
+        centre = np.linalg.solve(across.sum(axis=0), (across @ points[own, :, None]).sum(axis=0)[:, 0])
         away = np.linalg.norm(np.cross(centre - points[own], axes[own]), axis=1)
         if away.max() > TOLERANCE * size:
             pairs = ((first, first + 1), (first, first + 2), (first + 1, first + 2))

@@ -139,15 +139,8 @@ def feasible_swivel(
 def _elements(q):
     """Return M02, -M12, M22, M20, M21 of quaternions' matrices, (5, N)."""
     w, i, j, k = q
-    return np.array(
-        (
-            2 * (i * k + w * j),
-            2 * (w * i - j * k),
-            (w * w + k * k) - (i * i + j * j),
-            2 * (i * k - w * j),
-            2 * (j * k + w * i),
-        )
-    )
+    tilt = (w * w + k * k) - (i * i + j * j)
+    return np.array((2 * (i * k + w * j), 2 * (w * i - j * k), tilt, 2 * (i * k - w * j), 2 * (j * k + w * i)))
 
 
 def _at(ends, flexion, branch, phi, bounds):

@@ -79,11 +79,6 @@ class Cell:
         return width // 8 * 9 if width in (8, 16, 32) else width
 
 
-def _bytes(data: list, ninth: list) -> list:
-    """Return data with the ninth bit of each byte, or data of less than a byte as they are."""
-    return [net for k, each in enumerate(ninth) for net in (*data[8 * k : 8 * k + 8], each)] or data
-
-
 def _memory(cell: Cell, sides: list[list[str]]) -> dict:
     """Return a block_ram."""
     content, clocks = cell.content(), set()
@@ -102,7 +97,7 @@ def _memory(cell: Cell, sides: list[list[str]]) -> dict:
         data, ninth = (half, half // 8) if joined else (width // 9 * 8 or width, width // 9)
         nets = [[net for names in found for net in cell.nets_of(names[n], size, output)]
                 for n, size in enumerate((data, ninth))]  # fmt: skip
-        return _bytes(*nets)
+        return [net for k, each in enumerate(nets[1]) for net in (*nets[0][8 * k : 8 * k + 8], each)] or nets[0]
 
     for k, (clock, enable, write, address, *_) in enumerate(sides):
         side, width = "AB"[k], cell.width(k)

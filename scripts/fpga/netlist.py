@@ -93,9 +93,11 @@ def by_section(stat: dict, family: str) -> dict[str, dict]:
     """Return module that the top instantiates -> all cells inside, summed over its instances."""
     top = _top(stat)
     found = defaultdict(Counter)
-    for key, times in _inner(stat, top).items():
+    for key, times in _inner(
+        stat, top
+    ).items():  # $paramod$1a2b\\ik_delay, $paramod\\ik_delay\\W=s32'0... or \\ik_delay
         for name, count in _instances(stat, key).items():
-            found[_plain(key)][name] += times * count
+            found[re.search(r"\\?(ik_\w+)", key)[1]][name] += times * count
     found["itself"][top] = 1
     return {name: _kinds(stat, of, family) for name, of in found.items()}
 
@@ -120,11 +122,6 @@ def _top(stat: dict) -> str:
     """Return the module that no other instantiates."""
     inner = {key for name in stat["modules"] for key in _inner(stat, name)}
     return next(name for name in stat["modules"] if name not in inner)
-
-
-def _plain(name: str) -> str:
-    """Return ik_delay for $paramod$1a2b\\ik_delay, $paramod\\ik_delay\\W=s32'0... or \\ik_delay."""
-    return re.search(r"\\?(ik_\w+)", name)[1]
 
 
 def _kinds(stat: dict, instances: Counter, family: str) -> dict[str, int]:

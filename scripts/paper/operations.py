@@ -12,6 +12,7 @@ import tempfile
 import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -184,10 +185,6 @@ def by_section(datapath: str) -> dict[str, Ops]:
     }
 
 
-def _bullet(text: str) -> str:
-    return textwrap.fill(f"- {text}", 118, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
-
-
 def page() -> str:
     """Return operations.md."""
     lines, lines_19, sections = printed_lines(), lines_with_19(), by_section("paper")
@@ -203,7 +200,9 @@ def page() -> str:
     rtl["together"] = {datapath: found["add"] + found["mul"] for datapath, found in at_once.items()}
     paper["equations"] = {k: total(PRINTED[k].values()) for k in PRINTED}
     named = {SECTIONS[section]: ops for section, ops in sections.items()}
-    return render("operations", sections=named, bullet=_bullet, **paper, **rtl)
+    indents = {"initial_indent": "- ", "subsequent_indent": "  "}
+    bullet = partial(textwrap.fill, width=118, break_long_words=False, break_on_hyphens=False, **indents)
+    return render("operations", sections=named, bullet=bullet, **paper, **rtl)
 
 
 def write() -> int:

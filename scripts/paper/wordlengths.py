@@ -45,13 +45,6 @@ def errors_of(width: int, poses: Targets) -> np.ndarray:
     return hand_errors(result_values(fixed.run(words, width).results, width), poses)
 
 
-def hand_error_by_width() -> list[tuple]:
-    """Return a row for each word length: hand error (median, 99 %, largest) at regular poses."""
-    poses = regular_poses(REGULAR_POSES, SEED)
-    found = [(width, errors_of(width, poses)) for width in WIDTHS]
-    return [(width, *map(error, (np.median(e), np.quantile(e, 0.99), e.max()))) for width, e in found]
-
-
 def proved_cells() -> dict[str, list[str]]:
     """Return for each node name its format, wasted leading bits and proved range."""
     proofs = ranges.proved(WIDTH)
@@ -75,7 +68,12 @@ def page(observed: Observed) -> str:
         seen, ulp = observed.nodes[name], proofs[name].node.format.ulp
         rows.append((name, *cells, _bounds(seen.low * ulp, seen.high * ulp)))
     about = {"regular_poses": REGULAR_POSES, "regular_distance": REGULAR_DISTANCE, "reach": REACH}
-    about |= {"errors": hand_error_by_width(), "seed": SEED}
+    poses = regular_poses(REGULAR_POSES, SEED)
+    found = [
+        (width, errors_of(width, poses)) for width in WIDTHS
+    ]  # hand errors at regular poses: median, 99 %, largest
+    errors = [(width, *map(error, (np.median(e), np.quantile(e, 0.99), e.max()))) for width, e in found]
+    about |= {"errors": errors, "seed": SEED}
     return render("wordlengths", width=WIDTH, widths=WIDTHS, observed=observed, all_nodes=rows, **about)
 
 

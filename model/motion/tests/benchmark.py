@@ -3,11 +3,12 @@
 
     python -m model.motion.tests.benchmark
 
-Each function's best CPU time counts; the functions take turns.
+Each function's best CPU time counts.
 """
 
 import resource
 import time
+import timeit
 from functools import partial
 
 import numpy as np
@@ -58,12 +59,7 @@ def targets(count, seed=1):
 
 def seconds(functions, times):
     """Return the best CPU time of each function."""
-    best = [float("inf")] * len(functions)
-    for n, function in list(enumerate(functions)) * times:
-        begin = time.process_time()
-        function()
-        best[n] = min(best[n], time.process_time() - begin)
-    return best
+    return [min(timeit.repeat(function, timer=time.process_time, repeat=times, number=1)) for function in functions]
 
 
 def main():
