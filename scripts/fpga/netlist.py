@@ -93,9 +93,7 @@ def by_section(stat: dict, family: str) -> dict[str, dict]:
     """Return module that the top instantiates -> all cells inside, summed over its instances."""
     top = _top(stat)
     found = defaultdict(Counter)
-    for key, times in _inner(
-        stat, top
-    ).items():  # $paramod$1a2b\\ik_delay, $paramod\\ik_delay\\W=s32'0... or \\ik_delay
+    for key, times in _inner(stat, top).items():  # $paramod$1a2b\ik_delay, $paramod\ik_delay\W=s32'0... or \ik_delay
         for name, count in _instances(stat, key).items():
             found[re.search(r"\\?(ik_\w+)", key)[1]][name] += times * count
     found["itself"][top] = 1

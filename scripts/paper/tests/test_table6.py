@@ -19,7 +19,6 @@ from scripts.paper.table6 import __main__ as table6
 from scripts.paper.table6 import compiled
 from scripts.paper.table6.compiled import REALS, WAYS, Solver
 from scripts.paper.table6.contenders import Contender, columns, contenders, first, lean_of
-from scripts.paper.table6.page import STREAMS, page
 
 needs_cc = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 REACH, RANDOM = make("reach"), from_words(random_reachable(3000, 32, 7), 0, 32, "random")
@@ -72,7 +71,7 @@ def figures():
 
 
 def test_the_page_shows_its_figures():
-    assert table6.PAGE.read_text() == page(figures(), load()), "run: python -m scripts.paper.table6 --page"
+    assert table6.PAGE.read_text() == table6.page(figures(), load()), "run: python -m scripts.paper.table6 --page"
 
 
 def test_clocks_on_the_page_are_those_of_the_present_core():
@@ -81,7 +80,7 @@ def test_clocks_on_the_page_are_those_of_the_present_core():
     for row in figures()["hardware"]:
         around.setdefault(row["path"], set()).add(row["first"] - latency(row["datapath"], row["width"]))
     stale = "the RTL has changed: run `python -m scripts.paper.table6 --hardware`"
-    assert around[STREAMS] == {0} and {len(clocks) for clocks in around.values()} == {1}, stale
+    assert around[table6.STREAMS] == {0} and {len(clocks) for clocks in around.values()} == {1}, stale
 
 
 @pytest.mark.sim
@@ -100,7 +99,7 @@ def test_missing_software_has_a_row():
     assert row == {"key": "x", "group": "X", "name": "some solver", "lacks": "not installed"}
     kept = figures()
     kept["software"].append(row)
-    assert "| X | some solver | not installed | - | - | - | - | - |" in page(kept, load())
+    assert "| X | some solver | not installed | - | - | - | - | - |" in table6.page(kept, load())
 
 
 def test_a_target_without_an_answer_is_counted_and_is_no_error():
