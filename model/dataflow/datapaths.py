@@ -126,5 +126,7 @@ FOLD_ARM = replace(
 )  # fmt: skip
 FOLD_ARM16 = replace(FOLD_ARM, name="fold_arm16", tile=16, widths=FOLD16.widths)
 
-MODELS = {**CONFIGURATIONS, **{path.name: path for path in (ARM, FOLD_ARM, FOLD_ARM16)}}
+ARM25, ARM16 = replace(ARM, name="arm25", tile=25), replace(ARM, name="arm16", tile=16, widths=TILED[1].widths)
+
+MODELS = {**CONFIGURATIONS, **{path.name: path for path in (ARM, ARM25, ARM16, FOLD_ARM, FOLD_ARM16)}}
 """Everything that the model computes: the configurations, and the whole arm around the lean datapath, and folded."""
