@@ -22,7 +22,8 @@ GROUPS = worst_targets.groups(worst_targets.read(worst_targets.LIST))
 ICARUS = simulator() == "icarus"
 
 QUICK = [("lean", 32), ("lean25", 18), ("lean16", 18), ("fold", 24), ("fold16", 18)]
-SLOW = [("lean", 18), ("paper", 18), ("arm", 18), ("arm", 32), ("arm25", 18), ("arm16", 18), ("fold_arm", 24), ("fold_arm", 32), ("fold_arm16", 18)]
+SLOW = [("lean", 18), ("paper", 18), ("arm", 18), ("arm", 32), ("arm25", 18), ("arm16", 18)]
+SLOW += [("fold_arm", 24), ("fold_arm", 32), ("fold_arm16", 18)]
 SLOW += [("lean16", 24), ("fold", 20), ("fold", 32), ("fold16", 20), ("fold16", 24)]
 if ICARUS:  # builds are cheap
     QUICK += [("paper", 32)]

@@ -112,7 +112,13 @@ def evaluated(header: str, datapath: str, width: int, folder: Path) -> dict[str,
 
 @pytest.mark.parametrize(
     ("datapath", "header", "key"),
-    [("lean", "lean", 100), ("lean16", "lean", 1100), ("paper", "paper", 0), ("arm", "arm", None), ("arm16", "arm", None)],
+    [
+        ("lean", "lean", 100),
+        ("lean16", "lean", 1100),
+        ("paper", "paper", 0),
+        ("arm", "arm", None),
+        ("arm16", "arm", None),
+    ],
 )
 def test_header_expressions_give_the_models_clocks(datapath, header, key, tmp_path):
     """Expressions evaluate to the model's clocks and fraction bits at every word length."""
