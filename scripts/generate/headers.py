@@ -74,11 +74,9 @@ def node_formats(datapath: str) -> str:
 
 def latencies() -> str:
     """Return the text of ``ik_latency.vh``."""
-    return BODIES.latency([
-        (key + width, max(node.time for node in found.values()))
-        for name, key in {"lean": 100, "paper": 0, "lean16": 1100}.items()
-        for width, found in traced(name).items()
-    ])  # fmt: skip
+    runs = [(key, traced(name)) for name, key in {"lean": 100, "paper": 0, "lean16": 1100}.items()]
+    last = {key + w: max(node.time for node in of.values()) for key, found in runs for w, of in found.items()}
+    return BODIES.latency(last.items())
 
 
 # -- tables --------------------------------------------------------------------------------------------------------

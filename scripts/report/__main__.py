@@ -32,8 +32,7 @@ from model.motion.swivels import feasible_swivel
 from model.reference.equations import swivel_normal
 from scripts.console import command
 from scripts.generate.render import TEMPLATES
-from scripts.report.constructions import packed
-from scripts.report.figure import figure_data, joint_angles
+from scripts.report.figure import figure_data, joint_angles, packed
 from scripts.run import (
     SCORES,
     by_joints,
