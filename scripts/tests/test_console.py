@@ -13,7 +13,7 @@ import pytest
 from scripts import console
 from scripts.console import InputError
 from tb.sim.env import ROOT, environment
-from tb.sim.test_subprocesses import alive
+from tb.sim.test_runner import alive
 
 
 def raising(error):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of make formal without a proof, and of make check-proofs; tb/sim/test_sources.py tests the digest."""
+"""Tests of make formal without a proof, and of make check-proofs; tb/sim/test_runner.py tests the digest."""
 
 import signal
 import subprocess

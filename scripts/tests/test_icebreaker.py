@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the host script of examples/icebreaker: with the simulated board it writes the files of `make run`; faults
-of the board are reported."""
+"""Tests of examples/icebreaker at its pins, and of its host script: with the simulated board it writes the files of
+`make run`; faults of the board are reported."""
 
 import binascii
 import json
@@ -156,3 +156,25 @@ def test_a_board_that_talks(command, few):
     port = Talking().port
     status, _, err = command(host.main, port, "--trajectory", few, "--timeout", "0.2")
     assert (status, err) == (1, [f"icebreaker: {port} sends without being asked: is the right board there?"])
+
+
+FEW = "out_of_reset|skew=0.0|answer_at_once|noise|no_stop_bit|button"
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    "tests",
+    [
+        pytest.param(FEW, marks=pytest.mark.cost(6)),
+        pytest.param(f"^(?!.*({FEW}))", marks=[pytest.mark.slow, pytest.mark.cost(30)]),
+    ],
+    ids=["few", "more"],
+)
+def test_at_the_pins(tests):
+    simulated("tb.icebreaker.bench", COCOTB_TEST_FILTER=tests)
+
+
+@pytest.mark.sim
+@pytest.mark.cost(15)
+def test_hand_poses_at_the_pins():
+    simulated("tb.icebreaker.bench", 1, COCOTB_TEST_FILTER="skew=0.0$|answer_at_once")

@@ -18,7 +18,6 @@ from model.motion.tests.test_joints import poses
 from model.reference.kinematics import angle_between
 from scripts import run
 from scripts.tests.test_run import scores, table
-from tb.sim.env import simulator as simulator_of_tests
 
 TH = [f"th{n}" for n in range(1, 8)]
 
@@ -161,14 +160,13 @@ def test_built_in_hands(cli, name):
     np.testing.assert_array_equal(lengths, [(arm.d1, arm.d2, *arm.tool)] * 100)
 
 
-@pytest.mark.sim
-@pytest.mark.cost(20)
+@pytest.mark.cost(10)
 def test_a_robot_in_the_rtl(command, tmp_path):
-    """Limits reach the ports: half of the poses are outside the robot's limits."""
+    """Limits reach the ports, in Icarus: half of the poses are outside the robot's limits."""
     tight = urdf(tmp_path / "t.urdf", CHAINS["reversed"], limits=[(-0.2, 0.1)] * 7)
     points, q = Arm.from_urdf(tight).forward(np.random.default_rng(1).uniform(-0.2, 0.1, (9, 7)))
     write_poses(points, q, phi=np.linspace(-3, 3, 9))
-    words = "--trajectory", "t.csv", "--robot", str(tight), "--out", "o", "--width", "18", "--sim", simulator_of_tests()
+    words = "--trajectory", "t.csv", "--robot", str(tight), "--out", "o", "--width", "18", "--sim", "icarus"
     assert command(run.main, *words)[0] == 0
     (result,) = scores("o/score.json")
     assert (result["targets"], result["bit_mismatches"], result["passed"]) == (9, 0, True) and result["over_limit"] > 4

@@ -76,10 +76,9 @@ async def every_field(dut):
             answer = await bench.write(register, data)
             assert answer == (AxiResp.OKAY if writable else AxiResp.SLVERR), f"{register} written: {answer}"
             values[register] = values[register] & ~keeps | data & keeps
-            assert await bench.read(register) == values[register], f"{data:#x} to {register}"
-        for other, value in values.items():
-            got = await bench.read(other)
-            assert got == value, f"{data:#x} to {register}: {other} is {got:#x}, expected {value:#x}"
+            for other in values if data in (ALL, 0) else (register,):
+                got, value = await bench.read(other), values[other]
+                assert got == value, f"{data:#x} to {register}: {other} is {got:#x}, expected {value:#x}"
     bench.check()
 
 

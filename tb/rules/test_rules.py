@@ -109,6 +109,12 @@ def cases(rows):
     ]
 
 
+@pytest.fixture(scope="module")
+def echo(tmp_path_factory):
+    """Return the options of an unchanged copy with the echo, which all wrong drivers share."""
+    return echoing(tmp_path_factory.mktemp("echo"))
+
+
 @pytest.fixture
 def said(caplog):
     """Return a function that returns the text printed by the simulation."""
@@ -158,9 +164,9 @@ def test_seeded_bug_is_detected(finding, bench, test, file, old, new, tmp_path, 
 @pytest.mark.sim
 @only_icarus
 @pytest.mark.parametrize(("finding", "test", "forced", "when"), cases(FORCED))
-def test_a_wrong_driver_is_named(finding, test, forced, when, tmp_path, said):
+def test_a_wrong_driver_is_named(finding, test, forced, when, echo, said):
     env = {"IK_AXI_CORE": "echo", "IK_FORCE": forced, "IK_WHEN": when, "COCOTB_TEST_FILTER": f"rules.{test}$"}
-    top, options = ("ik_axi", echoing(tmp_path)) if test == "memory" else ("ik_axis", {})
+    top, options = ("ik_axi", echo) if test == "memory" else ("ik_axis", {})
     if test == "stream":
         env.pop("IK_AXI_CORE")
     with pytest.raises(SystemExit, match=r"^FAILED \d+ tests"):

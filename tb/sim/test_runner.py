@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the environment for simulators, the choice of dividers and roots, and the start of cocotb simulations."""
+"""Tests of the environment for simulators, the choice of dividers and roots, the start of simulations and subprocesses,
+and the file lists with their digest."""
 
 import os
 import re
 import shutil
 import signal
 import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from cocotb_test.simulator import Icarus
 
-from tb.sim import runner, sources
+from tb.sim import runner, simulate, subprocesses
 from tb.sim.env import CORES, ROOT, cores, environment, simulator, verilator_root
+from tb.sim.sources import closure, code, digest, headers, includes, sources
 
 
 @pytest.fixture
@@ -102,7 +106,7 @@ def test_make_keeps_it_from_what_it_starts(tmp_path):
 
 
 def modules():
-    return {path.stem: path.read_text() for path in sources.sources()}
+    return {path.stem: path.read_text() for path in sources()}
 
 
 def test_every_module_above_a_core_has_the_parameter():
@@ -162,9 +166,137 @@ def test_a_changed_header_is_compiled_again(tmp_path, monkeypatch):
     folder = tmp_path / "icarus" / "ik_trig"
     built = Path(Icarus(toplevel="ik_trig", module="none", verilog_sources=[], sim_build=str(folder)).sim_file)
     built.touch()
-    newest = max(path.stat().st_mtime for path in sources.headers())
+    newest = max(path.stat().st_mtime for path in headers())
     for age in (1, -1):
         os.utime(built, (newest + age, newest + age))
         runner.simulate("ik_trig", "none", sim="icarus")
     forced = [options["force_compile"] for options in given]
     assert forced == [False, False, True, True]  # each call compiles, then runs
+
+
+RTL = ROOT / "rtl"
+
+
+def test_the_list_names_every_file_once():
+    assert sorted(sources()) == sorted(RTL.rglob("*.v"))
+
+
+def test_every_header_is_found():
+    assert sorted(headers()) == sorted(RTL.rglob("*.vh"))
+    wanted = {
+        name for path in [*sources(), *headers()] for name in re.findall(r'`include\s+"([^"]+)"', path.read_text())
+    }
+    assert wanted == {path.name for path in headers()}
+    assert all(folder.is_dir() for folder in includes())
+
+
+def test_a_copy_has_its_own_files(tmp_path):
+    shutil.copytree(RTL, tmp_path / "rtl")
+    assert [path.relative_to(tmp_path) for path in sources(tmp_path)] == [path.relative_to(ROOT) for path in sources()]
+
+
+def test_closure_is_all_a_module_needs_and_no_more():
+    files = closure("ik_lean")
+    names = {path.name for path in files}
+    assert files[0] == RTL / "lean/ik_lean.v"
+    assert {"ik_rsqrt.v", "ik_rsqrt_table.vh", "ik_delay.v", "ik_lean_nodes.vh"} <= names
+    assert not names & {"ik_axis.v", "ik_div.v", "ik_paper.v"}
+    assert closure("ik_none") == []
+
+
+VERILOG = ("assign q = a & b;\n", "// a comment\nassign q = /* another,\n of two lines */ a &\n    b;  // and one\n")
+PYTHON = (
+    'def f(a):\n    return f"{a} # no comment"\n',
+    '"""What it is for."""\n\n# a comment\ndef f(a):  # another\n    """What f is\n    for."""\n\n'
+    '    return f"{a} # no comment"\n',
+)
+
+
+@pytest.mark.parametrize(("name", "texts"), [("a.v", VERILOG), ("a.vh", VERILOG), ("a.cpp", VERILOG), ("a.py", PYTHON)])
+def test_comments_and_blanks_do_not_count(tmp_path, name, texts):
+    path = tmp_path / name
+    digests = []
+    for text in texts:
+        path.write_text(text)
+        digests.append(digest([path]))
+    assert digests[0] == digests[1], code(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "before", "after"),
+    [
+        ("a.v", VERILOG[0], VERILOG[0].replace("&", "|")),
+        ("a.v", '$display("a  // b");', '$display("a // b");'),
+        ("a.cpp", 'f("//", 1);', 'f("//", 2);'),
+        ("a.py", PYTHON[0], PYTHON[0].replace("# no", "# a")),
+        ("a.py", "if a:\n    b()\nc()\n", "if a:\n    b()\n    c()\n"),
+        ("a.py", 'a = """one"""\n', 'a = """two"""\n'),
+    ],
+)
+def test_code_counts(tmp_path, name, before, after):
+    path = tmp_path / name
+    path.write_text(before)
+    was = digest([path])
+    path.write_text(after)
+    assert digest([path]) != was
+    assert digest([path, path]) != digest([path]), "and so does a file more"
+
+
+PARENT = """
+import os, subprocess, sys, tempfile
+child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
+tempfile.mkstemp()
+print(os.getpid(), child.pid, flush=True)
+child.wait()
+"""
+
+
+def alive(pid: int) -> bool:
+    """Return True if the process is running; a zombie is not."""
+    stat = Path(f"/proc/{pid}/stat")
+    return stat.exists() and stat.read_text().rsplit(")", 1)[1].split()[0] != "Z"
+
+
+def test_the_whole_group_ends_and_its_temporary_files_are_in_one_folder(tmp_path):
+    with pytest.raises(KeyboardInterrupt):
+        with subprocesses.started(
+            [sys.executable, "-c", PARENT], tmp_path, stdout=subprocess.PIPE, text=True
+        ) as process:
+            pids = [int(pid) for pid in process.stdout.readline().split()]
+            assert len(pids) == 2 and all(map(alive, pids))
+            raise KeyboardInterrupt
+    assert not any(map(alive, pids))
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_process_that_ignores_sigterm_is_killed(tmp_path, monkeypatch):
+    monkeypatch.setattr(subprocesses, "GRACE", 0.1)
+    deaf = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(flush=True); time.sleep(20)"
+    with subprocesses.started([sys.executable, "-c", deaf], tmp_path, stdout=subprocess.PIPE) as process:
+        process.stdout.readline()
+    assert process.returncode == -signal.SIGKILL
+
+
+def test_a_compiler_leaves_no_folder(tmp_path, monkeypatch):
+    monkeypatch.setattr(subprocesses.tempfile, "tempdir", str(tmp_path))
+    words = "import os, tempfile; tempfile.mkstemp(); print(os.environ['TMPDIR'])"
+    done = subprocesses.compiled([sys.executable, "-c", words])
+    assert done.returncode == 0 and done.stdout.startswith(str(tmp_path))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_is_named(tmp_path, monkeypatch):
+    usage = subprocesses.shutil.disk_usage(tmp_path)
+    assert subprocesses.full(tmp_path, tmp_path / "none") == ""
+    monkeypatch.setattr(subprocesses.shutil, "disk_usage", lambda path: usage._replace(free=4096))
+    assert subprocesses.full(tmp_path) == f"no space left on the disk of '{tmp_path}'"
+
+
+def test_a_full_temporary_folder_is_named(monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np, "savez", full)
+    with pytest.raises(OSError, match="No space") as raised:
+        simulate.simulate([], simulator="icarus", datapath="lean", width=32)
+    assert raised.value.filename.endswith("jobs.npz")
