@@ -86,8 +86,9 @@ module ik_fold_arm #(
     end
   end
 
-  // Registers behind the memory of small chips cost logic cells. Number 255 is a step that does nothing. With TILE = 16, a
-  // step of the lap may follow the first clock of a reset: what it writes is written again before it is read.
+  // Registers behind the memory of small chips cost logic cells. Number 255 is a step that does nothing. With TILE = 16,
+  // any step may follow the first clock of a reset, and then writes nothing; the number after it is then 255.
+  wire stale = TILE == 16 && fetched[7:6] == 2'b11;
   generate
     if (TILE == 16) begin : g_step
       reg [STEP_W-1:0] read_step;
@@ -154,7 +155,7 @@ module ik_fold_arm #(
       .clk(clk), .go(go),
       .a_at({f_a[6:1], f_a[0] ^ a_second}), .b_at(f_b_count ? {1'b1, n} : {f_b[6] ^ b_constant, f_b[5:1], f_b[0] ^ b_second}), .r_at(f_r),
       .a(a), .b(b), .r(row_word),
-      .w_en(f_source != SOURCE_NONE && !rst), .w_at(w_place), .w(w)
+      .w_en(f_source != SOURCE_NONE && !rst && !stale), .w_at(w_place), .w(w)
   );
 
   // ---- table rows, and the offset within a segment ----
