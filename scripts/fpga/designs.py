@@ -21,8 +21,8 @@ class Design:
     """Top module with parameters, and the families for which it is synthesized or placed.
 
     parameters: all but W. aims: family -> MHz at which no further placement seed is tried; clocks vary by a tenth
-    between seeds. within: parameters of `ik_axis`, if it is placed instead of the top. sections: modules placed alone
-    as well.
+    between seeds. within: parameters of `ik_axis`, if it is placed instead of the top. sections: modules placed alone,
+    where the device does not hold the whole.
     """
 
     datapath: str
@@ -53,7 +53,7 @@ class Design:
 
 
 FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
-PAPER = ("ik_guard", "ik_swivel", "ik_elbow", "ik_elbow_q", "ik_to_elbow", "ik_to_wrist")
+ARM = ("ik_axis", "ik_lean_hand", "ik_lean_frame", "ik_lean_joints")
 FOLD, FOLD16 = ({key: MODELS[name].parameters[key] for key in ("DATAPATH", "TILE")} for name in ("fold", "fold16"))
 MEMORY = ("xc2vp", "xc7", "ecp5")
 SMALL = ("ecp5-12k", "xc7", "gowin")
@@ -62,10 +62,11 @@ DESIGNS = (
     Design("lean", 18, "ik_lean", FAMILIES, {"ecp5": 190}, within={}),
     *(Design("lean", width, "ik_lean", FAMILIES, {"ecp5": 170}, within={}) for width in (24, 32)),
     Design("lean25", 18, "ik_lean", ("xc7", "xcup"), {}, {"TILE": 25}),
-    Design("paper", 32, "ik_paper", FAMILIES, {"ecp5": 150}, {"DIGIT": 1}, sections=PAPER),
+    Design("arm", 32, "ik_lean_arm", ("ecp5",), sections=ARM),
+    Design("paper", 32, "ik_paper", FAMILIES, {}, {"DIGIT": 1}),
     Design("paper", 18, "ik_paper", ("ecp5",), {"ecp5": 150}, {"DIGIT": 1}, within={"DATAPATH": 0}),
-    Design("echo", 32, "ik_axi", MEMORY, {"ecp5": 200}),
-    *(Design("memory", width, "ik_axi", MEMORY, {"ecp5": 200}) for width in (18, 32)),
+    Design("echo", 32, "ik_axi", MEMORY, {"ecp5": 145}),
+    *(Design("memory", width, "ik_axi", MEMORY, {"ecp5": 140}) for width in (18, 32)),
     *(Design("fold16", width, "ik_axis", ("up5k",), {"up5k": 33}, FOLD16) for width in (18, 24)),
     *(Design("fold", width, "ik_axis", SMALL, {"ecp5-12k": 100}, FOLD) for width in (24, 32)),
     Design("fold_arm16", 24, "ik_arm", ("up5k",), {"up5k": 28}, FOLD16),

@@ -90,7 +90,8 @@ endmodule
 
     def stimuli(self, clocks: int, width: int, seed: int = 1) -> np.ndarray:
         """Return the pins for each clock: valid and ready in three of four, other pins random, a reset at the beginning
-        and one of one clock in the middle. Hand poses of words of ``width`` bits are shifted in and held."""
+        and one of one clock in the middle. Hand poses of words of ``width`` bits are shifted in and held; ``ik_axi``
+        gets jobs."""
         draw = np.random.default_rng(seed)
         words = draw.integers(0, 2, clocks).astype(np.uint64) | np.uint64(1 << 63)  # bit 63 stands for an absent ready
         for k, label in enumerate(self.single["input"], 1):
@@ -108,15 +109,69 @@ endmodule
                 posed = (places >= 14 * width) & (places < 25 * width)
                 words = np.where(posed, words & ~np.uint64(1) | shifted, words)
             words |= high.astype(np.uint64) << np.uint64(k)
+        if "s_axi_awvalid" in self.single["input"]:
+            self._write_registers(words)
         return words
+
+    def _write_registers(self, words: np.ndarray) -> None:
+        """Start jobs by register writes, in clocks in which address and data are in place in the shift register, and
+        answer the bus only in clocks in which the response there is no error."""
+        from tb.axi.ik_regs import LISTED  # needs systemrdl, which `make run` does not install
+
+        data = int(re.search(r"DATA_W\s*=\s*(\d+)", self.parameters)[1])
+        sizes = [(label, int(high) + 1 if high.strip().isdigit() else data) for label, high in self.wide["input"]]
+        lowest = {label: sum(size for _, size in sizes[k + 1 :]) for k, (label, _) in enumerate(sizes)}
+        offsets = {name: offset for name, offset, _ in LISTED}
+        job = {"COUNT": JOB_RECORDS, "DESTINATION_LO": 1 << 20, "IRQ_ENABLE": 1, "CONTROL": 1}
+        starts = np.arange(150, len(words) - 600, JOB_CLOCKS)
+        allowed = {label: np.zeros(len(words), bool) for label in ("s_axi_awvalid", "s_axi_wvalid")}
+        for k, (name, value) in enumerate(job.items()):
+            clock = starts + 150 * k
+            for label, content in ("s_axi_awaddr", offsets[name]), ("s_axi_wdata", value), ("s_axi_wstrb", 15):
+                for bit in range(dict(sizes)[label]):
+                    places = clock - lowest[label] - bit
+                    words[places] = words[places] & ~np.uint64(1) | np.uint64(content >> bit & 1)
+            for of in allowed.values():
+                of[clock] = True
+        for letter in "rb":
+            bit = lowest[f"m_axi_{letter}resp"] + 1
+            allowed[f"m_axi_{letter}valid"] = np.pad(words & np.uint64(1), (bit, 0))[: len(words)] == 0
+        for label, clocks in allowed.items():
+            pin = np.uint64(1 << 1 + self.single["input"].index(label))
+            words &= np.where(clocks, ~np.uint64(0), ~pin)
+            if label.startswith("s_axi"):
+                words |= np.where(clocks, pin, np.uint64(0))
+
+    def memory(self) -> str:
+        """Return Verilog that lets the memory answer only requested beats and bursts: pins of ``ik_axi``, all of whose
+        bursts are full ones here."""
+        pin = {label: k for way in self.single.values() for k, label in enumerate(way, 1)}
+        if "m_axi_arvalid" not in pin:
+            return "  wire [63:0] pins = in;"
+        return """
+  reg [63:0] last, older;  // the pins one clock ago and two, of which the outputs tell
+  reg [15:0] beats, bursts;  // requested and not yet answered
+  wire [63:0] pins = in & ~((beats == 0) << {m_axi_rvalid}) & ~((bursts == 0) << {m_axi_bvalid});
+  always @(posedge clk) begin
+    {{last, older}} <= {{pins, last}};
+    beats  <= beats + (rtl[{m_axi_arvalid}] && older[{m_axi_arready}] ? 16'd{BEATS} : 16'd0) - pins[{m_axi_rvalid}];
+    bursts <= bursts + (rtl[{m_axi_wvalid}] && rtl[{m_axi_wlast}] && older[{m_axi_wready}]) - pins[{m_axi_bvalid}];
+    if (pins[{rst}] || last[{rst}] || older[{rst}]) {{beats, bursts}} <= 0;
+  end""".format(BEATS=BEATS, **pin)
 
 
 SETTLE = 2048
 """Clocks before the comparison: the pipeline and the shift registers around it are then filled."""
 
-CLOCKS, FOLDED_CLOCKS = 12_000, 800_000
+CLOCKS, FOLDED_CLOCKS, JOBS_CLOCKS = 12_000, 800_000, 20_000
 """Clocks compared; folded, a result takes 88, of a hand pose 140 or more. Every eighth target of random words is
 reachable, so 1000 are; half of 800 hand poses."""
+
+JOB_CLOCKS, JOB_RECORDS = 2500, 160
+"""Clocks from one job of ``ik_axi`` to the next, and its records, a multiple of a burst's."""
+
+BEATS = 32
+"""Beats of a full burst of ``ik_axi``: 8 records of 32 bytes on 64 bits."""
 
 HELD = 300
 """Clocks for which a hand pose stays: the core loads its words during a lap."""
@@ -132,7 +187,8 @@ def simulated(
     """Simulate a netlist (of write_json) and the RTL side by side, in a folder that holds the RTL.
 
     values: the parameters. whole: the netlist is the wrapper's, not the module's alone. Returns the clocks compared and
-    the results seen; a datapath gives at least 4000. Raises DiffersError if any output differs in any clock.
+    the results seen; a datapath gives at least 4000, jobs of ``ik_axi`` at least 1000. Raises DiffersError if any
+    output differs in any clock.
     """
     known = folder / "simulated.json"
     if known.exists():
@@ -149,8 +205,9 @@ def simulated(
     around = "" if whole else ports.wrapper(values, "fpga_gate", inner)
     (place / "bench.v").write_text(f"""{ports.wrapper(values, "fpga_rtl")}{around}
 module bench (input wire clk, input wire [63:0] in, output wire [63:0] rtl, output wire [63:0] gate);
-  fpga_rtl a (.clk(clk), .in(in{pins}), .out(rtl{outs}));
-  fpga_gate b (.clk(clk), .in(in{pins}), .out(gate{outs}));
+{ports.memory()}
+  fpga_rtl a (.clk(clk), .in(pins{pins}), .out(rtl{outs}));
+  fpga_gate b (.clk(clk), .in(pins{pins}), .out(gate{outs}));
 endmodule
 """)
     models = share(next(folder for name, folder in MODELS.items() if family.startswith(name)) + "/cells_sim.v")
@@ -170,15 +227,18 @@ endmodule
     if done.returncode:
         raise ToolError(f"{folder.name}: Verilator failed: {done.stderr[-3000:]}")
     pin = {label: k for way in ports.single.values() for k, label in enumerate(way, 1)}
-    valid = pin.get("out_valid", pin.get("m_axis_tvalid", 63))
-    ready = pin.get("m_axis_tready", 63)
-    words = ports.stimuli(SETTLE + (FOLDED_CLOCKS if slow else CLOCKS), values.get("W", 0)).tobytes()
+    valid = pin.get("out_valid", pin.get("m_axis_tvalid", pin.get("m_axi_wvalid", 63)))
+    ready = pin.get("m_axis_tready", pin.get("m_axi_wready", 63))
+    jobs = "m_axi_wvalid" in pin
+    clocks = FOLDED_CLOCKS if slow else JOBS_CLOCKS if jobs else CLOCKS
+    words = ports.stimuli(SETTLE + clocks, values.get("W", 0)).tobytes()
     command = [place / "obj" / "Vtop", *map(str, (SETTLE, valid, ready))]
     found = subprocess.run(command, input=words, capture_output=True, check=True).stdout
     clocks, differ, first, results = map(int, found.split())
     if differ:
         raise DiffersError(f"{folder.name}: {differ} of {clocks} clocks differ from the RTL, the first is {first}")
-    if valid != 63 and results < 4000:
+    results //= 4 if jobs else 1  # beats in a record
+    if valid != 63 and results < (1000 if jobs else 4000):
         raise ToolError(f"{folder.name}: only {results} results in {clocks} clocks")
     shutil.rmtree(place)
     known.write_text(json.dumps({"clocks": clocks, "results": results}))

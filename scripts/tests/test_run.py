@@ -44,9 +44,8 @@ def test_the_scenario_of_the_paper_runs_on_both_datapaths(cli, simulator, files)
         assert (call["datapath"], [job.name for job in call["jobs"]]) == (datapath, ["reach"])
         assert (each["datapath"], each["targets"], each["passed"]) == (datapath, 100, True)
     table = {line[:41].strip(): line[41:].split() for line in out if line.startswith(" ")}
-    mhz = [clock(load(), datapath, 32) for datapath in ("lean", "paper")]
     assert table["latency (clocks)"] == ["~550", "44", "44"]
-    assert table["until the last (us)"] == ["6", *(f"{144 / each:.2f}" for each in mhz)]
+    assert table["until the last (us)"] == ["6", f"{144 / clock(load(), 'lean', 32):.2f}", "-"]
 
 
 def test_options_reach_the_simulator(cli, simulator, files):

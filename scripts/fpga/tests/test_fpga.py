@@ -175,7 +175,7 @@ def test_registers_behind_a_word_of_36_bits_go_into_the_memory_all_or_none(half)
 TOPS = dict.fromkeys(design.top for design in designs.DESIGNS)
 
 
-@pytest.mark.parametrize("module", [*TOPS, *designs.PAPER])
+@pytest.mark.parametrize("module", [*TOPS, *designs.ARM])
 def test_wrapper_connects_every_port(module):
     text = closure(module)[0].read_text()
     ports = simulation.Ports(text)

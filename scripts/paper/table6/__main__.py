@@ -51,7 +51,7 @@ SHORT = 0.02
 """Minimum duration of a measurement (s); faster functions are repeated within it."""
 
 WIDTH = 32
-DATAPATHS = ("paper", "lean")
+DATAPATH = "lean"
 BUS, LATENCY = 128, 34
 """Bits of the bus and clocks of the memory in the path from memory to memory."""
 CHUNK = 20_000
@@ -162,12 +162,11 @@ def random_error(words: np.ndarray, datapath: str) -> float:
 
 def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
     """Yield the rows of the core."""
-    for datapath in DATAPATHS:
-        report(f"{datapath} RTL, {len(words)} random targets through its model ...")
-        worst = figure(random_error(words, datapath))
-        for path, clocks in PATHS.items():
-            report(f"{datapath} RTL, {path} ...")
-            yield {"datapath": datapath, "path": path, "width": WIDTH, "random_error": worst, **clocks(datapath)}
+    report(f"{DATAPATH} RTL, {len(words)} random targets through its model ...")
+    worst = figure(random_error(words, DATAPATH))
+    for path, clocks in PATHS.items():
+        report(f"{DATAPATH} RTL, {path} ...")
+        yield {"datapath": DATAPATH, "path": path, "width": WIDTH, "random_error": worst, **clocks(DATAPATH)}
 
 
 # -- the page ---------------------------------------------------------------------------------------------------------
