@@ -70,16 +70,19 @@ module ik_guard #(
     d_raw <= d1_x - d2_x;
   end
 
-  wire signed [XW-1:0] x_sq, y_sq, z_sq, r_sq, d_sq;
-  wire signed [W:0] x_x = {x[W-1], x};
-  wire signed [W:0] y_x = {y[W-1], y};
-  wire signed [W:0] z_x = {z[W-1], z};
+  // x, y and z are squared as W bits, as in ik_lean_guard: Yosys' xilinx_dsp loses bits of a product's register where an
+  // operand has two equal sign bits. A square is not negative.
+  wire [2*W-1:0] x_sq_w, y_sq_w, z_sq_w;
+  wire signed [XW-1:0] x_sq = {2'b00, x_sq_w};
+  wire signed [XW-1:0] y_sq = {2'b00, y_sq_w};
+  wire signed [XW-1:0] z_sq = {2'b00, z_sq_w};
+  wire signed [XW-1:0] r_sq, d_sq;
   // x_sq = x^2
-  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_x_sq (.clk(clk), .a(x_x), .b(x_x), .q(x_sq));
+  ik_mul #(.AW(W), .BW(W), .SH(0), .OW(2*W), .SQUARE(1)) u_x_sq (.clk(clk), .a(x), .b(x), .q(x_sq_w));
   // y_sq = y^2
-  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_y_sq (.clk(clk), .a(y_x), .b(y_x), .q(y_sq));
+  ik_mul #(.AW(W), .BW(W), .SH(0), .OW(2*W), .SQUARE(1)) u_y_sq (.clk(clk), .a(y), .b(y), .q(y_sq_w));
   // z_sq = z^2
-  ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_z_sq (.clk(clk), .a(z_x), .b(z_x), .q(z_sq));
+  ik_mul #(.AW(W), .BW(W), .SH(0), .OW(2*W), .SQUARE(1)) u_z_sq (.clk(clk), .a(z), .b(z), .q(z_sq_w));
   // r_sq = r_raw^2
   ik_mul #(.AW(W+1), .BW(W+1), .SH(0), .OW(XW), .SQUARE(1)) u_r_sq (.clk(clk), .a(r_raw), .b(r_raw), .q(r_sq));
   // d_sq = d_raw^2
@@ -135,6 +138,9 @@ module ik_guard #(
   wire r_empty;
   ik_lzc #(.W(W+1), .N(1)) u_lz_r (.clk(clk), .d(r_raw), .count(lz_r), .empty(r_empty));
 
+  wire signed [W:0] x_x = {x[W-1], x};
+  wire signed [W:0] y_x = {y[W-1], y};
+  wire signed [W:0] z_x = {z[W-1], z};
   wire signed [W:0] d_1_sh, d_2_sh, p_a_x_sh, p_a_y_sh, p_a_z_sh;
   ik_shift #(.W(W+1), .PRODUCT(1), .DD(T_LZ_R)) u_d_1_sh (.clk(clk), .d(d1_x), .count(lz_r), .q(d_1_sh));
   ik_shift #(.W(W+1), .PRODUCT(1), .DD(T_LZ_R)) u_d_2_sh (.clk(clk), .d(d2_x), .count(lz_r), .q(d_2_sh));
