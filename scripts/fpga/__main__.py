@@ -37,7 +37,7 @@ from scripts.generate.pages import TARGETS
 from tb.sim.env import ROOT
 
 FULL = 0.97
-"""Largest utilization of the device at which a design is placed whole."""
+"""Largest utilization of the device at which a design is placed."""
 
 
 def fits(family: str, cells: dict) -> bool:
@@ -106,7 +106,7 @@ class Measurement:
         return best
 
     def measure(self, chosen: Sequence[Design]) -> None:
-        """Synthesize designs for all of their families, and place them whole, if they fit, and section by section."""
+        """Synthesize designs for all of their families, and place them, if they fit."""
         for design in chosen:
             self.data["designs"].setdefault(design.name, {}).update(describe(design))
         runs = [design.run(family) for design in chosen for family in design.families]
@@ -118,7 +118,6 @@ class Measurement:
                 synthesized = done.get(design.run(family).title)
                 if synthesized and fits(family, synthesized["cells"]):
                     placements.append(design.run(family, "place"))
-            placements += [design.run("ecp5", "place", module) for module in design.sections]
         self.execute(placements)
         self.write()
 

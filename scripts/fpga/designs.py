@@ -21,8 +21,7 @@ class Design:
     """Top module with parameters, and the families for which it is synthesized or placed.
 
     parameters: all but W. aims: family -> MHz at which no further placement seed is tried; clocks vary by a tenth
-    between seeds. within: parameters of `ik_axis`, if it is placed instead of the top. sections: modules placed alone,
-    where the device does not hold the whole.
+    between seeds. within: parameters of `ik_axis`, if it is placed instead of the top.
     """
 
     datapath: str
@@ -32,7 +31,6 @@ class Design:
     aims: dict[str, float] = field(default_factory=dict)
     parameters: dict[str, int] = field(default_factory=dict)
     within: dict[str, int] | None = None
-    sections: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -43,17 +41,16 @@ class Design:
         """Value of --datapath that selects the design."""
         return {"echo": "memory", "fold16": "fold", "fold_arm16": "fold_arm"}.get(self.datapath, self.datapath)
 
-    def run(self, family: str, kind: str = "synth", module: str = "") -> Run:
-        """Return a run of the top, or of a module alone."""
+    def run(self, family: str, kind: str = "synth") -> Run:
+        """Return a run of the top, or of `ik_axis` around it."""
         values = {"W": self.width, **self.parameters}
         aim = self.aims.get(family) if kind == "place" else None
-        if kind == "place" and not module and self.within is not None:
+        if kind == "place" and self.within is not None:
             return Run(kind, family, "ik_axis", values | self.within, aim)
-        return Run(kind, family, module or self.top, values, aim, echo=self.datapath == "echo")
+        return Run(kind, family, self.top, values, aim, echo=self.datapath == "echo")
 
 
 FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
-ARM = ("ik_axis", "ik_lean_hand", "ik_lean_frame", "ik_lean_joints")
 FOLD, FOLD16 = ({key: MODELS[name].parameters[key] for key in ("DATAPATH", "TILE")} for name in ("fold", "fold16"))
 MEMORY = ("xc2vp", "xc7", "ecp5")
 SMALL = ("ecp5-12k", "xc7", "gowin")
@@ -62,11 +59,10 @@ DESIGNS = (
     Design("lean", 18, "ik_lean", FAMILIES, {"ecp5": 190}, within={}),
     *(Design("lean", width, "ik_lean", FAMILIES, {"ecp5": 170}, within={}) for width in (24, 32)),
     Design("lean25", 18, "ik_lean", ("xc7", "xcup"), {}, {"TILE": 25}),
-    Design("arm", 32, "ik_lean_arm", ("ecp5",), sections=ARM),
-    Design("paper", 32, "ik_paper", FAMILIES, {}, {"DIGIT": 1}),
+    Design("paper", 32, "ik_paper", ("xc2vp", "xc7"), {}, {"DIGIT": 1}),
     Design("paper", 18, "ik_paper", ("ecp5",), {"ecp5": 150}, {"DIGIT": 1}, within={"DATAPATH": 0}),
     Design("echo", 32, "ik_axi", MEMORY, {"ecp5": 145}),
-    *(Design("memory", width, "ik_axi", MEMORY, {"ecp5": 140}) for width in (18, 32)),
+    *(Design("memory", width, "ik_axi", MEMORY, {"ecp5": 130}) for width in (18, 32)),
     *(Design("fold16", width, "ik_axis", ("up5k",), {"up5k": 33}, FOLD16) for width in (18, 24)),
     *(Design("fold", width, "ik_axis", SMALL, {"ecp5-12k": 100}, FOLD) for width in (24, 32)),
     Design("fold_arm16", 24, "ik_arm", ("up5k",), {"up5k": 28}, FOLD16),
@@ -117,17 +113,10 @@ def run_of(data: dict, run: Run) -> dict:
     return data["runs"].get(run.title, {})
 
 
-def slowest(data: dict, design: Design) -> float | None:
-    """Return the lowest clock of the sections (MHz), None unless all were placed."""
-    clocks = [run_of(data, design.run("ecp5", "place", module)).get("mhz") for module in design.sections]
-    return min(clocks, default=None) if all(clocks) else None
-
-
 def clock(data: dict, datapath: str, width: int) -> float | None:
-    """Return the clock of a design (MHz): placed whole if it fits the device, otherwise of its slowest section."""
+    """Return the clock of a placed design (MHz), None unless it was placed."""
     design = find(datapath, width)
-    whole = (run_of(data, design.run(family, "place")).get("mhz") for family in design.aims)
-    return next(filter(None, whole), slowest(data, design))
+    return next(filter(None, (run_of(data, design.run(family, "place")).get("mhz") for family in design.aims)), None)
 
 
 def size(data: dict, datapath: str, width: int) -> tuple[dict | None, str]:

@@ -11,7 +11,7 @@ from scripts.fpga.netlist import HOLDS, KINDS, MULTIPLIER_NS
 from scripts.generate.render import render, table
 from scripts.paper import tables
 
-BROKEN_DOWN = {"lean": (32, 18), "paper": (32,)}
+BROKEN_DOWN = {"lean": (32, 18)}
 """Datapath -> widths whose logic is counted by section."""
 
 CELLS = {
@@ -44,7 +44,7 @@ def _clocks(figures: dict, digits: int = 0) -> str:
 
 def comparison(data: dict) -> str:
     """Return the table with the paper's figures next to ours."""
-    order = ("paper", "lean", "lean25", "arm")
+    order = ("paper", "lean", "lean25")
     designs = sorted(measured(data, *order), key=lambda d: (order.index(d.datapath), -d.width))
     rows: list[list] = []
 
@@ -65,8 +65,6 @@ def comparison(data: dict) -> str:
     mhz = [clock(data, d.datapath, d.width) for d in designs]
     both = list(zip(facts, mhz, strict=True))
     put("clock (MHz)", mhz, "{:.0f}")
-    whole = [run_of(data, d.run("ecp5", "place")) and "whole" for d in designs]
-    put("placed", [one or (m and "by module") for one, m in zip(whole, mhz, strict=True)])
     put("latency (clocks)", [d["latency"] for d in facts])
     put("latency (ns)", [m and 1000 * d["latency"] / m for d, m in both], "{:.0f}")
     put("100 targets (us)", [m and (d["latency"] + 100) / m for d, m in both], "{:.2f}")
@@ -135,17 +133,15 @@ def breakdown(data: dict, design: Design) -> dict:
 def critical(data: dict) -> str:
     """Return the table of each placement's slowest path."""
     rows = []
-    for design in measured(data, "lean", "paper", "arm"):
-        for run in (design.run("ecp5", "place", module) for module in ("", *design.sections)):
-            if not (found := run_of(data, run)):
-                continue
+    for design in measured(data, "lean", "paper"):
+        if found := run_of(data, design.run("ecp5", "place")):
             path = found["path"]
             rows.append([
-                f"{design.datapath} {design.width}", f"`{run.top}`", f"{found['mhz']:.0f}", f"`{path['from']}`",
+                f"{design.datapath} {design.width}", f"{found['mhz']:.0f}", f"`{path['from']}`",
                 f"`{path['to']}`", ", ".join(path["through"]), f"{path['ns']:.2f}", f"{path['routing_ns']:.2f}",
                 found["used"].get("MULT18X18D", 0), _clocks(found), found["place_s"],
             ])  # fmt: skip
-    head = ["design", "placed", "MHz", "from", "to", "through", "ns", "of it routing", "multipliers", "seeds", "s"]
+    head = ["design", "MHz", "from", "to", "through", "ns", "of it routing", "multipliers", "seeds", "s"]
     return table(head, rows)
 
 
@@ -162,7 +158,7 @@ def page(data: dict) -> str:
         "fpga",
         dates=" to ".join(sorted({dates[0], dates[-1]})),
         tools=", ".join(f"{name} {number}" for name, number in data["tools"].items()),
-        rtl=sources(data, measured(data, "lean", "lean25", "paper", "arm")),
+        rtl=sources(data, measured(data, "lean", "lean25", "paper")),
         comparison=comparison(data),
         chip=tables,
         multipliers=HOLDS["MULT18X18D"],

@@ -212,17 +212,17 @@ endmodule
 """)
     models = share(next(folder for name, folder in MODELS.items() if family.startswith(name)) + "/cells_sim.v")
     slow = values.get("DATAPATH") == 2  # a result each 88 clocks, from a small netlist
-    split = "0" if (place / "gate.v").stat().st_size < SHORT else "20000"
+    short = (place / "gate.v").stat().st_size < SHORT
     command = [
         "nice", "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "-Wno-lint", "-Wno-SPECIFYIGN",
         "-Wno-UNOPTFLAT", "--x-initial", "0", "--x-assign", "0", "--prefix", "Vtop", "--top-module", "bench",
-        "--Mdir", str(place / "obj"), f"-I{folder}", f"-I{models.parent}", "--output-split", split,
+        "--Mdir", str(place / "obj"), f"-I{folder}", f"-I{models.parent}", "--output-split", "0" if short else "20000",
         "-CFLAGS", "-std=gnu++20",
         *map(str, (place / "bench.v", place / "gate.v", HERE / "cells.v", models, HERE / "netlist_bench.cpp")),
         *(str(folder / path.name) for path in files if path.suffix == ".v"),
     ]  # fmt: skip
     (place / "obj").mkdir(exist_ok=True)
-    with runtime(place / "obj", f"netlist{int(slow)}") as shared:
+    with runtime(place / "obj", f"netlist{int(slow)}", short) as shared:
         done = compiled([*command, "-MAKEFLAGS", shlex.join([*shared, f"OPT_FAST=-O{int(slow)}", "OPT_SLOW=-O0"])])
     if done.returncode:
         raise ToolError(f"{folder.name}: Verilator failed: {done.stderr[-3000:]}")

@@ -84,9 +84,11 @@ $(COMMON).gch: $(COMMON)
 
 
 @contextmanager
-def runtime(folder: Path, kind: str):
+def runtime(folder: Path, kind: str, header: bool = True):
     """Share Verilator's own runtime and its parsed headers, 10 s of compilation, between all builds of a kind; yield
-    the arguments of their make, which would otherwise find the runtime older than its makefile."""
+    the arguments of their make, which would otherwise find the runtime older than its makefile.
+
+    header: Verilator parses no header of its own, as it does for a model in several files; gcc takes only one."""
     store = BUILD / "verilator" / f"runtime-{version('verilator')}-{kind}"
     with alone(store):
         for name, text in COMMON.items():
@@ -96,8 +98,9 @@ def runtime(folder: Path, kind: str):
     for path in ready:
         if not (folder / path.name).exists():
             shutil.copy(path, folder / path.name)
-    rule, header = (os.path.relpath(store / name, folder) for name in ("common.mk", "common.h"))
-    given = [f"COMMON={header}", f"USER_CPPFLAGS=-include {header}", *(f"--old-file={path.name}" for path in ready)]
+    rule, common = (os.path.relpath(store / name, folder) for name in ("common.mk", "common.h"))
+    given = [f"COMMON={common}", *[f"USER_CPPFLAGS=-include {common}"] * header]
+    given += [f"--old-file={path.name}" for path in ready]
     yield [f"-j{os.cpu_count()}", *MAKE_ARGS, "-f", rule, *given]
     for path in folder.glob("verilated*.o"):
         if not (store / path.name).exists():
