@@ -49,7 +49,7 @@ PICOLIBC = (
 """Functions of the C library that the program calls: LiteX's source, since Debian's compiler comes without one."""
 
 UNDECLARED = "long double rintl(long double), fabsl(long double), copysignl(long double, long double);\n"
-"""What <tgmath.h> needs and LiteX's <math.h> lacks."""
+"""Functions that <tgmath.h> needs and LiteX's <math.h> lacks."""
 
 PADS = [
     ("sys_clk", 0, Pins(1)),

@@ -255,7 +255,7 @@ def test_an_unusable_list_is_not_overwritten(cli, simulator):
 
 @pytest.mark.parametrize("datapath", soak.SEARCHED)
 def test_later_rounds_find_worse_targets(cli, monkeypatch, datapath):
-    """Of the arm both the hand's point and its orientation get worse."""
+    """Both the point and the orientation of the arm's hand get worse."""
     monkeypatch.setattr(soak, "KEPT", 100)
     monkeypatch.setattr(soak, "REGIONS", ())
     worst_targets.LIST.write_text(worst_targets.text([]))

@@ -30,7 +30,7 @@ BURSTS = 8  # maximum number of outstanding bursts in each direction
 PATIENCE = 50000  # clocks without a beat on the memory port after which a test fails
 
 ARM = bool(getattr(getattr(getattr(cocotb, "top", None), "ARM", None), "value", 0))
-"""Whether the simulated instance solves the whole arm."""
+"""True if the simulated instance solves the whole arm."""
 
 LAYOUT = ARM_RECORDS if ARM else RECORDS
 BYTES = LAYOUT.size
