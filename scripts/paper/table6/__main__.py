@@ -183,9 +183,8 @@ BUSY = 0.3  # load per processor core above which the page warns that the comput
 
 
 def clock_of(fpga: dict, row: dict) -> float:
-    """Return the clock of a hardware row (MHz); memory to memory: the slower of datapath and ``ik_axi``."""
-    datapath = clock(fpga, row["datapath"], row["width"])
-    return datapath if row["path"] == STREAMS else min(datapath, clock(fpga, "echo", 32))
+    """Return the clock of a hardware row (MHz): of the datapath, or memory to memory of ``ik_axi`` with it."""
+    return clock(fpga, row["datapath"] if row["path"] == STREAMS else "memory", row["width"])
 
 
 def number(value: float) -> str:
@@ -250,8 +249,8 @@ def page(figures: dict, fpga: dict) -> str:
     quoted = (_times("quoted", name, us) for name, us, _ in QUOTED)
     found = {"rows": [*quoted, *_software(figures), *_hardware(figures, fpga)], "waits": list(_waits(figures, fpga))}
     found["c_unanswered"] = [r for r in figures["software"] if r["key"][:2] == "c-" and r["random"]["unanswered"]]
-    found |= {"busy": machine["load"] > BUSY * machine["cores"], "memory_mhz": clock(fpga, "echo", 32)}
-    return render("table6", figures=figures, machine=machine, batch=tables.TARGETS, number=number, **found)
+    found["busy"] = machine["load"] > BUSY * machine["cores"]
+    return render("table6", figures=figures, machine=machine, batch=tables.TARGETS, **found)
 
 
 def write(figures: dict[str, Any] | None = None) -> int:
