@@ -36,7 +36,7 @@ from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, t
 
 HERE = Path(__file__).parent
 REPORT = HERE.parent / "report"
-SCRIPTS = ("machine", "solve", "lane", "waves", "playground")
+SCRIPTS = ("machine", "solve", "lane", "waves", "hand", "playground")
 
 
 HAND = (0.0, 0.5**0.5, 0.0, 0.5**0.5)  # z forward, x up
