@@ -40,7 +40,8 @@ def failures(request, tmp_path_factory):
     """Run the selected tests of a parameter set; return the messages of those that failed."""
     datapath, width, tag_width = (SETS | BYTES)[request.param]
     top = "ik_axis_bytes" if request.param in BYTES else MODELS[datapath].top
-    chosen = [item.callspec.params for item in request.session.items if item.path == request.path]
+    items = [item for item in request.session.items if item.path == request.path and hasattr(item, "callspec")]
+    chosen = [item.callspec.params for item in items]
     names = [params["name"] for params in chosen if params["failures"] == request.param]
     results = tmp_path_factory.mktemp("streams") / "results.xml"
     parameters = {"W": width, "TAG_W": tag_width, **MODELS[datapath].parameters}
