@@ -198,7 +198,7 @@ def some_of(valid: Sequence[str], most: int) -> Callable[[str], list[str]]:
 
 
 class Whole(click.IntRange):
-    """An option type: a whole number in a range; the help omits a largest one that is only there to have one."""
+    """An option type: a whole number in a range; the help omits the upper end LARGEST."""
 
     def _describe_range(self) -> str:
         return f"x>={self.min}" if self.max == LARGEST else super()._describe_range()

@@ -114,8 +114,10 @@ endmodule
         return words
 
     def _write_registers(self, words: np.ndarray) -> None:
-        """Start jobs by register writes, in clocks in which address and data are in place in the shift register, and
-        answer the bus only in clocks in which the response there is no error."""
+        """Change the pins so that ``ik_axi`` runs jobs.
+
+        A register is written in the clock in which its address and data have arrived in the shift register. The bus is
+        answered only in clocks in which the response in the shift register is not an error."""
         from tb.axi.ik_regs import LISTED  # needs systemrdl, which `make run` does not install
 
         data = int(re.search(r"DATA_W\s*=\s*(\d+)", self.parameters)[1])
@@ -143,13 +145,13 @@ endmodule
                 words |= np.where(clocks, pin, np.uint64(0))
 
     def memory(self) -> str:
-        """Return Verilog that lets the memory answer only requested beats and bursts: pins of ``ik_axi``, all of whose
-        bursts are full ones here."""
+        """Return Verilog that derives the pins from ``in``; the memory of ``ik_axi`` answers requested beats and bursts
+        only. All bursts are full ones here."""
         pin = {label: k for way in self.single.values() for k, label in enumerate(way, 1)}
         if "m_axi_arvalid" not in pin:
             return "  wire [63:0] pins = in;"
         return """
-  reg [63:0] last, older;  // the pins one clock ago and two, of which the outputs tell
+  reg [63:0] last, older;  // pins of the last clock and of the one before
   reg [15:0] beats, bursts;  // requested and not yet answered
   wire [63:0] pins = in & ~((beats == 0) << {m_axi_rvalid}) & ~((bursts == 0) << {m_axi_bvalid});
   always @(posedge clk) begin

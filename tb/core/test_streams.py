@@ -61,10 +61,9 @@ def failures(request, tmp_path_factory):
 
 
 LARGE = ("paper-23", "arm-18", "fold_arm-24") if simulator() == "icarus" else ()
-SOME = (*LARGE, "fold_arm16-18")  # differs from fold_arm-24 in the fetch of steps only, which a reset interrupts
+SOME = (*LARGE, "fold_arm16-18")  # differs from fold_arm-24 in the fetch of steps only: test_power_up resets it
 WHOLE = [key for key in SETS if key not in SOME]
 FEW = ("one_result", "recurrences", "idle=bursts/stall=bursts", "full", "after=out")
-FEW += () if simulator() == "icarus" else ("reset_in_any_clock",)
 
 
 @pytest.mark.parametrize("name", TESTS)

@@ -88,7 +88,7 @@ def runtime(folder: Path, kind: str, header: bool = True):
     """Share Verilator's own runtime and its parsed headers, 10 s of compilation, between all builds of a kind; yield
     the arguments of their make, which would otherwise find the runtime older than its makefile.
 
-    header: Verilator parses no header of its own, as it does for a model in several files; gcc takes only one."""
+    header: False if Verilator precompiles a header itself, as for a model in several files; gcc accepts only one."""
     store = BUILD / "verilator" / f"runtime-{version('verilator')}-{kind}"
     with alone(store):
         for name, text in COMMON.items():

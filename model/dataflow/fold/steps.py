@@ -167,7 +167,7 @@ class AngleClocks(NamedTuple):
 
 
 ANGLE_CLOCKS = {24: AngleClocks(12, 15, 16), 32: AngleClocks(16, 17, 18)}
-"""Longest word length of each program of the whole arm -> its clocks; the last one is at least ``shown`` + 1."""
+"""Longest word length of each program of the whole arm -> its clocks; ``again`` is at least ``shown`` + 1."""
 COMPARED = 2  # clocks from a joint's angle until its comparison with the limits
 
 
@@ -195,7 +195,7 @@ class Joint:
 
     @property
     def late(self) -> bool:
-        """Written in the second clock in which its vector's angle is shown."""
+        """True if its angle is written in the second of the two clocks that show it."""
         return self.minus or not self.other
 
     @property
