@@ -230,6 +230,7 @@ always @* if (f_on) begin
   fetched_in_lap : assert (fetched <= END);
   read_in_lap : assert (read <= END || read == NEVER);
   clock_in_lap : assert (f_some || clock == NEVER);
+  ends_of_lap : assert (begins == (clock == 0) && last == (clock == END));
   read_follows : assert (fetched == 0 ? read == NEVER || read == END || read == f_broken_at : fetched == read + 1);
   clock_follows : assert (read == NEVER ? clock == NEVER : read == 0 ? clock == NEVER || clock == END ||
       clock == f_broken_at : read == clock + 1);
