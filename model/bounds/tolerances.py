@@ -65,11 +65,12 @@ def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
 
 def pose_errors(words: np.ndarray, results: np.ndarray, flags: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the errors (N,) of the hand's point and orientation of poses (N, 11), relative to their tolerances; nan
-    for poses out of reach."""
+    for poses out of reach, and for hands that are not unit quaternions, rounded."""
     th, tool = results[:, :7].T * (2 * np.pi / (1 << width)), words[:, 6:7] * (0.0, 0.0, 1.0)
     point, hand = reached(th, words[:, 4], words[:, 5], tool)
     bars = arm(words, width)
-    unknown = np.where(flags & (UNREACHABLE | SATURATED | BAD_HAND), np.nan, 0.0)
+    unit = np.abs(np.linalg.norm(words[:, 7:11], axis=1) - (1 << width - 2)) <= 2
+    unknown = np.where((flags & (UNREACHABLE | SATURATED | BAD_HAND) == 0) & unit, 0.0, np.nan)
     off = np.linalg.norm(point - words[:, :3], axis=1) / bars[0]
     return off + unknown, angle_between(hand, words[:, 7:11]) / bars[1] + unknown
 
