@@ -133,7 +133,7 @@ class Measurement:
             rows = (f'  "{key}": {json.dumps(value)}' for key, value in self.data[part].items())
             lines.append(f' "{part}": {{\n' + ",\n".join(rows) + "\n }")
         designs.FIGURES.write_text("{\n" + ",\n".join(lines) + "\n}\n")
-        designs.PAGE.write_text(page.page(self.data))
+        designs.PAGE.write_text(str(page.page(self.data)))
 
 
 @command(
@@ -151,14 +151,15 @@ def main(options: SimpleNamespace) -> int:
     if options.farm and options.page:
         raise InputError("argument --farm: does not go with --page")
     if options.page:
-        designs.PAGE.write_text(page.page(designs.load()))
+        designs.PAGE.write_text(str(page.page(designs.load())))
         return 0
     for tool in TOOLS:
         version(tool)
     with parallel.shared(1, options.farm) as each:
         measurement = Measurement(each=each)
         measurement.measure(designs.select(options.datapath, options.width))
-    print("\n".join([page.comparison(measurement.data), "", page.folded(measurement.data), *measurement.left_out]))
+    made = page.page(measurement.data)
+    print("\n".join([made.comparison(), made.folded(), *measurement.left_out]))
     return 1 if measurement.left_out else 0
 
 

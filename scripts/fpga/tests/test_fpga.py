@@ -213,7 +213,7 @@ def test_a_tool_that_takes_too_long_is_ended(tmp_path):
 
 
 def test_page_is_made_from_the_figures():
-    assert designs.PAGE.read_text() == page.page(designs.load()), "run `python -m scripts.fpga --page`"
+    assert designs.PAGE.read_text() == str(page.page(designs.load())), "run `python -m scripts.fpga --page`"
 
 
 def on_farm(work, jobs):
