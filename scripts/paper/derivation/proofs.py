@@ -5,7 +5,6 @@ A statement is "left = right" in the names of the model. It is evaluated with sy
 for the page.
 """
 
-import ast
 import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -102,55 +101,33 @@ def parse(text: str, values: Mapping[str, Any] | None = None, evaluate: bool = T
     return parse_expr(text, local_dict=names, evaluate=evaluate)
 
 
+def latex(expression: sp.Expr, order: str | None = None) -> str:
+    """Return the LaTeX of a sympy expression; the power of a sine or cosine stands before its angle."""
+    text = sp.latex(expression, order=order, symbol_names={v: name_tex(v.name) for v in expression.free_symbols})
+    return re.sub(r"\\(cos|sin)( a|\\phi|\\frac\\phi2)(\^\{\d\})", r"\\\1\3\2", text)
+
+
+def _call(form: str) -> Callable[..., sp.Symbol]:
+    return lambda *parts: sp.Symbol(form.format(", ".join(latex(part, "none") for part in parts)))
+
+
+SHOWN = {
+    "sq": _call("|{}|^2"),
+    "rsqrt": _call(r"\frac{{1}}{{\sqrt{{{}}}}}"),
+    "vec": _call(r"\left({}\right)"),
+    "half_c": _call("h_c({})"),
+    "half_s": _call("h_s({})"),
+    "dot": lambda a, b: sp.Mul(a, sp.Symbol(r"\cdot"), b),
+    "cross": lambda a, b: sp.Mul(a, sp.Symbol(r"\times"), b),
+}
+"""Function -> how LaTeX shows it, as a symbol."""
+
+
 def tex(text: str) -> str:
     """Return the LaTeX of a formula or statement, in the order of its text."""
-    return " = ".join(_tex(ast.parse(side, mode="eval").body) for side in text.split(" = "))
-
-
-CALLS = {
-    "sqrt": r"\sqrt{{{}}}", "rsqrt": r"\frac{{1}}{{\sqrt{{{}}}}}", "Abs": "|{}|", "sq": "|{}|^2",
-    "dot": r"{} \cdot {}", "cross": r"{} \times {}", "cos": r"\cos{}", "sin": r"\sin{}",
-    "half_c": "h_c({}, {})", "half_s": "h_s({}, {})",
-}  # fmt: skip
-
-
-def _tex(node: ast.expr, level: int = 0) -> str:
-    """Return the LaTeX of a syntax tree. level: 0 any expression, 1 factor of a product, 2 base of a power."""
-    match node:
-        case ast.Constant(value):
-            return str(value)
-        case ast.Name(name):
-            latex = name_tex(name)
-            return f"{{{latex}}}" if level == 2 and re.search(r"\^|\\sqrt", latex) else latex
-        case ast.BinOp(ast.Name(name), ast.Pow(), ast.Constant(power)) if re.fullmatch("(cos|sin)_(a|h|phi)", name):
-            return re.sub(r"^(\\...)(.*)$", rf"\1^{power}\2", name_tex(name))
-        case ast.BinOp(ast.Call(ast.Name("cos" | "sin" as name), [angle]), ast.Pow(), ast.Constant(power)):
-            return rf"\{name}^{power}{_tex(angle, 2)}"
-        case ast.Call(ast.Name("vec"), parts):
-            return rf"\left({', '.join(map(_tex, parts))}\right)"
-        case ast.Call(ast.Name(name), parts):
-            result = CALLS[name].format(*(_tex(part, 2 * (name in ("dot", "cross"))) for part in parts))
-            own = 0 if name in ("dot", "cross") else 2
-        case ast.UnaryOp(ast.USub(), operand):
-            result, own = f"-{_tex(operand, 1)}", 1 - level // 2
-        case ast.BinOp(left, ast.Add(), right):
-            result, own = f"{_tex(left)} + {_tex(right)}", 0
-        case ast.BinOp(left, ast.Sub(), right):
-            result, own = f"{_tex(left)} - {_tex(right, 1)}", 0
-        case ast.BinOp(left, ast.Mult(), right):
-            result, own = f"{_tex(left, 1)} {_tex(right, 1)}", 1
-        case ast.BinOp(left, ast.Div(), right):
-            result, own = rf"\frac{{{_tex(left)}}}{{{_tex(right)}}}", 1
-        case ast.BinOp(left, ast.Pow(), right):
-            result, own = f"{_tex(left, 2)}^{_tex(right)}", 2
-        case _:
-            raise ValueError(f"no LaTeX for {ast.unparse(node)}")
-    return result if own >= level else rf"\left({result}\right)"
-
-
-def latex(expression: sp.Expr) -> str:
-    """Return the LaTeX of a sympy expression."""
-    return sp.latex(expression, symbol_names={v: name_tex(v.name) for v in expression.free_symbols})
+    with sp.evaluate(False):
+        sides = [latex(parse(side, SHOWN, evaluate=False), "none") for side in text.split(" = ")]
+    return " = ".join(sides).replace(r"1 \cdot \frac", r"\frac")
 
 
 def aligned(equations: Mapping[str, str]) -> str:
