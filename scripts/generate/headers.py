@@ -90,10 +90,6 @@ def _row(words: Iterable[int], bits: Sequence[int], add: str) -> str:
     return f"{sum(bits)}'h{row:0{-(-sum(bits) // 4)}x} + {add}"
 
 
-def _drop(form: Form) -> int:
-    return form.slope_frac - form.slope_low + form.u_frac - form.u_low - form.sum_frac
-
-
 def quadratic_table(name: str, table: Table, rounding: str, *more: str) -> str:
     """Return the table of a module around ``ik_quadratic``.
 
@@ -101,30 +97,7 @@ def quadratic_table(name: str, table: Table, rounding: str, *more: str) -> str:
     """
     forms = {"small": table.small, "long": table.long, "short": table.short}
     roms = {size: [_row(row, of.c_bits, "ADD") for row in table_rows(table, of)] for size, of in forms.items()}
-    parameters = {size: _parameters(form, *more) for size, form in forms.items()}
-    return BODIES.quadratic_table(name, table.short_frac, rounding, parameters, roms)
-
-
-def _parameters(form: Form, *more: str) -> dict[str, int]:
-    """Return the parameters of a form for ``ik_quadratic`` and the module around it."""
-    c2 = len(form.c_frac) > 2
-    return {
-        "ROWS": form.rows,
-        "INDEX_BITS": form.index_bits,
-        "U_FRAC": form.u_frac,
-        "U_LOW": form.u_low,
-        "C0_FRAC": form.c_frac[0],
-        "C0_BITS": form.c_bits[0],
-        "C1_BITS": form.c_bits[1],
-        "C2_BITS": form.c_bits[2] if c2 else 0,
-        "C1_UP": form.slope_frac - form.c_frac[1],
-        "SLOPE_BITS": form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1,
-        "SLOPE_LOW": form.slope_low,
-        "SUM_FRAC": form.sum_frac,
-        "DROP": _drop(form),
-        "BEND_DROP": form.c_frac[2] + form.u_frac - form.u_low - form.slope_frac if c2 else 0,
-        **{name.upper(): getattr(form, name) for name in more},
-    }
+    return BODIES.quadratic_table(name, table.short_frac, rounding, forms, more, roms)
 
 
 # -- fold datapath -------------------------------------------------------------------------------------------------
@@ -208,27 +181,10 @@ def _operand(of: Operand | None) -> str:
 
 
 def fold_formats() -> str:
-    return BODIES.fold_formats(ROOT_FRACS[1], {size: _fold_parameters(*forms) for size, forms in FOLD_FORMS.items()})
-
-
-def _fold_parameters(root: Form, sine: Form) -> dict[str, int]:
-    """Return the parameters of two forms that share a table; the sine's c0 counts half, as its window is double."""
-    frac = sine.c_frac[0] + 1
-    assert root.c_frac[1:] == sine.c_frac[1:] and root.slope_frac == sine.slope_frac and root.c_frac[0] < frac
-    return {
-        "INDEX_BITS": root.index_bits,
-        "C0_FRAC": frac,
-        "C1_FRAC": root.c_frac[1],
-        "C2_FRAC": root.c_frac[2],
-        "SLOPE_FRAC": root.slope_frac,
-        "C0_BITS": frac,
-        "C1_BITS": root.c_bits[1],
-        "C2_BITS": root.c_bits[2],
-        "ROOT_DROP": _drop(root),
-        "SINE_DROP": _drop(sine),
-        "ROOT_SUM_FRAC": root.sum_frac,
-        "SINE_SUM_FRAC": sine.sum_frac,
-    }
+    for root, sine in FOLD_FORMS.values():
+        assert root.c_frac[1:] == sine.c_frac[1:] and root.slope_frac == sine.slope_frac
+        assert root.c_frac[0] <= sine.c_frac[0]
+    return BODIES.fold_formats(ROOT_FRACS[1], FOLD_FORMS)
 
 
 def _fold_rows(root: Form, sine: Form) -> list[str]:
