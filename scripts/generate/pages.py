@@ -36,12 +36,6 @@ SCORES = GENERATED / "scores.md"
 BUSES = (32, 64, 128)
 TARGETS, ARM_WIDTHS = 4000, (32, 24, 18)  # of a region
 
-LEFT, DRAWN, RIGHT = 230, 1000, 20
-"""Widths of a pipeline picture in pixels: section titles, all clocks, right margin."""
-
-TOP, LANE, GAP = 62, 11, 8
-"""Heights in pixels: above the first section, a lane of operations, between sections."""
-
 COLOURS = {
     "root": "#c2410c",
     "div": "#1d4ed8",
@@ -128,28 +122,15 @@ def pipeline_svg(datapath: str) -> str:
     nodes = design(datapath).values()
     ready = max(node.time for node in nodes)
     total = ready + FIFO_CLOCKS
-    scale = DRAWN / total
     drawn = [
         (title, lanes(node for node in nodes if node.section == name))
         for name, title in DATAPATHS[datapath].sections.items()
         if name != "results"
     ]
     drawn.append(("output FIFO", [[("fifo", ready, total, ["ik_fifo"])]]))
-    rows, y = [], TOP
-    for title, own in drawn:
-        rows.append((y, title, own))
-        y += LANE * len(own) + GAP
     used = {what for _, own in drawn for lane in own for what, *_ in lane}
-    legend, at = [], LEFT
-    for what in (what for what in COLOURS if what in used):
-        legend.append((at, COLOURS[what], NAMES[what]))
-        at += 44 + 7 * len(NAMES[what])
-    return render(
-        "pipeline.svg", datapath=datapath, width=WIDTH, total=total, scale=scale, rows=rows, legend=legend,
-        x=lambda clock: round(LEFT + scale * clock, 1), wide=LEFT + DRAWN + RIGHT, high=y + 30, bottom=y, top=TOP,
-        left=LEFT, drawn=DRAWN, lane_height=LANE, gap=GAP, colours=COLOURS, kinds=NAMES,
-        step=next(step for step in (1, 2, 5, 10, 20, 50) if scale * step >= 40),
-    )  # fmt: skip
+    more = {"drawn": drawn, "colours": COLOURS, "kinds": NAMES, "used": used}
+    return render("pipeline.svg", datapath=datapath, width=WIDTH, total=total, **more)
 
 
 def pages() -> dict[Path, str]:

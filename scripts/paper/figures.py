@@ -105,51 +105,25 @@ def svg(text: str) -> str:
     return f"<!-- of the graph {digest(text)} -->\n{drawn}"
 
 
-ROW, LABEL = 17, 200
-"""Height of a row and width of the labels in pixels."""
-
-
 def schedule(nodes: Nodes) -> str:
     """Return the pipeline schedule of nodes as SVG: stages, delays, critical path and wires."""
-    waits = delays(nodes)
     path, steps = _critical(nodes)
-    first = min(start(node) if node.operands else node.time for node in nodes.values())
-    latest = max(node.time for node in nodes.values())
-    scale = min(20.0, 1100 / (latest - first))
-
-    def x(clock: float) -> float:
-        return round(LABEL + scale * (clock - first), 1)
-
-    y, heads, rows = 86, [], {}
-    for section, head in SECTIONS.items():
-        if not (own := [node for node in nodes.values() if node.section == section]):
-            continue
-        heads.append((head, y))
-        for row, node in enumerate(sorted(own, key=lambda n: (start(n), n.time))):
-            begin = start(node) if node.operands else node.time
-            rows[node.name] = {
-                "y": y + 22 + ROW * row,
-                "taken": x(start(node)),
-                "ready": x(node.time),
-                "wait": waits.get(node.name),
-                "kind": kind(node),
-                "tip": tip(node),
-                "stage": f"{begin}–{node.time}" if node.latency and node.operands else f"{node.time}",
-                "left": x(begin) if node.time > begin else x(begin) - 3,
-                "length": max(scale * (node.time - begin), 3),
-            }
-        y += 30 + ROW * len(own)
-    kinds = {kind(node) for node in nodes.values()} - {"input"}
-    title = f"Pipeline schedule of p_e_x (13), figure 7 of the paper, W = {WIDTH}"
-    size = {"wide": LABEL + scale * (latest - first) + 150, "high": y + 20, "label": LABEL, "row_height": ROW}
-    axis = {"scale": scale, "x": x, "ticks": range(-(-first // 10) * 10, latest + 1, 10), "latest": latest}
-    wires = [arrow for arrow in _arrows(nodes) if arrow not in steps]
-    drawn = {"heads": heads, "rows": {name: rows[name] for name in nodes}, "path": path, "wires": wires}
-    drawn["steps"] = sorted(steps, key=lambda step: nodes[step[1]].time)
-    drawn["flip_flops"] = sum(delay.flip_flops for delay in waits.values())
-    drawn["colours"] = {name: colours for name, (_, *colours) in KINDS.items()}
-    drawn["legend"] = [(name, flow.KINDS[name]) for name in KINDS if name in kinds]
-    return render("schedule.svg", title=title, **size, **axis, **drawn)
+    own = ([node for node in nodes.values() if node.section == section] for section in SECTIONS)
+    sections = zip(SECTIONS.values(), (sorted(some, key=lambda n: (start(n), n.time)) for some in own), strict=True)
+    return render(
+        "schedule.svg",
+        title=f"Pipeline schedule of p_e_x (13), figure 7 of the paper, W = {WIDTH}",
+        nodes=nodes,
+        sections=list(sections),
+        waits=delays(nodes),
+        path=path,
+        wires=[arrow for arrow in _arrows(nodes) if arrow not in steps],
+        steps=sorted(steps, key=lambda step: nodes[step[1]].time),
+        first=min(start(node) if node.operands else node.time for node in nodes.values()),
+        kinds=KINDS,
+        used={kind(node) for node in nodes.values()},
+        flow=flow,
+    )
 
 
 def figures() -> dict[str, str]:
