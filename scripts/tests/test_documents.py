@@ -16,7 +16,7 @@ import yaml
 from model import __version__
 from model.dataflow import fixed
 from model.motion.pose import solve
-from model.motion.tests import figure, second_reader
+from model.motion.tests import figure
 from tb.axi.binding import SOURCE, compiled
 from tb.sim.env import ROOT, environment
 from tb.sim.runner import MAKE_ARGS
@@ -198,7 +198,7 @@ def test_examples_of_the_package(installed, tmp_path):
         for example in examples:
             code = f"import os, cga_ik.motion.gltf\nos.chdir({str(tmp_path)!r})\n{example}"
             assert "nan" not in python(installed, code), page
-    second_reader.compare(tmp_path / "clip.bvh", tmp_path / "turned.bvh", positions=1e-3, angles=1e-3)
+    figure.compare(tmp_path / "clip.bvh", tmp_path / "turned.bvh", positions=1e-3, angles=1e-3)
 
 
 def test_only_the_model_is_installed_and_needs_numpy_and_mpmath_only(installed):

@@ -19,7 +19,7 @@ from model.io import trajectories
 from model.io.words import JOINTS
 from model.motion import clip as clips
 from model.motion.pose import soft_reach, solve
-from model.motion.tests import figure, second_reader
+from model.motion.tests import figure
 from model.reference.joints import reached
 from model.reference.kinematics import angle_between, multiply, rotate
 from scripts import run
@@ -171,7 +171,7 @@ def clip_cli(cli):
             clip, free = clips.read(Path("t.bvh")), []
             for arm in clips.arms(clip) if "--phi" in options else ():
                 free += [arm.fore, *(joint for joint in clip.ancestors(arm.fore) if joint >= arm.upper)]
-            second_reader.compare("t.bvh", "o/clip.bvh", free, positions=limit, angles=limit)
+            figure.compare("t.bvh", "o/clip.bvh", free, positions=limit, angles=limit)
         return answer
 
     return run_clip

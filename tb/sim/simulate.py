@@ -60,7 +60,7 @@ def simulate(
         log = place / "log"
         command = runner.command(
             MODELS[datapath].top,
-            "tb.core.run_targets",
+            "tb.core.pipeline",
             parameters={"W": width, **MODELS[datapath].parameters},
             sim=simulator,
             env={

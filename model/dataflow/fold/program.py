@@ -13,8 +13,7 @@ from functools import cache
 from pathlib import Path
 
 from . import steps as timing
-from .arm_lowering import ArmLowering
-from .lowering import Groups, Lowering
+from .lowering import ArmLowering, Groups, Lowering
 from .steps import ADDENDS, ALWAYS, CUTS, HALF, NEVER, NO_COUNT, NORMS, ONE, POWER, ZERO, Pick, Placed, Selector
 
 PROGRAMS: dict[str, type[Lowering]] = {"fold": Lowering, "fold_arm": ArmLowering}

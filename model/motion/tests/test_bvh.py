@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from model.motion import clip as clips
 from model.motion.bvh import ClipError, parse, read
-from model.motion.tests import figure, second_reader
+from model.motion.tests import figure
 
 FILE = Path("clip.bvh")
 
@@ -102,7 +102,7 @@ def test_any_file_is_read_as_by_the_second_reader_and_written_as_it_is(tmp_path_
     path = tmp_path_factory.getbasetemp() / "any.bvh"
     path.write_bytes(text.encode())
     clip = read(path)
-    nodes, table, places, turns = second_reader.read(path)
+    nodes, table, places, turns = figure.read(path)
     assert [node.parent for node in clip.nodes] == [node[1] for node in nodes]
     assert (clip.table == table).all() and not clip.notes
     size = 1 + np.abs(places).max()

@@ -16,7 +16,7 @@ from model.motion import clip as clips
 from model.motion.clip import ClipError, arms, motion, read, turned
 from model.motion.gltf import animated
 from model.motion.pose import solve
-from model.motion.tests import figure, second_reader
+from model.motion.tests import figure
 from model.reference.kinematics import angle_between, conjugate, forward, multiply, rotate
 
 MOCAP = sorted((Path(__file__).parents[4] / "shared" / "mocap").glob("*.bvh"))
@@ -85,7 +85,7 @@ def written(path, clip, *options, width=32):
 def test_the_clip_written_again_has_the_same_joints(tmp_path, way):
     path = figure.write(tmp_path / "clip.bvh", **way)
     again, _ = written(path, read(path))
-    second_reader.compare(path, again)
+    figure.compare(path, again)
 
 
 def test_angles_stay_near_the_original_ones(tmp_path):
@@ -100,7 +100,7 @@ def test_angles_stay_near_the_original_ones(tmp_path):
 
     clip = changed(path, spin)
     again, _ = written(path, clip)
-    second_reader.compare(path, again)
+    figure.compare(path, again)
     np.testing.assert_allclose(read(again).table, clip.table, atol=1e-4)
 
 
@@ -120,10 +120,10 @@ def test_twist_of_the_core(tmp_path):
     path = figure.write(tmp_path / "clip.bvh")
     free = written(path, read(path), "core")
     with pytest.raises(AssertionError):
-        second_reader.compare(path, free[0])
-    second_reader.compare(path, *free)
+        figure.compare(path, free[0])
+    figure.compare(path, *free)
     clip = hinged(path)
-    second_reader.compare(path, written(path, clip, "core")[0])
+    figure.compare(path, written(path, clip, "core")[0])
 
 
 def changed(path, change):
@@ -143,9 +143,9 @@ def test_an_elbow_that_bends_backwards_does_not_roll(tmp_path):
         clip.table[:, [clip.nodes[arm.fore].channels[0].column for arm in arms(clip)]] = [[20], [2], [-2], [0]]
 
     clip = changed(path, bend)
-    second_reader.compare(path, written(path, clip)[0])
+    figure.compare(path, written(path, clip)[0])
     with pytest.raises(AssertionError, match="'LeftArm', np.float64.3.1"):
-        second_reader.compare(path, written(path, clip, "core")[0])
+        figure.compare(path, written(path, clip, "core")[0])
 
 
 @pytest.mark.parametrize("first", [0, 1])
@@ -326,7 +326,7 @@ def test_motion_capture(path, tmp_path):
         for move, qs, qe in moves:
             elbow, wrist = forward(qs, qe, move.d1, move.d2)
             assert off(elbow, move.elbow, move).max() <= tolerance, "the T pose of the first frame included"
-    second_reader.compare(path, written(tmp_path / "clip.bvh", clip)[0])
+    figure.compare(path, written(tmp_path / "clip.bvh", clip)[0])
     for (move, qs, _), arm in zip(followed(clip, "torso", phi=lambda m: m.typical_phi), arms(clip), strict=True):
         torso, upper = conjugate(clip.turn[:, arm.torso]), clip.turn[:, arm.upper]
         own, ours = multiply(torso, upper), multiply(torso, qs)
