@@ -207,7 +207,7 @@ lock: ## regenerate the lock files of requirements/ (needs uv)
 	$(compile) --extra run --constraint requirements/checkout.lock --output-file requirements/run.lock pyproject.toml
 	for name in fpga table6 schedule playground farm litex arms; do $(compile) --constraint requirements/checkout.lock \
 	  $$(test $$name != playground || echo --constraint requirements/fpga.lock) \
-	  --output-file requirements/$$name.lock requirements/$$name.in || exit; done
+	  --output-file requirements/$$name.lock --group pyproject.toml:$$name || exit; done
 
 clean: ## remove build/ and caches; distclean removes .venv as well
 	rm -rf build .pytest_cache .ruff_cache .hypothesis
