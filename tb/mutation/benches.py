@@ -47,8 +47,9 @@ class Nodes:
         folder = netlist.folder / self.name.replace(" ", "-")
         with alone(folder):
             if not (folder / "program").exists():
-                top, half = self.bench.write(folder), folder / "half"
-                build = ["iverilog", "-g2001", "-s", node_bench.TOP, "-o", half, top, netlist.folder / "netlist.v"]
+                self.bench.write(folder)
+                half, files = folder / "half", [node_bench.TOP, netlist.folder / "netlist.v"]
+                build = ["iverilog", "-g2001", f"-I{folder}", "-s", node_bench.TOP.stem, "-o", half, *files]
                 status, output = finished(build, SECONDS)
                 if status != 0:
                     raise SimulationError(f"Icarus rejects the netlist {netlist.name}: {output[-300:]}")
