@@ -11,14 +11,13 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
-from html import escape
 
 from model.bounds import ranges
 from model.dataflow.nodes import Node
 from model.dataflow.paper import SECTIONS
 from scripts.console import InputError
 from scripts.generate import flow
-from scripts.generate.flow import WIDTH, delays, design, kind, longest_path, operands, start, tip
+from scripts.generate.flow import WIDTH, delays, design, kind, longest_path, operands, start
 from scripts.generate.render import render
 from tb.sim.env import GENERATED
 
@@ -51,44 +50,15 @@ def _arrows(nodes: Nodes) -> list[tuple[str, str]]:
     return [(o, name) for name, node in nodes.items() for o in operands(node)]
 
 
-COLOURS = ("#dbeafe", "#dcfce7", "#fde2c8", "#ede4fd", "#fbd5e5", "#fef3c7", "#e2e8f0")
-"""Colours of the sections, in order."""
-
-CRITICAL = ', color="#dc2626", penwidth=2'
-
-HEAD = """digraph {{
-  graph [rankdir=LR, nodesep=0.09, ranksep=0.45, fontname="Helvetica", fontsize=16, labelloc=t, labeljust=l,
-         label=<<table border="0" cellspacing="6"><tr><td>{title}</td>{sections}</tr></table>>];
-  node [shape=box, style="filled,rounded", color="#475569", fontname="Helvetica", fontsize=12, height=0.3,
-        margin="0.07,0.03"];
-  edge [color="#8a94a3", arrowsize=0.5];
-"""
-
-
 def graph(nodes: Nodes) -> str:
     """Return the dataflow graph of nodes in the DOT language, coloured by section, with the longest path in red.
 
     A node without operands that is not an input belongs to another section and is dashed.
     """
-    proved = ranges.proved(WIDTH)
-    colours = dict(zip(SECTIONS, COLOURS, strict=False))
-    used = [s for s in SECTIONS if any(node.section == s and node.operands for node in nodes.values())]
-    cells = "".join(f'<td bgcolor="{colours[s]}">{escape(SECTIONS[s])}</td>' for s in used)
-    lines = [HEAD.format(title=f"p_e_x (13), figure 6 of the paper, W = {WIDTH}", sections=cells)]
     path, steps = _critical(nodes)
-    for name, node in nodes.items():
-        outside = not node.operands and node.op != "input"
-        label = f"<b>{name}</b>" + (f"&#160;{escape(node.equation)}" if node.equation else "")
-        operation = f"{KINDS[kind(node)][0] if node.operands else ''} {flow.q(node.format)}".strip()
-        style = f'fillcolor="{"#ffffff" if outside or node.op == "input" else colours[node.section]}"'
-        style += (', style="filled,rounded,dashed"' if outside else "") + (CRITICAL if name in path else "")
-        low, high = ("0" if abs(v) < 1e-3 else f"{v:.3g}" for v in (proved[name].low, proved[name].high))
-        tooltip = f"{tip(node)}; proved [{low}, {high}]"
-        box = f'label=<{label}<br/><font point-size="10">{operation}</font>>, tooltip="{tooltip}"'
-        lines.append(f'  "{name}" [{box}, {style}];')
-    for a, b in _arrows(nodes):
-        lines.append(f'  "{a}" -> "{b}" [tooltip="{a} to {b}"{CRITICAL if (a, b) in steps else ""}];')
-    return "\n".join([*lines, "}"]) + "\n"
+    drawn = {"nodes": nodes, "arrows": _arrows(nodes), "path": path, "steps": steps, "proved": ranges.proved(WIDTH)}
+    title = f"p_e_x (13), figure 6 of the paper, W = {WIDTH}"
+    return render("graph.dot", title=title, sections=SECTIONS, kinds=KINDS, flow=flow, **drawn)
 
 
 def digest(text: str) -> str:
