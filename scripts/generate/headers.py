@@ -221,42 +221,33 @@ def _range(node: Node) -> str:
 
 def texts() -> dict[Path, str]:
     """Return file -> its text."""
-    folder, model = ROOT / "rtl" / "include", "model/dataflow"
     rounding = "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2"
     found = {
-        "paper_nodes": (node_formats("paper"), f"{model}/paper.py"),
-        "lean_nodes": (node_formats("lean"), f"{model}/lean.py"),
-        "arm_nodes": (node_formats("arm"), f"{model}/arm.py and {model}/lean.py"),
-        "lean_formats": (lean_formats(), f"{model}/nodes.py"),
-        "latency": (latencies(), f"{model}/paper.py and {model}/lean.py"),
-        "sincos_table": (
-            BODIES.sincos_table(TABLE_BITS, SINCOS_GUARD, cordic_gain(), atan_table()),
-            f"{model}/fixed.py",
-        ),
-        "rsqrt_table": (
-            quadratic_table("ik_rsqrt", INVERSE_ROOT, rounding, "tiles", "clocks"),
-            f"{model}/quadratic.py",
-        ),
-        "trig_table": (quadratic_table("ik_trig", SINE, "1 << (SUM_FRAC - F - 1)", "clocks"), f"{model}/quadratic.py"),
-        "vector_table": (BODIES.vector_table(TABLE_BITS, angles.GUARD, angles.ANGLE), f"{model}/angles.py"),
-        "fold_formats": (fold_formats(), f"{model}/nodes.py"),
-        "fold_table": (
-            BODIES.fold_table({size: _fold_rows(*forms) for size, forms in FOLD_FORMS.items()}),
-            f"{model}/quadratic.py",
-        ),
+        "paper_nodes": (node_formats("paper"), "paper.py"),
+        "lean_nodes": (node_formats("lean"), "lean.py"),
+        "arm_nodes": (node_formats("arm"), "arm.py", "lean.py"),
+        "lean_formats": (lean_formats(), "nodes.py"),
+        "latency": (latencies(), "paper.py", "lean.py"),
+        "sincos_table": (BODIES.sincos_table(TABLE_BITS, SINCOS_GUARD, cordic_gain(), atan_table()), "fixed.py"),
+        "rsqrt_table": (quadratic_table("ik_rsqrt", INVERSE_ROOT, rounding, "tiles", "clocks"), "quadratic.py"),
+        "trig_table": (quadratic_table("ik_trig", SINE, "1 << (SUM_FRAC - F - 1)", "clocks"), "quadratic.py"),
+        "vector_table": (BODIES.vector_table(TABLE_BITS, angles.GUARD, angles.ANGLE), "angles.py"),
+        "fold_formats": (fold_formats(), "nodes.py"),
+        "fold_table": (BODIES.fold_table({n: _fold_rows(*forms) for n, forms in FOLD_FORMS.items()}), "quadratic.py"),
     }
     for name in PROGRAMS:
-        schedule, flow = SCHEDULES[name].name, "arm" if name == "fold_arm" else "lean"
+        flow = "arm.py" if name == "fold_arm" else "lean.py"
         found |= {
-            f"{name}_codes": (fold_codes(name), f"{model}/fold/program.py"),
-            f"{name}_fields": (fold_fields(name), f"{model}/fold/program.py"),
-            f"{name}_nodes": (fold_nodes(name), f"{model}/fold/shown.py"),
-            f"{name}_program": (fold_program(name), f"{model}/fold/{schedule} and {model}/{flow}.py"),
+            f"{name}_codes": (fold_codes(name), "fold/program.py"),
+            f"{name}_fields": (fold_fields(name), "fold/program.py"),
+            f"{name}_nodes": (fold_nodes(name), "fold/shown.py"),
+            f"{name}_program": (fold_program(name), f"fold/{SCHEDULES[name].name}", flow),
         }
-    return {
-        folder / f"ik_{name}.vh": f"{NOTE.format(source=source)}{text.rstrip()}\n"
-        for name, (text, source) in found.items()
-    }
+    made = {}
+    for name, (text, *files) in found.items():
+        note = NOTE.format(source=" and ".join(f"model/dataflow/{file}" for file in files))
+        made[ROOT / "rtl" / "include" / f"ik_{name}.vh"] = f"{note}{text.rstrip()}\n"
+    return made
 
 
 if __name__ == "__main__":

@@ -84,7 +84,6 @@ BAD_INPUT = [
     ("follow --target 0 --trajectory all", "--trajectory --target"),
     ("follow --target 0 --datapath lean,paper", "--datapath 'lean,paper'"),
     ("follow --target 0 --waves --out file", "--out 'file': File exists"),
-    ("soak --targets 0", "--targets 0"),
     (f"soak --targets {'9' * 400}", "--targets"),
     ("soak --seed -1", "--seed -1"),
     ("soak --from 1.5", "--from '1.5'"),

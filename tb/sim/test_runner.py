@@ -68,43 +68,6 @@ def test_the_environment_chooses(monkeypatch, choose, variable, default, other, 
         choose()
 
 
-def make(*words, **env):
-    """Run `make -n` and return the finished process."""
-    clean = {name: value for name, value in environment().items() if name not in ("SIM", "CORES", "IK_CORES")}
-    return subprocess.run(
-        ["make", "-n", *words], cwd=ROOT, env={**clean, **env}, capture_output=True, text=True, check=False
-    )
-
-
-def test_make_test_tells_the_testbenches():
-    assert " IK_CORES=behavioural " in make("test").stdout
-    assert " IK_CORES=digit " in make("test", "CORES=digit").stdout
-    assert " IK_CORES=digit " in make("test", CORES="digit").stdout
-
-
-@pytest.mark.parametrize("target", ["run", "report"])
-def test_make_run_passes_it_on(target):
-    assert "--cores" not in make(target).stdout
-    assert "--cores digit " in make(target, "CORES=digit").stdout
-    assert "--cores digit " in make(target, CORES="digit").stdout
-
-
-@pytest.mark.parametrize("name", ["fast", "", "$(shell touch made)", "digit digit"])
-def test_unknown_cores_are_one_line_and_status_2(name):
-    done = make("run", f"CORES={name}")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.count("\n") == 1 and f"CORES={name}" in done.stderr and "behavioural or digit" in done.stderr
-
-
-def test_make_keeps_it_from_what_it_starts(tmp_path):
-    """Tests that start make do not inherit the variable."""
-    (tmp_path / "Makefile").write_text("TAKES_show := CORES\n" + (ROOT / "Makefile").read_text() + "\nshow:\n\t@env\n")
-    done = subprocess.run(
-        ["make", "show", "CORES=digit"], cwd=tmp_path, env=environment(), capture_output=True, text=True, check=True
-    )
-    assert not re.search("^CORES=", done.stdout, re.MULTILINE)
-
-
 def modules():
     return {path.stem: path.read_text() for path in sources()}
 

@@ -248,7 +248,7 @@ def test_commands_that_run_the_core_import_only_packages_of_run_lock():
 
 
 def make(*words, cwd=ROOT, **env):
-    env = {name: value for name, value in environment().items() if name != "SIM"} | env
+    env = {name: value for name, value in environment().items() if name not in ("SIM", "CORES", "IK_CORES")} | env
     return subprocess.run(["make", *words], cwd=cwd, env=env, capture_output=True, text=True, timeout=60, check=False)
 
 
@@ -362,6 +362,29 @@ def test_make_refuses_bad_variables(words, message):
     done = make("-n", *words.split())
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1), done
     assert f"*** {message}" in done.stderr
+
+
+@pytest.mark.parametrize("target", ["test", "run", "report"])
+def test_make_passes_the_cores(target):
+    usual, digit = (" IK_CORES=behavioural ", " IK_CORES=digit ") if target == "test" else ("", "--cores digit ")
+    printed = make("-n", target).stdout
+    assert usual in printed and "--cores" not in printed
+    for done in (make("-n", target, "CORES=digit"), make("-n", target, CORES="digit")):
+        assert digit in done.stdout
+
+
+@pytest.mark.parametrize("name", ["", "$(shell touch made)", "digit digit"])
+def test_unknown_cores_are_one_line_and_status_2(name):
+    done = make("-n", "run", f"CORES={name}")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.count("\n") == 1 and f"CORES={name}" in done.stderr and "behavioural or digit" in done.stderr
+
+
+def test_make_keeps_the_cores_from_what_it_starts(tmp_path):
+    """Tests that start make do not inherit the variable."""
+    (tmp_path / "Makefile").write_text("TAKES_show := CORES\n" + (ROOT / "Makefile").read_text() + "\nshow:\n\t@env\n")
+    done = make("show", "CORES=digit", cwd=tmp_path)
+    assert done.returncode == 0 and not re.search("^CORES=", done.stdout, re.MULTILINE)
 
 
 def test_make_replaces_the_shell_by_the_command():
