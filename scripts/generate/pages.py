@@ -76,16 +76,8 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 
 
 def latency_page() -> str:
-    paths = []
-    for datapath in ("lean", "paper"):
-        rows = []
-        for node in (node for node in longest_path(design(datapath)) if node.latency):
-            begin, does = start(node), Latency.TABLE[node.latency][2]
-            rows.append((begin, node.time, node.time - begin, f"`{node.name}`", node.equation or "-", does))
-        end = rows[-1][1]
-        rows.append((end, end + FIFO_CLOCKS, FIFO_CLOCKS, "output FIFO", "-", "memory, output register"))
-        paths.append({"datapath": datapath, "width": WIDTH, "rows": rows})
-    return render("latency", paths=paths)
+    paths = {name: [node for node in longest_path(design(name)) if node.latency] for name in ("lean", "paper")}
+    return render("latency", paths=paths, width=WIDTH, start=start, table=Latency.TABLE, fifo=FIFO_CLOCKS)
 
 
 def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:

@@ -69,12 +69,9 @@ def page(observed: Observed) -> str:
         rows.append((name, *cells, _bounds(seen.low * ulp, seen.high * ulp)))
     about = {"regular_poses": REGULAR_POSES, "regular_distance": REGULAR_DISTANCE, "reach": REACH}
     poses = regular_poses(REGULAR_POSES, SEED)
-    found = [
-        (width, errors_of(width, poses)) for width in WIDTHS
-    ]  # hand errors at regular poses: median, 99 %, largest
-    errors = [(width, *map(error, (np.median(e), np.quantile(e, 0.99), e.max()))) for width, e in found]
-    about |= {"errors": errors, "seed": SEED}
-    return render("wordlengths", width=WIDTH, widths=WIDTHS, observed=observed, all_nodes=rows, **about)
+    errors = ((width, errors_of(width, poses)) for width in WIDTHS)  # median, 99 %, largest
+    about["errors"] = [(width, *map(error, np.quantile(each, (0.5, 0.99, 1)))) for width, each in errors]
+    return render("wordlengths", width=WIDTH, widths=WIDTHS, seed=SEED, observed=observed, all_nodes=rows, **about)
 
 
 def problems(observed: Observed) -> list[str]:
