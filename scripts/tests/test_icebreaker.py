@@ -42,7 +42,7 @@ def test_the_results_of_the_model_although_bytes_are_lost(tmp_path, command):
     assert command(run.main, "--trajectory", trajectory, *core)[0] == 0
     program = [*HOST, "--trajectory", trajectory, "--out", str(tmp_path / "board"), "--timeout", "4"]
     variables = {"IK_PROGRAM": json.dumps(program), "IK_LOST": json.dumps(lost), "IK_SAID": str(tmp_path / "printed")}
-    simulated("tb.icebreaker.link", **variables)
+    simulated("program", **variables)
     assert int(re.search(r", (\d+) sent again\n", (tmp_path / "printed").read_text())[1]) >= 4
     for name in ("results.csv", "results.npz"):
         assert (tmp_path / "board" / name).read_bytes() == (tmp_path / "run" / name).read_bytes()
@@ -166,15 +166,15 @@ FEW = "out_of_reset|skew=0.0|answer_at_once|noise|no_stop_bit|button"
     "tests",
     [
         pytest.param(FEW, marks=pytest.mark.cost(6)),
-        pytest.param(f"^(?!.*({FEW}))", marks=[pytest.mark.slow, pytest.mark.cost(30)]),
+        pytest.param(f"^(?!.*({FEW}|program))", marks=[pytest.mark.slow, pytest.mark.cost(30)]),
     ],
     ids=["few", "more"],
 )
 def test_at_the_pins(tests):
-    simulated("tb.icebreaker.bench", COCOTB_TEST_FILTER=tests)
+    simulated(tests)
 
 
 @pytest.mark.sim
 @pytest.mark.cost(15)
 def test_hand_poses_at_the_pins():
-    simulated("tb.icebreaker.bench", 1, COCOTB_TEST_FILTER="skew=0.0$|answer_at_once")
+    simulated("skew=0.0$|answer_at_once", 1)

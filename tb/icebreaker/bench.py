@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of examples/icebreaker at its pins: every answer equals the bit-true model's; invalid frames get none."""
+"""Tests of examples/icebreaker at its pins: every answer equals the bit-true model's; invalid frames get none, and
+a program can talk to the board."""
 
 import binascii
+import json
 import logging
 import os
+import pty
+import subprocess
+import tty
 from pathlib import Path
 
 import cocotb
@@ -36,12 +41,13 @@ TARGET_BYTES, ANSWER_BYTES = (38, protocol.ARM_ANSWER_BYTES) if ARM else (22, pr
 TARGETS = 4 if ARM else 10
 
 
-def run(module: str, arm: int = 0, **env: str) -> None:
-    """Run a module's cocotb tests on the example with a model of its PLL. Raises SystemExit if one fails."""
+def run(tests: str, arm: int = 0, **env: str) -> None:
+    """Run some of these tests on the example with a model of its PLL. Raises SystemExit if one fails."""
     top = "".join(path.read_text(encoding="utf-8") for path in [*sorted(FOLDER.glob("*.v")), PLL])
     if arm:
         top = top.replace(*LIMITS)
-    simulate("icebreaker", module, top=top, parameters=PARAMETERS | {"ARM": arm}, env=env)
+    env = {"COCOTB_TEST_FILTER": tests, **env}
+    simulate("icebreaker", __name__, top=top, parameters=PARAMETERS | {"ARM": arm}, env=env)
 
 
 class Board:
@@ -295,3 +301,43 @@ async def more_than_it_can_take(dut):
     assert found == [answer for answer in expected if answer in found]
     assert red.done()
     await still_works(at)
+
+
+def kept(some: bytes, before: int, lost: list[int]) -> bytes:
+    return bytes(byte for k, byte in enumerate(some) if before + k not in lost)
+
+
+@cocotb.test()
+async def program(dut):
+    """A program that is connected to the board exits with status 0: a pseudo-terminal replaces the serial line.
+
+    ``IK_PROGRAM`` is its command line as JSON, where PORT is replaced by the port's name; ``IK_SAID`` a file for its
+    output; ``IK_LOST`` two JSON lists of the bytes to drop, by index: to the board and from the board.
+    """
+    ours, theirs = pty.openpty()
+    tty.setraw(theirs)
+    os.set_blocking(ours, False)
+    at = await board(dut)
+    lost_to, lost_from = json.loads(os.environ["IK_LOST"])
+    words = [os.ttyname(theirs) if word == "PORT" else word for word in json.loads(os.environ["IK_PROGRAM"])]
+    there = back = 0
+    # Without the variables that the simulator sets for its embedded Python.
+    env = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "COCOTB", "GPI"))}
+    with (
+        open(os.environ["IK_SAID"], "wb") as said,
+        subprocess.Popen(words, cwd=ROOT, env=env, stdout=said, stderr=said) as process,
+    ):
+        while process.poll() is None:
+            await at.clocks(BYTE)
+            try:
+                some = os.read(ours, 64) if at.source.count() < 64 else b""
+            except BlockingIOError:
+                some = b""
+            at.source.write_nowait(kept(some, there, lost_to))
+            there += len(some)
+            answer = bytes(at.sink.read_nowait())
+            os.write(ours, kept(answer, back, lost_from))
+            back += len(answer)
+    os.close(theirs)
+    os.close(ours)
+    assert process.returncode == 0
