@@ -192,17 +192,16 @@ def page() -> str:
         datapath: {**operators(f"ik_{datapath}", **digit), "clocks": latency(datapath, WIDTH)}
         for datapath, digit in (("paper", {"DIGIT": 1}), ("lean", {}))  # dividers and roots built from rows
     }
-    print_, guard, everything = total(lines.values()), sections["guard"], sum(sections.values(), Ops())
-    paper = {"old": UNOPTIMIZED, "new": OPTIMIZED, "print": print_, "print_19": total(lines_19.values())}
-    paper |= {"cse": shared(lines), "cse_19": shared(lines_19), "spread": print_.div + 4 - 1}  # 4 in roots, sign/|sign|
-    rtl = {"everything": everything, "guard": guard, "rtl": Ops(*map(operator.sub, everything, guard))}
-    rtl |= {"lean": sum(by_section("lean").values(), Ops()), "at_once": at_once, "width": WIDTH}
-    rtl["together"] = {datapath: found["add"] + found["mul"] for datapath, found in at_once.items()}
-    paper["equations"] = {k: total(PRINTED[k].values()) for k in PRINTED}
+    everything = sum(sections.values(), Ops())
+    counts = {"old": UNOPTIMIZED, "new": OPTIMIZED, "guard": sections["guard"], "everything": everything}
+    counts |= {"print": total(lines.values()), "print_19": total(lines_19.values())}
+    counts |= {"cse": shared(lines), "cse_19": shared(lines_19), "lean": sum(by_section("lean").values(), Ops())}
+    counts["rtl"] = Ops(*map(operator.sub, everything, sections["guard"]))
+    counts["equations"] = {number: total(rows.values()) for number, rows in PRINTED.items()}
     named = {SECTIONS[section]: ops for section, ops in sections.items()}
     indents = {"initial_indent": "- ", "subsequent_indent": "  "}
     bullet = partial(textwrap.fill, width=118, break_long_words=False, break_on_hyphens=False, **indents)
-    return render("operations", sections=named, bullet=bullet, **paper, **rtl)
+    return render("operations", sections=named, bullet=bullet, at_once=at_once, width=WIDTH, **counts)
 
 
 def write() -> int:
