@@ -59,7 +59,7 @@ DESIGNS = (
     Design("lean", 18, "ik_lean", FAMILIES, {"ecp5": 190}, within={}),
     *(Design("lean", width, "ik_lean", FAMILIES, {"ecp5": 170}, within={}) for width in (24, 32)),
     Design("lean25", 18, "ik_lean", ("xc7", "xcup"), {}, {"TILE": 25}),
-    Design("paper", 32, "ik_paper", ("xc2vp", "xc7"), {}, {"DIGIT": 1}),
+    Design("paper", 32, "ik_paper", FAMILIES, {}, {"DIGIT": 1}),
     Design("paper", 18, "ik_paper", ("ecp5",), {"ecp5": 150}, {"DIGIT": 1}, within={"DATAPATH": 0}),
     Design("echo", 32, "ik_axi", MEMORY, {"ecp5": 145}),
     *(Design("memory", width, "ik_axi", MEMORY, {"ecp5": 130}) for width in (18, 32)),

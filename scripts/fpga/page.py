@@ -13,7 +13,7 @@ from scripts.fpga.netlist import HOLDS, MULTIPLIER_NS
 from scripts.generate.render import TEMPLATES
 from scripts.paper import tables
 
-BROKEN_DOWN = {"lean": (32, 18)}
+BROKEN_DOWN = {"lean": (32, 18), "paper": (32,)}
 """Datapath -> widths whose logic is counted by section."""
 
 
