@@ -24,7 +24,7 @@ EXPLAINED = (
 )
 
 
-def _table(title: str, headings: Sequence[str], left: int = 1, **settings) -> Table:
+def empty_table(title: str, headings: Sequence[str], left: int = 1, **settings) -> Table:
     """Return an empty table whose first `left` columns are justified to the left."""
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", caption_justify="left", **settings)
     for n, heading in enumerate(headings):
@@ -89,7 +89,7 @@ def table_of_one(result: Score, flags: np.ndarray) -> Table:
     """Return the table of one trajectory: a line for each figure, with limit and prediction."""
     title = f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, {result.width} bits, "
     caption = f"{outcome(result)}\n{EXPLAINED}"
-    table = _table(title + result.simulator, ("figure", "measured", "limit", "predicted"), caption=caption)
+    table = empty_table(title + result.simulator, ("figure", "measured", "limit", "predicted"), caption=caption)
     for row in figures(result, flags):
         table.add_row(*row)
     return table
@@ -113,7 +113,7 @@ def table_of_many(scores: Sequence[Score]) -> Table:
         "of targets out of reach; angle: of shoulder or elbow (rad); bits: differing from the bit-true model"
     )
     headings = ("trajectory", "hand", "at", "limit", "predict", "clamped", "angle", "bits", "flags", "")
-    table = _table(title, headings, caption=caption, padding=(0, 1, 0, 0))
+    table = empty_table(title, headings, caption=caption, padding=(0, 1, 0, 0))
     for result in scores:
         at = "-" if result.hand_error_target is None else str(result.hand_error_target)
         limit = "-" if result.hand_error_bar is None else _limit(result.hand_error_bar)
@@ -140,7 +140,7 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
     most, norm = tolerances.hand(core.width, core.datapath), tolerances.norm(core.width, core.datapath)
     ratio = found.by_hand[0].hand_error / found.by_hand[0].tolerance if found.by_hand else 0.0
     limit = f"{tolerances.lean(core.width):.2e}"
-    table = _table(f"soak: {what}", ("figure", "measured", "tolerance"))
+    table = empty_table(f"soak: {what}", ("figure", "measured", "tolerance"))
     for row in (
         ("targets", str(found.targets)),
         ("of them in reach", str(found.reachable)),
@@ -168,7 +168,7 @@ def table_of_hardest(found: Found) -> Table:
     words = next((hard.words for hard in found.by_hand + found.by_norm), [])
     names = FIELDS if len(words) == len(FIELDS) else ()  # poses have too many words for a line
     headings = ("target", "hand", "/ tol.", "norm", *names)
-    table = _table("the hardest targets", headings, left=0, padding=(0, 1, 0, 0))
+    table = empty_table("the hardest targets", headings, left=0, padding=(0, 1, 0, 0))
     for hards in (found.by_hand, found.by_norm):
         for hard in hards:
             figures = f"{hard.hand_error:.2e}", f"{hard.hand_error / hard.tolerance:.3f}", f"{hard.norm_error:.2e}"

@@ -4,13 +4,12 @@
 from collections.abc import Sequence
 
 import numpy as np
-from rich import box
 from rich.markup import escape
 from rich.table import Table
 
 from model.io.scoring import Score
 from scripts.fpga.designs import CHIPS, clock, find, load, size
-from scripts.tables import CLOCKS, LATENCY, RATE, figures, outcome
+from scripts.tables import CLOCKS, LATENCY, RATE, empty_table, figures, outcome
 
 TARGETS = 100
 FIRST_US, ALL_US, SOFTWARE_US = 5.0, 6.0, 860.0
@@ -78,19 +77,12 @@ def table_of_datapaths(done: Sequence[tuple[Score, np.ndarray]]) -> Table:
     first, data = done[0][0], load()
     chips = {result.datapath: CHIPS.get(size(data, result.datapath, result.width)[1]) for result, _ in done}
     small = [f"{name}: {chip[1]} and clock of an {chip[0]}." for name, chip in chips.items() if chip]
-    table = Table(
-        title=f"{escape(first.trajectory)}: {first.targets} targets, {first.width} bits, {first.simulator}, "
-        "next to tables 5 and 6 of the paper",
-        caption="\n".join([*(f"{result.datapath}: {outcome(result)}" for result, _ in done), SOURCES, *small]),
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        title_justify="left",
-        caption_justify="left",
-    )
+    title = f"{escape(first.trajectory)}: {first.targets} targets, {first.width} bits, {first.simulator}, next to "
+    caption = "\n".join([*(f"{result.datapath}: {outcome(result)}" for result, _ in done), SOURCES, *small])
     columns = {"the paper": _paper(first.targets)} | {r.datapath: _core(r, flags, data) for r, flags in done}
-    table.add_column("figure")
-    for heading in columns:
-        table.add_column(heading, justify="right", no_wrap=True)
+    headings = "figure", *columns
+    table = empty_table(f"{title}tables 5 and 6 of the paper", headings, caption=caption, padding=(0, 1, 0, 0))
+    table.columns[0].no_wrap = False
     for name in dict.fromkeys(name for rows in columns.values() for name in rows):
         table.add_row(name, *(rows.get(name, "-") for rows in columns.values()), end_section=name == TIMES)
     return table

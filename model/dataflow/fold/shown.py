@@ -30,11 +30,6 @@ class Shown:
         return max(self.clocks) + 1
 
 
-def width_of(node: Node) -> str:
-    """Return the bits of a node's word, for Verilog."""
-    return f"{node.format.frac_expr} + {node.format.width - node.format.frac}"
-
-
 class _Finder:
     def __init__(self, lowering: Lowering, program: Program) -> None:
         self.lowering, self.program = lowering, program
@@ -50,7 +45,8 @@ class _Finder:
         return f"D - {1 + self.lowering.weight[name]} - ({self.nodes[name].format.frac_expr})"
 
     def bits(self, word: str, at: str, name: str) -> str:
-        return f"{word}[{at} +: {width_of(self.nodes[name])}]"
+        of = self.nodes[name].format
+        return f"{word}[{at} +: {of.frac_expr} + {of.width - of.frac}]"
 
     def of_sum(self, name: str, step: Step) -> str:
         """Return the bits of T that hold the node."""
