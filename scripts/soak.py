@@ -57,7 +57,7 @@ from scripts.console import (
     switch,
     whole,
 )
-from scripts.generate.render import read_table, render
+from scripts.generate.render import error, read_table, render
 from scripts.paper.table6.compiled import EQUATIONS, SCALAR, Solver, shared_object
 from scripts.tables import table_of_hardest, table_of_soak
 from tb.core import worst_targets
@@ -260,20 +260,16 @@ def _keep(core: Core, of: str, found: Found) -> None:
     """Replace the rows of these targets on the page."""
     key = [core.datapath, str(core.width), of]
     errors = found.hand_error_max, tolerances.hand(core.width, core.datapath), found.norm_error_max
-    row = [*key, date.today().isoformat(), str(found.targets), str(found.reachable), *map(_number, errors)]
+    row = [*key, date.today().isoformat(), str(found.targets), str(found.reachable), *(error(e, 2) for e in errors)]
     row += [*(str(found.flags[name]) for name in CORE_FLAGS), code(core.datapath)]
     last = 2.0 ** (2 - core.width)
     apart = [
-        [of, *key, str(n), _number(most), f"{most / last:.2f}", _number(tolerances.lean(core.width))]
+        [of, *key, str(n), error(most, 2), f"{most / last:.2f}", error(tolerances.lean(core.width), 2)]
         for of, (n, most) in found.apart.items()
     ]
     rows = sorted([row, *(other for other in read_table(PAGE, "datapath") if other[:3] != key)])
     apart = sorted([*apart, *(other for other in read_table(PAGE, "equations") if other[1:4] != key)])
     write_atomically(PAGE, render("soak", flags=[*CORE_FLAGS], rows=rows, apart=apart))
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2e}"
 
 
 # -- the run -----------------------------------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from model.dataflow.datapaths import MODELS
 from model.io import flags as flag_bits
 from model.io.scoring import Score
 from model.io.words import FIELDS
+from scripts.generate.render import error
 from tb.core.random_targets import Core, Found
 
 LATENCY, CLOCKS, RATE = "latency (clocks)", "clocks for all targets", "results per clock while they flow"
@@ -30,10 +31,6 @@ def empty_table(title: str, headings: Sequence[str], left: int = 1, **settings) 
     for n, heading in enumerate(headings):
         table.add_column(heading, justify="left" if n < left else "right", no_wrap="padding" in settings)
     return table
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1e}"
 
 
 def _limit(bar: float | None) -> str:
@@ -57,25 +54,25 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
     limit = "-" if result.hand_error_max is None else _limit(result.hand_error_bar)
     rows: list[tuple[str, ...]] = [
         ("bits that differ from the bit-true model", str(result.bit_mismatches), "0"),
-        ("hand error / reach, largest", _number(result.hand_error_max), limit, _number(result.hand_error_predicted)),
+        ("hand error / reach, largest", error(result.hand_error_max), limit, error(result.hand_error_predicted)),
     ]
     if result.hand_error_pose is not None:
         rows.append((f"  {result.hand_error_pose}", f"target {result.hand_error_target}"))
-    rows.append(("hand error / reach, rms", _number(result.hand_error_rms)))
+    rows.append(("hand error / reach, rms", error(result.hand_error_rms)))
     if result.hand_error_over_bar is not None:
         rows.append(("hand error / limit", f"{result.hand_error_over_bar:.2g}", "1"))
     if result.orientation_error_max is not None:
-        turn = _number(result.orientation_error_max), _limit(result.orientation_error_bar)
+        turn = error(result.orientation_error_max), _limit(result.orientation_error_bar)
         rows.append(("orientation error of the hand, largest (rad)", *turn))
         rows.append(("targets with a joint outside its limits", str(result.over_limit)))
     rows += [
-        ("shoulder angle error, largest (rad)", _number(result.shoulder_angle_error_max)),
-        ("elbow angle error, largest (rad)", _number(result.elbow_angle_error_max)),
-        ("elbow point error / reach, largest", _number(result.elbow_point_error_max)),
-        ("abs(norm^2 - 1) of Qs and Qe, largest", _number(result.norm_error_max)),
+        ("shoulder angle error, largest (rad)", error(result.shoulder_angle_error_max)),
+        ("elbow angle error, largest (rad)", error(result.elbow_angle_error_max)),
+        ("elbow point error / reach, largest", error(result.elbow_point_error_max)),
+        ("abs(norm^2 - 1) of Qs and Qe, largest", error(result.norm_error_max)),
     ]
     if result.clamped_error_max is not None:
-        clamped = _number(result.clamped_error_max), _limit(result.clamped_error_bar)
+        clamped = error(result.clamped_error_max), _limit(result.clamped_error_bar)
         rows.append(("error of the clamped hand / reach, largest", *clamped))
     rows.append(("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}"))
     if result.results_per_cycle:
@@ -117,8 +114,8 @@ def table_of_many(scores: Sequence[Score]) -> Table:
     for result in scores:
         at = "-" if result.hand_error_target is None else str(result.hand_error_target)
         limit = "-" if result.hand_error_bar is None else _limit(result.hand_error_bar)
-        rest = map(_number, (result.hand_error_predicted, result.clamped_error_max, result.angle_error_max))
-        errors = _number(result.hand_error_max), at, limit, *rest
+        rest = map(error, (result.hand_error_predicted, result.clamped_error_max, result.angle_error_max))
+        errors = error(result.hand_error_max), at, limit, *rest
         counts = str(result.bit_mismatches), str(result.flagged)
         table.add_row(escape(result.trajectory), *errors, *counts, _verdict(result))
     return table

@@ -40,9 +40,9 @@ def read_table(page: Path, heading: str) -> list[list[str]]:
     return [[re.sub(r"^`([^`]*)`$", r"\1", cell) for cell in row] for row in cells]
 
 
-def error(value: float | None) -> str:
+def error(value: float | None, digits: int = 1) -> str:
     """Format an error; None means not measured."""
-    return "-" if value is None else f"{value:.1e}"
+    return "-" if value is None else f"{value:.{digits}e}"
 
 
 def update(texts: Mapping[Path, str]) -> None:
