@@ -2,25 +2,13 @@
 """Tests of the findings of scripts/lint.py on small modules and files."""
 
 from importlib.util import find_spec
+from pathlib import Path
 
 import pytest
 
 from scripts import lint
 
-CLEAN = """\
-// SPDX-License-Identifier: Apache-2.0
-`default_nettype none
-module ik_add #(parameter W = 32) (
-    input  wire                clk,
-    input  wire signed [W-1:0] a,
-    input  wire signed [W-1:0] b,
-    output reg  signed [W:0]   s
-);
-    always @(posedge clk)
-        s <= {a[W-1], a} + {b[W-1], b};
-endmodule
-`default_nettype wire
-"""
+CLEAN = Path(__file__).with_name("ik_add.v").read_text()
 
 SLANG = pytest.mark.skipif(not find_spec("pyslang"), reason="pyslang needs Python 3.11")
 SECOND = pytest.mark.skipif(not lint.verilators()[1:], reason="no Verilator but the checkout's")
