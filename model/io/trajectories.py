@@ -16,6 +16,8 @@ This command made the files of `EXAMPLES` in `examples/`; a test fails when they
 import argparse
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -49,37 +51,30 @@ def describe(name: str) -> str:
     return {**TRAJECTORIES, **HANDS}[name].__doc__ or ""
 
 
-def trajectory(function: Callable[[], tuple]) -> Callable[[], tuple]:
-    """Register a trajectory under the name of its function (decorator), which returns positions (N, 3) in m and angles
-    (rad), and arm lengths (m) if they are not the default arm's: (N,) or numbers."""
+def _registered(place: dict[str, Callable[[], Targets]], function: Callable[[], tuple]) -> Callable[[], tuple]:
+    """Register a trajectory under the name of its function, which returns positions (N, 3) in m and angles (rad); if
+    they are not the default arm's, lengths d1, d2 (m): (N,) or numbers; for hands orientations (N, 4) and the tool."""
 
     def made() -> Targets:
-        position, phi, d1, d2 = (*function(), DEFAULT_D1, DEFAULT_D2)[:4]
+        position, phi, *lengths = function()
+        d1, d2, *hand = lengths + [DEFAULT_D1, DEFAULT_D2] * (not lengths)
         # Rounded to nm and nrad, so that machines whose sines differ in the last place give equal targets.
         x, y, z = np.round(position.T, 9)
-        return Targets(function.__name__, x, y, z, np.round(phi, 9), d1, d2)
+        return Targets(function.__name__, x, y, z, np.round(phi, 9), d1, d2, **(_hand(*hand) if hand else {}))
 
     made.__doc__ = function.__doc__
-    TRAJECTORIES[function.__name__] = made
+    place[function.__name__] = made
     return function
 
 
-def hands(function: Callable[[], tuple]) -> Callable[[], tuple]:
-    """Register a trajectory of hand poses (decorator): positions (N, 3) in m, angles (rad), orientations (N, 4) and
-    lengths d1, d2, tool (m)."""
+def _hand(q: np.ndarray, tool: float) -> dict[str, Any]:
+    q = np.round(q, 9)
+    others = {name: [*map(repr, column.tolist())] for name, column in zip(QUATERNION, q.T, strict=True)}
+    others["tool"] = [repr(tool)] * len(q)
+    return {"hand": q / np.linalg.norm(q, axis=1)[:, None], "tool": tool, "others": others}
 
-    def made() -> Targets:
-        position, phi, q, d1, d2, tool = function()
-        (x, y, z), q = np.round(position.T, 9), np.round(q, 9)
-        others = {name: [*map(repr, column.tolist())] for name, column in zip(QUATERNION, q.T, strict=True)}
-        others["tool"] = [repr(tool)] * len(q)
-        own = {"hand": q / np.linalg.norm(q, axis=1)[:, None], "tool": tool, "others": others}
-        return Targets(function.__name__, x, y, z, np.round(phi, 9), d1, d2, **own)
 
-    made.__doc__ = function.__doc__
-    HANDS[function.__name__] = made
-    return function
-
+trajectory, hands = partial(_registered, TRAJECTORIES), partial(_registered, HANDS)  # decorators
 
 TIME = np.linspace(0.0, 1.0, STEPS)  # times from 0 to 1, both included
 
@@ -253,7 +248,7 @@ def pick_and_place() -> tuple:
     rests = [(*over, 0.0), (*part, 0.5), (*part, 0.5), (*over, 0.5), (*aside, 2.07), (*bin_, 2.07), (*aside, 2.07)]
     position, yaw = _via(rests, [0.0, 0.2, 0.25, 0.4, 0.7, 0.85, 1.0])
     q = np.column_stack((0 * yaw, np.cos(yaw / 2), np.sin(yaw / 2), 0 * yaw))  # the flange points down
-    return position, -1.0, q, 0.42, 0.4, 0.126
+    return position, -1.0, 0.42, 0.4, q, 0.126
 
 
 @hands
@@ -263,7 +258,7 @@ def writing() -> tuple:
     position = _points(0.45, 0.10 - 0.20 * TIME + 0.015 * np.sin(stroke), -0.05 + 0.02 * np.cos(stroke))
     lean = np.radians(120 + 5 * np.sin(stroke)) / 2
     q = np.column_stack((np.cos(lean), 0 * lean, np.sin(lean), 0 * lean))
-    return position, np.pi - 0.05 * TIME, q, DEFAULT_D1, DEFAULT_D2, 0.12
+    return position, np.pi - 0.05 * TIME, DEFAULT_D1, DEFAULT_D2, q, 0.12
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
