@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow.datapaths import MODELS, Datapath
-from model.io.stimuli import arithmetic_corners, arm_limits, arm_targets, mixed
+from model.io.stimuli import arithmetic_corners, arm_targets, mixed
 from tb.mutation.netlists import BITS
 from tb.sim.job import answer, limits_port
 from tb.sim.native_run import columns
@@ -60,16 +60,20 @@ class NodeBench:
         """Write the data of the bench, and the files that it includes, into a folder."""
         words = self.words()
         answered = answer(words, self.width, self.datapath)
+        port = None
+        if self.path.side:  # each limit is the angle of a target, so that one ulp more or less is found
+            limits = [tuple(th[[len(th) // 3, 2 * len(th) // 3]].tolist()) for th in answered.results[:, :7].T]
+            answered, port = answer(words, self.width, self.datapath, limits), limits_port(limits, self.width)
         nodes = list(answered.bits.nodes.values())
         rows, at = [0] * len(words), 0
         for values, bits in fields(words, answered, nodes, self.width, self.path):
             rows = [row | (int(v) & (1 << bits) - 1) << at for row, v in zip(rows, values.tolist(), strict=True)]
             at += bits
         (folder / DATA).write_text("\n".join(f"{row:x}" for row in rows) + "\n")
-        for name, text in self._included(nodes, len(words), at).items():
+        for name, text in self._included(nodes, len(words), at, port).items():
             (folder / name).write_text(text)
 
-    def _included(self, nodes: list, count: int, bits: int) -> dict[str, str]:
+    def _included(self, nodes: list, count: int, bits: int, limits: int | None) -> dict[str, str]:
         path, w = self.path, self.width
         core = f"u_axis.\\g_{path.rtl}.u_core "
         sizes = len(path.inputs) * w, len(path.side), len(path.results) * w, path.flag_bits
@@ -102,7 +106,7 @@ class NodeBench:
             "MOST": count * (path.period + 8) * 3 + 20 * latest + 4000,
             "FULL": 2 * latest + 200 if path.times else latest + (2 << (latest + 4).bit_length()),
         }
-        macros = {"CORE": path.top} | ({"LIMITS": f"{14 * w}'h{limits_port(arm_limits(w), w):x}"} if path.side else {})
+        macros = {"CORE": path.top} | ({"LIMITS": f"{14 * w}'h{limits:x}"} if limits is not None else {})
         lines = [f"`define {name} {value}\n" for name, value in macros.items()]
         lines += [f"localparam {name} = {value};\n" for name, value in values.items()]
         return {"values.vh": "".join(lines), "compared.vh": "".join(compared)}
