@@ -98,8 +98,10 @@ module ik_vector #(
     minus <= g_turn[FROM].below;
   end
 
-  wire [ZW-1:0] rest = (g_turn[FROM+1].below == minus) ? BOTH : CHANGE;
-  wire [ZW-1:0] sum = z + (rest ^ {ZW{minus}}) + {{(ZW - 1) {1'b0}}, minus};
+  // Both sums: the sign of the last Y, which many bits wait for, chooses behind the adders.
+  wire [ZW-1:0] sum_both = z + (BOTH ^ {ZW{minus}}) + {{(ZW - 1) {1'b0}}, minus};
+  wire [ZW-1:0] sum_change = z + (CHANGE ^ {ZW{minus}}) + {{(ZW - 1) {1'b0}}, minus};
+  wire [ZW-1:0] sum = (g_turn[FROM+1].below == minus) ? sum_both : sum_change;
   always @(posedge clk)
     if (flat_end) angle <= {left_end, {(ZW - 1) {1'b0}}};
     else angle <= {sum[ZW-1] ^ left_end, sum[ZW-2:0]};
