@@ -166,7 +166,7 @@ FEW = "out_of_reset|skew=0.0|answer_at_once|noise|no_stop_bit|button"
     "tests",
     [
         pytest.param(FEW, marks=pytest.mark.cost(6)),
-        pytest.param(f"^(?!.*({FEW}|program))", marks=[pytest.mark.slow, pytest.mark.cost(30)]),
+        pytest.param(f"^(?!.*({FEW}|program))", marks=pytest.mark.release),
     ],
     ids=["few", "more"],
 )

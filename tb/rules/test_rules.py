@@ -97,13 +97,13 @@ QUICK = ("m_axis PAYLOAD_STAYS", "m_axi.aw VALID_STAYS", "m_axi.write BID")
 
 
 def cases(rows):
-    """Mark all cases slow except one per port and side."""
+    """Mark all cases slow except one per port and side, and those without a rule for a release."""
     slow = [pytest.mark.slow, pytest.mark.cost(4)]
     return [
         pytest.param(
             *row,
             id=f"{row[0]} {row[2] if '=' in row[2] else ''}".strip().replace(" ", "_"),
-            marks=[] if row[0] in QUICK else slow,
+            marks=[] if row[0] in QUICK else slow if " " in row[0] else pytest.mark.release,
         )
         for row in rows
     ]
