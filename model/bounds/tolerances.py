@@ -65,7 +65,7 @@ def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
 
 def pose_errors(words: np.ndarray, results: np.ndarray, flags: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the errors (N,) of the hand's point and orientation of poses (N, 11), relative to their tolerances; nan
-    for poses out of reach, and for hands that are not unit quaternions, rounded."""
+    for poses out of reach, and for hands farther from unit length than rounding explains."""
     th, tool = results[:, :7].T * (2 * np.pi / (1 << width)), words[:, 6:7] * (0.0, 0.0, 1.0)
     point, hand = reached(th, words[:, 4], words[:, 5], tool)
     bars = arm(words, width)

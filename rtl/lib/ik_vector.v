@@ -98,7 +98,7 @@ module ik_vector #(
     minus <= g_turn[FROM].below;
   end
 
-  // Both sums: the sign of the last Y, which many bits wait for, chooses behind the adders.
+  // Both sums are computed, because the sign of the last Y arrives late; it chooses one of them.
   wire [ZW-1:0] sum_both = z + (BOTH ^ {ZW{minus}}) + {{(ZW - 1) {1'b0}}, minus};
   wire [ZW-1:0] sum_change = z + (CHANGE ^ {ZW{minus}}) + {{(ZW - 1) {1'b0}}, minus};
   wire [ZW-1:0] sum = (g_turn[FROM+1].below == minus) ? sum_both : sum_change;
