@@ -8,9 +8,9 @@ intended saturation are stated at the nodes (:mod:`model.dataflow.annotations`),
 
 * :class:`Ranges`, of the paper's dataflow: plain intervals, which a rule narrows at single nodes.  The input words are
   split into :func:`model.dataflow.annotations.cases`; a node's range is the union over them.
-* :class:`LeanRanges`, of the lean dataflow: every range is stated, and `make formal` proves ranges and errors
-  (``tb/formal/lean_proofs.py``).  Clamped targets are excluded: some of their words (K and its dependents) lose high
-  bits and are unused.
+* :class:`LeanRanges`, of the lean dataflow and the whole arm: every range is stated, and `make formal` proves ranges
+  and errors (``tb/formal/lean_proofs.py``).  Words of a clamped target or a bad hand that are not used (K and its
+  dependents, the hand's products) may lose high bits.
 """
 
 import itertools
@@ -20,6 +20,7 @@ from functools import cache, reduce
 
 import numpy as np
 
+from ..dataflow.angles import gain, length_bound
 from ..dataflow.annotations import ANYTHING, Case, Given, Rule, Within, cases
 from ..dataflow.datapaths import MODELS
 from ..dataflow.nodes import CORDIC, EXACT, Domain, Format, Node, real_value
@@ -222,11 +223,11 @@ class Ranges(Intervals):
 
     def _corners(self, node: Node) -> list[int]:
         ulp = node.format.ulp
-        low, high = (round(v / ulp) for v in _on_grid(node.value.word, node.format))
+        low, high = (round(v / ulp) for v in on_grid(node.value.word, node.format))
         return sorted({low, high, *(v for v in (-1, 0, 1) if low <= v <= high)})
 
 
-def _on_grid(word: tuple[float, float], fmt: Format) -> tuple[float, float]:
+def on_grid(word: tuple[float, float], fmt: Format) -> tuple[float, float]:
     """Return the outermost words of ``fmt`` inside a range."""
     low = math.ceil((word[0] - SLACK * abs(word[0])) / fmt.ulp)
     high = math.floor((word[1] + SLACK * abs(word[1])) / fmt.ulp)
@@ -264,7 +265,7 @@ def analyse(width: int, **formats: Format) -> tuple[dict[str, Proved], dict[str,
     failed = {name: line for run in reversed(runs) for name, line in run.failed.items()}  # of the first case
     table = {}
     for name, node in runs[0].nodes.items():
-        ranges = [_on_grid(run.proved[name].word, node.format) for run in runs]
+        ranges = [on_grid(run.proved[name].word, node.format) for run in runs]
         error = max(run.proved[name].error for run in runs) / node.format.ulp
         table[name] = Proved(node, min(r[0] for r in ranges), max(r[1] for r in ranges), error)
     return table, failed
@@ -289,6 +290,7 @@ class LeanRanges(Intervals):
 
     def __init__(self, width: int, formats: dict[str, Format] | None = None, datapath: str = "lean") -> None:
         super().__init__(width, formats)
+        self.errors: dict[str, float] = {}  # of every node; :meth:`words` takes some words as exact
         path = MODELS[datapath]
 
         def word(name, fmt):
@@ -298,13 +300,13 @@ class LeanRanges(Intervals):
 
     def words(self, *names):
         for node in (self.nodes[name] for name in names):
-            node.value = Bound(*_on_grid(node.value.word, node.format))
+            node.value = Bound(*on_grid(node.value.word, node.format))
 
     def make(self, name, op, operands, fmt, latency, value, after=None, error=EXACT):
         if op in ("rsqrt", "trig", "mul3"):  # the operation states its own rounding
             value = replace(value, error=UP * (value.error + max(map(abs, error)) * fmt.ulp))
         node = super().make(name, op, operands, fmt, latency, value, after, error)
-        held = self.formats.get(name, fmt)
+        held, self.errors[name] = self.formats.get(name, fmt), value.error
         least, most = value.word
         if isinstance(node.facts.within, Within) and node.facts.within.below:
             least, most = value.low, value.high - fmt.ulp
@@ -339,5 +341,10 @@ class LeanRanges(Intervals):
         return tuple(self._bound(name, 0.0) for name in names)
 
     def polar(self, names, x, y, sign):
-        # The error of an angle has no bound but half a turn: it grows as its vector gets shorter.
-        return tuple(self._bound(name, 0.0) if name else None for name in names)
+        # An angle's error has no bound but half a turn: it grows as its vector gets shorter.
+        length, angle = names
+        if not length:
+            return None, self._bound(angle, 0.0)
+        longest = self._bound(length, 0.0).high / gain(self.width)
+        error = length_bound(self.width, longest) * 2.0 ** -(self.width + 1)
+        return replace(self._bound(length, error), floor=0.0), self._bound(angle, 0.0)  # X only grows

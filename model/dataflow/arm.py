@@ -37,12 +37,13 @@ SECTIONS = {"hand": "wrist target of a hand pose", **lean.SECTIONS, "frame": "wr
 
 LENGTH = Within(0.0, 1.01, "the squared length of a good hand")
 ROW = Within(-0.51, 0.51, "half a component of a unit vector, times |Qh|^2 < 1.01")
-PART = Within(-1.01, 1.01, "parts of quaternions no longer than 1 + 2^-8")
+GOOD = Within(-1.01, 1.01, "parts of a quaternion no longer than 1 + 2^-8")
+PART = Within(-1.02, 1.02, "the same, times words of unit quaternions")
 POINT = Within(-2.0, 2.0, "a word", below=True)
 OFFSET = Within(-1.02, 1.02, "half a component of the tool's offset")
 WRIST = Limited("a wrist outside the format is brought to its edge")
 TURN = Within(-1.0, 1.0, "a binary angle, which wraps", below=True)
-GAINED = Within(0.0, 1.66, "K times a part of a quaternion no longer than 1")
+GAINED = Within(0.0, 1.68, "K times two parts of such a quaternion, K = 1.6468")
 
 ROUNDED_SUM = Growth(added=True)
 
@@ -87,7 +88,7 @@ def hand(d: Domain, target: dict[str, Node]) -> None:
     d.mask("bad_hand", (total,), partial(ops.off_one, frac=exact.frac, places=8))
     for c in "wijk":
         how = partial(ops.chosen, unit=f.result.frac if c == "w" else None)
-        L(63).op(f"h_{c}", (f"qh_{c}", "bad_hand"), f.result, how, within=PART, grows=SAME)
+        L(63).op(f"h_{c}", (f"qh_{c}", "bad_hand"), f.result, how, within=GOOD, grows=SAME)
     L(64).op("tool_h", ("tool", "bad_hand"), f.result, partial(ops.chosen, unit=None), within=POINT, grows=SAME)
 
     half = 1 << f.frac - 1
@@ -95,7 +96,7 @@ def hand(d: Domain, target: dict[str, Node]) -> None:
     for line, (axis, first, second, signs, one) in enumerate(rows, start=65):
         terms = first, second
         for term in terms:
-            L(line).mul3(f"h_{term}", target[f"qh_{term[0]}"], target[f"qh_{term[1]}"], f.inner, within=PART)
+            L(line).mul3(f"h_{term}", target[f"qh_{term[0]}"], target[f"qh_{term[1]}"], f.inner, within=GOOD)
         how = partial(ops.half_row, signs=signs, half=one, width=f.inner.width)
         L(line).op(f"r_{axis}", [f"h_{term}" for term in terms], f.inner, how, within=ROW, grows=SUM)
     shifts = {"up": f.drop - 1, "drop": f.drop - 1, "top": f.result.high}  # off is half the offset

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lean dataflow in exact arithmetic, as formulas over the reals: equations and range claims.
+"""The lean dataflow and the whole arm around it in exact arithmetic, as formulas over the reals.
 
 :class:`Exact` runs the dataflow itself; a node becomes a real number with the equation of its operation, a count e the
 number 2^e, so that a shift is a product. Decisions are taken on rounded words: if a decision depends on signs and
 masks only, its truth table becomes a formula over the sign of each word, which is free unless the word is exact; any
-other decision is free. A proof therefore holds for any outcome of rounding.
+other decision is free. A proof therefore holds for any outcome of rounding. Where the dataflow continues with the
+words of a node (``Domain.words``), ``n_w`` is the word of node n: a number within n's error of its exact value.
 
 The questions are in :mod:`tb.formal.lean_proofs`.
 """
@@ -12,13 +13,16 @@ The questions are in :mod:`tb.formal.lean_proofs`.
 import itertools
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 
-from model.bounds.ranges import LeanRanges
-from model.dataflow import lean
-from model.dataflow.annotations import Within
+from model.bounds.ranges import LeanRanges, on_grid
+from model.dataflow.angles import gain
+from model.dataflow.annotations import Facts, Within
+from model.dataflow.arm import arm
+from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Domain, Format, Node
 from model.dataflow.operations import operation
 from model.io.words import ARMS
@@ -69,20 +73,40 @@ class UnknownOperationError(Exception):
 
 
 class Exact(Domain):
-    """The lean dataflow at one word length, for targets that are not clamped."""
+    """The whole arm's dataflow at one word length."""
 
     def __init__(self, width: int) -> None:
         super().__init__(width)
         self.equations: dict[str, list[str]] = {}
         self.signs: dict[str, str] = {}  # word -> whether it is negative, if a decision depends on it
-        self.ranges = LeanRanges(width).nodes
+        self.errors = LeanRanges(width, datapath="arm").errors
         self._is("ulp", f"(= ulp {number(self.word(1).ulp)})")
-        inputs = self.inputs(lambda name, fmt: None)
+        inputs = self.inputs(lambda name, fmt: None, (*MODELS["arm"].inputs, *MODELS["arm"].side))
         for name, node in inputs.items():
             fmt = node.format
             low = fmt.ulp if name in ARMS else fmt.low * fmt.ulp
             self._is(name, between(low, name, fmt.high * fmt.ulp))
-        lean.lean(self, inputs)
+        self.before: dict[str, Node] = {}  # nodes that the dataflow continues with the words of
+        arm(self, inputs)
+        words = {node.name: node for node in map(self.nodes.__getitem__, self.before)}
+        self.nodes |= self.before | words
+
+    def words(self, *names):
+        super().words(*names)
+        for name in names:
+            node, word, error = self.nodes[name], f"{name}_w", self.errors[name]
+            low, high = node.format.low * node.format.ulp, node.format.high * node.format.ulp
+            if self.equations[name]:
+                within = node.facts.within
+                low, high = on_grid((within.low - error, within.high + error), node.format)
+            self._is(word, between(low, word, high))
+            self.before[name], self.errors[word] = node, 0.0
+            self.nodes[name] = replace(node, name=word, op="input", facts=Facts())
+
+    def near(self, name: str) -> str:
+        """Return the fact that a node's word is within its error of its exact value."""
+        error = self.errors[name]
+        return between(-error, f"(- {name}_w {name})", error) if error else f"(= {name}_w {name})"
 
     def _is(self, name: str, *formulas: str) -> None:
         self.equations[name] = list(formulas)
@@ -104,7 +128,7 @@ class Exact(Domain):
 
     def places(self, name: str) -> str:
         """Return the fact that an exact word is 0, one ulp, or at least two."""
-        if self.ranges[name].value.error:
+        if self.errors[name]:
             raise LookupError(f"{name} is rounded")
         ulp = self.nodes[name].format.ulp
         size = f"(ite (< {name} 0.0) (- {name}) {name})"
@@ -118,8 +142,8 @@ class Exact(Domain):
 
     @property
     def claimed(self) -> list[str]:
-        """The nodes for which the dataflow claims a range."""
-        return [name for name, node in self.nodes.items() if isinstance(node.facts.within, Within)]
+        """The nodes for which the dataflow claims a range that they could exceed."""
+        return [n for n, node in self.nodes.items() if isinstance(node.facts.within, Within) and self.equations[n]]
 
     def _sign(self, node: Node) -> str:
         """Return the sign of a node's word as a formula; an input or an exact node has the sign of its value."""
@@ -153,18 +177,44 @@ class Exact(Domain):
         return f"(or false {' '.join(parts)})"
 
     def apply(self, name: str, operands: tuple[Node, ...], fmt: Format, bits: Callable):
-        if fmt.width == 1:
+        kind, parameters = operation(bits)
+        names, write = [node.name for node in operands], getattr(self, f"_{kind}", None)
+        if fmt.width == 1 and not write:
             decision = self._decision(operands, _mask(bits))
             self._is(name, *([f"(= {name} {decision})"] if decision else []))
             return
-        kind, parameters = operation(bits)
-        names, write = [node.name for node in operands], getattr(self, f"_{kind}", None)
         if kind not in VALUES and write is None:
             raise UnknownOperationError(f"{name}: {kind}")
         found = VALUES[kind].format(*names) if kind in VALUES else write(name, operands, fmt, *names, **parameters)
         self._is(name, *([f"(= {name} {found})"] if isinstance(found, str) else found))
 
     # Each other operation has a method that returns its value, or the equations of the node `name`.
+
+    def _free(self, *_, **__):
+        """Return no equation: a word that saturates or wraps by intention, or a decision that depends on such words."""
+        return []
+
+    _target = _joint = _twice = _outside = _outside_format = _free
+
+    def _off_one(self, name, operands, fmt, square, frac, places):
+        low, high = (number((1 + sign * Fraction(1, 1 << places)) ** 2) for sign in (-1, 1))
+        return f"(not (and (<= {low} {square}) (< {square} {high})))"
+
+    def _plus_wrapped(self, name, operands, fmt, a, b, width):
+        total, end, turn = f"(+ {a} {b})", number(2.0 ** (width - 1) * fmt.ulp), number(2.0**width * fmt.ulp)
+        return f"(ite (<= {end} {total}) (- {total} {turn}) (ite (< {total} (- {end})) (+ {total} {turn}) {total}))"
+
+    def _chosen(self, name, operands, fmt, word, mask, unit):
+        return f"(ite {mask} {number(0 if unit is None else 2.0**unit * fmt.ulp)} {word})"
+
+    def _half_row(self, name, operands, fmt, *terms, signs, half, width):
+        return f"(+ {number(half * fmt.ulp)} {self._four(name, operands, fmt, *terms, signs=signs)})"
+
+    def _four(self, name, operands, fmt, *terms, signs):
+        return f"(+ {' '.join(f'(* {number(s)} {t})' for s, t in zip(signs, terms, strict=True))})"
+
+    def _two(self, name, operands, fmt, a, b, sign, drop):
+        return f"(- (* {number(sign)} {b}) {a})"
 
     def _count(self, name, operands, fmt, *counts, factors, constant=0):
         up = [n for n, f in zip(counts, factors, strict=True) for _ in range(max(f, 0))]
@@ -214,6 +264,16 @@ class Exact(Domain):
         self._is(
             name, f"(ite (= {m.name} 0.0) (= {name} 1.0) (= (* 4.0 {m.name} {name} {name}) {one}))", f"(< 0.0 {name})"
         )
+
+    def polar(self, names: tuple[str | None, str], x: Node, y: Node, sign: int):
+        """Define the gained length; the angle is free."""
+        length, angle = names
+        gained = number(Fraction(gain(self.width)) ** 2)
+        squares = f"(+ (* {x.name} {x.name}) (* {y.name} {y.name}))"
+        if length:
+            self._is(length, f"(<= 0.0 {length})", f"(= (* {length} {length}) (* {gained} {squares}))")
+        self._is(angle)
+        return None, None
 
     def half_sincos(self, names: tuple[str, str], phi: Node, fmt: Format):
         """Define sine and cosine of half an angle of at most half a turn in either direction."""

@@ -9,26 +9,60 @@ errors of :mod:`model.bounds.ranges`. A test checks that range and error togethe
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 
 from model.dataflow.annotations import Limited
 from model.dataflow.nodes import FLOOR, JAM, WIDTHS, Node
 from tb.formal.arithmetic import Question
 from tb.formal.lean_exact import Exact, between, number
-from tb.formal.lean_lemmas import BY_WORDS, GEOMETRY, SQUARES, USES
+from tb.formal.lean_lemmas import BY_WORDS, CASES, GEOMETRY, SQUARES, USES
 from tb.formal.task import digest_of, no_circle
-from tb.formal.unrolled import ask
+from tb.formal.unrolled import ask_each
 
 SOLVER = "(check-sat-using qfnra-nlsat)"
+LINEAR = "(check-sat-using (then simplify smt))"  # for sums of squares of which the facts are linear
 LIMIT = 60  # seconds for one question
+REACHABLE = next(iter(CASES))
 SEEDED = "wi_0"  # the node whose claim is made too narrow
 
 
 class Questions:
-    """Questions at one word length: each is a set of facts and a claim that follows from them."""
+    """Questions at one word length about one of :data:`CASES`: each is a set of facts and a claim that follows."""
 
-    def __init__(self, width: int) -> None:
-        self.exact = Exact(width)
+    def __init__(self, exact: Exact, case: str = REACHABLE) -> None:
+        self.exact = exact
+        self.case = case
+        self.assumption, self.other = CASES[case]
+        self.lemmas = [name for name, (_, uses) in GEOMETRY.items() if uses]
+        self.proved = self._proved()
+
+    def _proved(self) -> list[str]:
+        """Return the lemmas, and the nodes whose range in exact arithmetic holds: for targets that are not reachable,
+        those on which Qs and Qe rest."""
+        ranges = [name for name in self.exact.claimed if name not in BY_WORDS]
+        if self.case == REACHABLE:
+            return [*self.lemmas, *ranges]
+        nodes, found = self.exact.nodes, {}
+        left = ["words of Qs", "words of Qe", *(n for n in ranges if nodes[n].section in ("direction", "turn"))]
+        left += [n for n in ranges if self.decided(n)]
+        while left:
+            if (name := left.pop()) not in found and name in {*self.lemmas, *ranges}:
+                found[name] = True
+                left += self.uses(name)
+        return list(found)
+
+    def decided(self, name: str) -> bool:
+        """Return whether a node's word depends on the case."""
+        return "clamp" in {node.name for node in self.exact.nodes[name].operands}
+
+    def uses(self, name: str) -> list[str]:
+        """Return the names of the facts that a question about a range uses."""
+        for table in (self.other, USES):
+            if name in table:
+                return table[name]
+        if name in GEOMETRY:
+            return GEOMETRY[name][1]
+        operands = [node.name for node in self.exact.nodes[name].operands]
+        return [f"={name}", *(n for n in operands if n in self.exact.claimed)]
 
     def question(self, name: str) -> str:
         """Return the formula that z3 must refute."""
@@ -42,23 +76,10 @@ class Questions:
 class Rules(Questions):
     """Questions about the exact ranges."""
 
-    def __init__(self, width: int) -> None:
-        super().__init__(width)
-        self.lemmas = [name for name, (_, uses) in GEOMETRY.items() if uses]
-        no_circle({name: [used for used in self.uses(name) if used[0] not in "=#"] for name in self.names()})
-
     def names(self) -> list[str]:
         """Return the names of the lemmas and of the nodes with a range in exact arithmetic."""
-        return [*self.lemmas, *(name for name in self.exact.claimed if name not in BY_WORDS)]
-
-    def uses(self, name: str) -> list[str]:
-        """Return the names of the facts that a question uses."""
-        if name in self.lemmas:
-            return GEOMETRY[name][1]
-        if name in USES:
-            return USES[name]
-        operands = [node.name for node in self.exact.nodes[name].operands]
-        return [f"={name}", *(n for n in operands if n in self.exact.claimed)]
+        no_circle({name: [used for used in self.uses(name) if used[0] not in "=#~"] for name in self.proved})
+        return self.proved
 
     def says(self, name: str) -> str:
         """Return the meaning of a question, for the full table."""
@@ -73,10 +94,14 @@ class Rules(Questions):
     def _fact(self, name: str) -> list[str]:
         if name[0] == "#":
             return [self.exact.places(name[1:])]
+        if name[0] == "~":
+            return [self.exact.near(name[1:])]
         if name[0] == "=":
             if name[1:] in SQUARES:
                 return [f"(= {name[1:]} {SQUARES[name[1:]]})"]
             return self.exact.equations[name[1:]]
+        if name == "case":
+            return [self.assumption]
         return [GEOMETRY[name][0] if name in GEOMETRY else self.exact.known(name)]
 
 
@@ -91,7 +116,8 @@ class Rounded(Questions):
     def names(self) -> list[str]:
         """Return the nodes that have a fraction and are not exact."""
         nodes = self.exact.nodes
-        return [name for name in self.exact.claimed if nodes[name].format.frac and self.exact.ranges[name].value.error]
+        names = [name for name in (*self.proved, *BY_WORDS) if name in nodes and nodes[name].op != "vector"]
+        return [name for name in names if nodes[name].format.frac and self.exact.errors[name]]
 
     def rounding(self, node: Node) -> tuple[float, float]:
         """Return the bounds of the rounding error in ulps: one ulp in either direction for an operation that drops
@@ -100,18 +126,19 @@ class Rounded(Questions):
 
     def _near(self, node: Node) -> list[str]:
         """Return the known facts of a node: its range and its word's error; an exact word equals its value."""
-        name, error = node.name, self.exact.ranges[node.name].value.error
-        known = [self.exact.claim(name)] if name in self.exact.claimed and name != "m_q" else []
-        if not error:
-            return [*known, f"(= {name}_w {name})"]
-        return [*known, between(-error, f"(- {name}_w {name})", error)]
+        name = node.name
+        if node.op == "input":
+            return [*self.exact.equations[name], self.exact.near(name)]
+        if name in BY_WORDS:
+            return [self.exact.near(name)]
+        return [self.exact.claim(name), self.exact.near(name)] if name in self.proved else []
 
     def facts(self, name: str) -> list[str]:
         node = self.exact.nodes[name]
         fractions = [n for n in node.operands if n.format.frac]
         facts = [fact for n in node.operands if n.format.frac for fact in self._near(n)]
-        facts += [self.exact.known(n.name) for n in node.operands if n.name in self.exact.claimed and not n.format.frac]
-        facts += self.exact.equations[name]
+        facts += [self.exact.known(n.name) for n in node.operands if n.name in self.proved and not n.format.frac]
+        facts += [*self.exact.equations[name], *([self.assumption] if self.decided(name) else [])]
         words = {n.name: f"{n.name}_w" for n in fractions}
         lowest, highest = (number(e * node.format.ulp) for e in self.rounding(node))
         if node.op in ("even", "trig") or (node.op == "rsqrt" and fractions[0].op == "even"):
@@ -133,46 +160,51 @@ class Rounded(Questions):
 
     def claim(self, name: str) -> str:
         """Return the error claim, and the word's range if a decision on words limits it."""
-        value = self.exact.ranges[name].value
-        claim = between(-value.error, f"(- {name}_w {name})", value.error)
+        claim, error, within = self.exact.near(name), self.exact.errors[name], self.exact.nodes[name].facts.within
         if name == "m_q":
-            return f"(and {claim} {between(value.low - value.error, 'm_q_w', value.high + value.error)})"
+            return f"(and {claim} {between(within.low - error, 'm_q_w', within.high + error)})"
         return claim
 
     def says(self, name: str) -> str:
         """Return the meaning of a question, for the full table."""
-        node = self.exact.ranges[name]
-        return f"within {node.value.error / node.format.ulp:.6g} ulps of its exact value"
+        return f"within {self.exact.errors[name] / self.exact.nodes[name].format.ulp:.6g} ulps of its exact value"
 
 
 def _question(asked: Questions, name: str) -> Question:
-    text, assumed = asked.question(name), asked.assumed(name)
-    label = f"{name}, W={asked.exact.width}"
-    return Question(label, asked.says(name), partial(ask, text, SOLVER, LIMIT), partial(ask, assumed, SOLVER, LIMIT))
+    both = asked.assumed(name), asked.question(name)
+    label = f"{name}, W={asked.exact.width}" + ("" if asked.case == REACHABLE else f", {asked.case}")
+    solver = LINEAR if name.startswith("words of") else SOLVER
+    met, said = (lambda k=k: ask_each(both, solver, LIMIT)[k] for k in range(2))
+    return Question(label, asked.says(name), said, met)
+
+
+def _all(kind: type[Questions], widths: Sequence[int]) -> Iterator[tuple[Questions, str]]:
+    for width in sorted(widths, reverse=True):
+        exact = Exact(width)
+        for asked in (kind(exact, case) for case in CASES):
+            yield from ((asked, name) for name in asked.names())
 
 
 def questions(kind: type[Questions], widths: Sequence[int] = WIDTHS) -> Iterator[Question]:
-    """Yield each question; one that recurs at several widths only once."""
+    """Yield each question; one that recurs in several cases or at several widths only once."""
     known: set[str] = set()
-    for width in sorted(widths, reverse=True):
-        asked = kind(width)
-        for name in asked.names():
-            if (text := asked.question(name)) not in known:
-                known.add(text)
-                yield _question(asked, name)
+    for asked, name in _all(kind, widths):
+        if (text := asked.question(name)) not in known:
+            known.add(text)
+            yield _question(asked, name)
 
 
 def digest(kind: type[Questions]) -> str:
     """Return the digest of all questions."""
-    return digest_of(SOLVER, *(asked.question(name) for asked in map(kind, WIDTHS) for name in asked.names()))
+    return digest_of(SOLVER, *(asked.question(name) for asked, name in _all(kind, WIDTHS)))
 
 
 def too_narrow(kind: type[Questions]) -> Iterator[Question]:
     """Yield a question whose claim does not hold: a range of 5/6, an error of half its size."""
-    asked = kind(max(WIDTHS))
+    asked = kind(Exact(max(WIDTHS)))
     exact = asked.exact
-    node, ranged = exact.nodes[SEEDED], exact.ranges[SEEDED]
+    node = exact.nodes[SEEDED]
     within = replace(node.facts.within, low=node.facts.within.low * 5 / 6, high=node.facts.within.high * 5 / 6)
     exact.nodes[SEEDED] = replace(node, facts=replace(node.facts, within=within))
-    exact.ranges[SEEDED] = replace(ranged, value=replace(ranged.value, error=ranged.value.error / 2))
+    exact.errors[SEEDED] /= 2
     yield _question(asked, SEEDED)

@@ -40,9 +40,9 @@ def _seeded(name: str, questions: Callable) -> Callable[[], Iterable[Question]]:
 
 TASKS = (
     *(Task(p.name, p.claim, p.engine, partial(induction.digest, p), partial(induction.run, p)) for p in PROOFS),
-    _numbers("rules", "exact ranges of the lean dataflow, W = 16 to 32", partial(lean_proofs.digest, Rules),
+    _numbers("rules", "exact ranges of the whole arm's dataflow, W = 16 to 32", partial(lean_proofs.digest, Rules),
              partial(lean_proofs.questions, Rules), partial(lean_proofs.too_narrow, Rules)),
-    _numbers("errors", "errors of the lean dataflow's words, W = 16 to 32", partial(lean_proofs.digest, Rounded),
+    _numbers("errors", "errors of the whole arm's words, W = 16 to 32", partial(lean_proofs.digest, Rounded),
              partial(lean_proofs.questions, Rounded), partial(lean_proofs.too_narrow, Rounded)),
     _numbers("floors", "from rows to the floor, divider and root, all widths", partial(_files, FLOORS),
              floors, _seeded("floors", floors)),

@@ -23,14 +23,20 @@ class Answer:
 
 
 @lru_cache(maxsize=4096)
-def ask(text: str, check: str = "(check-sat)", limit: int = LIMIT) -> Answer:
-    """Send a formula without its final command to z3; answers are cached."""
+def ask_each(texts: tuple[str, ...], check: str = "(check-sat)", limit: int = LIMIT) -> list[Answer]:
+    """Send formulas without their final commands to one z3, limited to ``limit`` seconds; answers are cached."""
     start = time.monotonic()
-    status, said = call(["z3", "-in", f"-T:{limit}"], f"{text}\n{check}\n")
-    said = said.strip()
-    if said not in ("sat", "unsat", "timeout", "unknown"):
-        said = f"z3: {(said or f'status {status}')[:200]}"
-    return Answer(said, time.monotonic() - start)
+    status, said = call(["z3", "-in", f"-T:{limit}"], "(reset)\n".join(f"{text}\n{check}\n" for text in texts))
+    lines = said.split("\n")[: len(texts)]
+    if not set(lines) <= {"sat", "unsat", "timeout", "unknown"}:
+        lines = [f"z3: {(said.strip() or f'status {status}')[:200]}"]
+    seconds = time.monotonic() - start
+    return [Answer(line, seconds) for line in (lines * len(texts))[: len(texts)]]
+
+
+def ask(text: str, check: str = "(check-sat)", limit: int = LIMIT) -> Answer:
+    """Send one formula to z3."""
+    return ask_each((text,), check, limit)[0]
 
 
 class Unrolled:
