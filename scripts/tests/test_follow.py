@@ -173,6 +173,7 @@ def test_x_is_a_difference(tmp_path, simulator):
 
 @pytest.mark.sim
 @pytest.mark.cost(25)
+@(pytest.mark.slow if simulator_of_tests() == "verilator" else pytest.mark.sim)
 def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
     """The listing marks the node that the scoreboard names; the aligned VCD holds the model's words elsewhere."""
     bug = Bug("follow", "rtl/lean/ik_lean_turn.v", "i_1 <= wi_c - w_sum;", "i_1 <= wi_c + w_sum;")

@@ -23,6 +23,7 @@ ECHO = (
     {"W": 18, "ADDR_W": 20},
     {},
     {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4},
+    {"W": 24, "DATA_W": 128, "ARM": 1},
     {"ARM": 1},
     {"W": 18, "DATA_W": 32, "ADDR_W": 40, "LOG2_BURST": 5},
     {"W": 25, "DATA_W": 128, "LOG2_BURST": 1},

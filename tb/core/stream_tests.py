@@ -171,10 +171,10 @@ async def reset_in_traffic(dut, after):
 async def reset_in_any_clock(dut):
     """Reset for one clock, after 1 to 200 clocks of traffic with gaps and stalls; later results are right.
 
-    The folded core is reset in every third clock by Verilator; otherwise in every 11th. `make formal` proves any clock.
+    Every 11th number of clocks is tested; `make formal` proves any.
     """
     bench = await started(dut)
-    for clocks in range(1, 201, 3 if bench.period > 1 and cocotb.SIM_NAME.startswith("Verilator") else 11):
+    for clocks in range(1, 201, 11):
         for port, seed in ((bench.source, clocks), (bench.sink, clocks + 1)):
             port.set_pause_generator(pause("bursts", seed))
         bench.send(bench.mixed(clocks // bench.period + 3, seed=clocks))

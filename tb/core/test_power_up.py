@@ -67,7 +67,7 @@ TOPS = [  # parameters of other tests, whose builds are reused
         for name, (path, width, tag) in SETS.items()
         if ICARUS or path != "paper"
     ),
-    pytest.param("ik_axi", {}, "power_up|one_record|after_a_reset", id="memory"),
+    pytest.param("ik_axi", {"W": 18, "DATA_W": 128}, "power_up|one_record|after_a_reset", id="memory"),
 ]
 BUG = Bug("no initial valid", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n", "", "power_up")
 INITIAL = re.compile(r"^ *initial (?:\{[^}]*\}|\w+) = .*;\n", re.MULTILINE)

@@ -39,7 +39,9 @@ def mapped(folder, family, factor="a", square=0):
     return simulation.simulated(folder, design, [folder / "ik_small.v", *files], ports, {}, family, True)
 
 
-@pytest.mark.parametrize("family", ["xc2vp", "xc7", "xcup", "ecp5", "up5k", "gowin"])
+@pytest.mark.parametrize(
+    "family", [pytest.param("xc2vp", marks=pytest.mark.release), "xc7", "xcup", "ecp5", "up5k", "gowin"]
+)
 def test_a_netlist_equals_the_rtl(tmp_path, family):
     assert mapped(tmp_path, family, square=int(family == "up5k"))["results"] >= 8000
 
