@@ -393,7 +393,7 @@ def arm_corners(width: int) -> np.ndarray:
 def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
     """Return input words and branch (N, 12) of the whole arm, shuffled: the corners, poses of hands in reach, words
     without a meaning, and a quarter of wrists anywhere, many outside the format."""
-    random, kind = np.random.default_rng((seed, width, 6)), np.arange(count)[:, None] % 4
+    random, kind = np.random.default_rng((seed, width, 6)), np.arange(count)[:, None] // 2 % 4
     anything, corners = any_hands(count, width, seed), arm_corners(width)
     poses = hand_poses(random_reachable(count, width, seed), width, seed)
     rows = np.where(kind < 2, poses, anything)

@@ -176,6 +176,6 @@ def fifo(W: int, LOG2: int) -> Tests:
 
 test_storage = runs(
     Case("ik_delay", delay, sets_of("W N", (8, 0), (70, 5)), sets_of("W N", (8, 1), (32, 40))),
-    Case("ik_ring", ring, sets_of("W N", (40, 18)), sets_of("W N", (8, 3), (6, 12), (96, 65), (2, 300))),
+    Case("ik_ring", ring, sets_of("W N", (40, 18)), sets_of("W N", (8, 3), (16, 12), (96, 65), (2, 300))),
     Case("ik_fifo", fifo, sets_of("W LOG2", (16, 2)), sets_of("W LOG2", (8, 1), (208, 5))),
 )
