@@ -18,7 +18,7 @@ SAME = "every_field|pulses|strobes|unmapped_address|rates/latency=(18|66|130)"
 
 def run(modules: str, parameters: dict[str, int], jobs: int, tests: str = "", **options) -> None:
     """Run cocotb tests of modules on an instance, ``jobs`` random jobs at most; Icarus, which is slow, runs fewer."""
-    jobs, faults = (min(jobs, 10), 3) if ICARUS else (jobs, max(3, jobs // 10))
+    jobs, faults = (min(jobs, 10), 3) if ICARUS else (jobs, max(8, jobs // 20))
     env = {"IK_AXI_JOBS": str(jobs), "IK_AXI_FAULTS": str(faults), **options.pop("env", {})}
     if tests:
         env["COCOTB_TEST_FILTER"] = tests
