@@ -91,7 +91,7 @@ def called(words: Sequence[str | Path], log: Path, cwd: Path | None = None) -> N
             raise SimulationError(f"{words[0]} failed: see {log}")
 
 
-def build(out: Path, width: int, bus: str) -> None:
+def build(out: Path, width: int, bus: str, optimize: bool) -> None:
     """Write headers and Verilog of the SoC to `out` and compile its simulator."""
     soc = Soc(width, bus)
     Builder(soc, output_dir=str(out), compile_software=False).build(run=False)
@@ -100,7 +100,8 @@ def build(out: Path, width: int, bus: str) -> None:
     made = out / "model"
     words = ["verilator", "--cc", "--exe", "--build", "--prefix", "Vtop", "--top-module", "sim", "--Mdir", made]
     words += ["-Wno-lint", "-Wno-style", "-Wno-fatal", "-CFLAGS", f"-std=gnu++20 -DLATEST={LATEST}", *COMPACT]
-    words += ["-MAKEFLAGS", " ".join([*MAKE_ARGS, "OPT_FAST=-O1", "-j2"]), *folders, *files, HERE / "tb.cc"]
+    flags = [*MAKE_ARGS, f"OPT_FAST=-O{int(optimize)}", "-j2"]
+    words += ["-MAKEFLAGS", " ".join(flags), *folders, *files, HERE / "tb.cc"]
     made.mkdir(exist_ok=True)
     with runtime(made, "native"):
         called(words, out / "verilator.log", out / "gateware")
@@ -183,7 +184,7 @@ def run(out: Path) -> bool:
 def main(options: SimpleNamespace) -> int:
     logging.disable(logging.WARNING)  # of LiteX
     out = options.out.resolve()
-    build(out, options.width, options.bus)
+    build(out, options.width, options.bus, optimize=options.targets > 10)
     load(out, header(options.targets, options.width))
     return 0 if run(out) else 1
 
