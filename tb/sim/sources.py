@@ -11,6 +11,7 @@ import io
 import re
 import tokenize
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 
 from tb.sim.env import ROOT
@@ -60,10 +61,15 @@ def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = (), without: 
         if name in found or name not in known:
             continue
         found[name] = known[name]
-        text = re.sub(r"//[^\n]*", "", known[name].read_text(encoding="utf-8"))
-        wanted += re.findall(r'`include\s+"([^"]+)"', text)
-        wanted += [f"{word}.v" for word in re.findall(r"\bik_\w+\b", text)]
+        wanted += _named(known[name].read_text(encoding="utf-8"))
     return list(found.values())
+
+
+@cache
+def _named(text: str) -> list[str]:
+    """Return the files that may be those of headers and modules in a Verilog text."""
+    text = re.sub(r"//[^\n]*", "", text)
+    return re.findall(r'`include\s+"([^"]+)"', text) + [f"{word}.v" for word in re.findall(r"\bik_\w+\b", text)]
 
 
 def header(text: str) -> str:
@@ -115,10 +121,14 @@ def _python(text: str) -> str:
     return "\n".join(line.rstrip() for line in "".join(lines).splitlines() if line.strip())
 
 
+@cache
+def _code(text: str, python: bool) -> str:
+    return _python(text) if python else C_LIKE.sub(lambda found: found[1] or "", text)
+
+
 def code(path: Path) -> str:
     """Return a source file without comments and blanks, which do not affect behaviour: Verilog, C++ or Python."""
-    text = path.read_text(encoding="utf-8")
-    return _python(text) if path.suffix == ".py" else C_LIKE.sub(lambda found: found[1] or "", text)
+    return _code(path.read_text(encoding="utf-8"), path.suffix == ".py")
 
 
 def digest(paths: Iterable[Path]) -> str:
