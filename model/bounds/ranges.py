@@ -9,8 +9,8 @@ intended saturation are stated at the nodes (:mod:`model.dataflow.annotations`),
 * :class:`Ranges`, of the paper's dataflow: plain intervals, which a rule narrows at single nodes.  The input words are
   split into :func:`model.dataflow.annotations.cases`; a node's range is the union over them.
 * :class:`LeanRanges`, of the lean dataflow and the whole arm: every range is stated, and `make formal` proves ranges
-  and errors (``tb/formal/lean_proofs.py``).  Words of a clamped target or a bad hand that are not used (K and its
-  dependents, the hand's products) may lose high bits.
+  and errors (``tb/formal/lean_proofs.py``).  Unused words of a clamped target (K and its
+  dependents) or a bad hand (its products) may lose high bits.
 """
 
 import itertools
@@ -290,7 +290,7 @@ class LeanRanges(Intervals):
 
     def __init__(self, width: int, formats: dict[str, Format] | None = None, datapath: str = "lean") -> None:
         super().__init__(width, formats)
-        self.errors: dict[str, float] = {}  # of every node; :meth:`words` takes some words as exact
+        self.errors: dict[str, float] = {}  # by node, before :meth:`words` resets them
         path = MODELS[datapath]
 
         def word(name, fmt):
@@ -347,4 +347,4 @@ class LeanRanges(Intervals):
             return None, self._bound(angle, 0.0)
         longest = self._bound(length, 0.0).high / gain(self.width)
         error = length_bound(self.width, longest) * 2.0 ** -(self.width + 1)
-        return replace(self._bound(length, error), floor=0.0), self._bound(angle, 0.0)  # X only grows
+        return replace(self._bound(length, error), floor=0.0), self._bound(angle, 0.0)  # a length is never negative

@@ -38,12 +38,12 @@ SECTIONS = {"hand": "wrist target of a hand pose", **lean.SECTIONS, "frame": "wr
 LENGTH = Within(0.0, 1.01, "the squared length of a good hand")
 ROW = Within(-0.51, 0.51, "half a component of a unit vector, times |Qh|^2 < 1.01")
 GOOD = Within(-1.01, 1.01, "parts of a quaternion no longer than 1 + 2^-8")
-PART = Within(-1.02, 1.02, "the same, times words of unit quaternions")
+PART = Within(-1.02, 1.02, "parts of Qh times Qs or Qe")
 POINT = Within(-2.0, 2.0, "a word", below=True)
 OFFSET = Within(-1.02, 1.02, "half a component of the tool's offset")
 WRIST = Limited("a wrist outside the format is brought to its edge")
 TURN = Within(-1.0, 1.0, "a binary angle, which wraps", below=True)
-GAINED = Within(0.0, 1.68, "K times two parts of such a quaternion, K = 1.6468")
+GAINED = Within(0.0, 1.68, "K times the length of two parts, K = 1.6468")
 
 ROUNDED_SUM = Growth(added=True)
 

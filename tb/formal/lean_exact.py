@@ -4,8 +4,8 @@
 :class:`Exact` runs the dataflow itself; a node becomes a real number with the equation of its operation, a count e the
 number 2^e, so that a shift is a product. Decisions are taken on rounded words: if a decision depends on signs and
 masks only, its truth table becomes a formula over the sign of each word, which is free unless the word is exact; any
-other decision is free. A proof therefore holds for any outcome of rounding. Where the dataflow continues with the
-words of a node (``Domain.words``), ``n_w`` is the word of node n: a number within n's error of its exact value.
+other decision is free. A proof therefore holds for any outcome of rounding. After ``Domain.words``, later nodes use
+``n_w``, the word of node n: within n's error of n's exact value.
 
 The questions are in :mod:`tb.formal.lean_proofs`.
 """
@@ -86,7 +86,7 @@ class Exact(Domain):
             fmt = node.format
             low = fmt.ulp if name in ARMS else fmt.low * fmt.ulp
             self._is(name, between(low, name, fmt.high * fmt.ulp))
-        self.before: dict[str, Node] = {}  # nodes that the dataflow continues with the words of
+        self.before: dict[str, Node] = {}  # nodes replaced by their words downstream
         arm(self, inputs)
         words = {node.name: node for node in map(self.nodes.__getitem__, self.before)}
         self.nodes |= self.before | words
@@ -191,7 +191,7 @@ class Exact(Domain):
     # Each other operation has a method that returns its value, or the equations of the node `name`.
 
     def _free(self, *_, **__):
-        """Return no equation: a word that saturates or wraps by intention, or a decision that depends on such words."""
+        """Return no equation, for words that saturate or wrap by design and for decisions on them."""
         return []
 
     _target = _joint = _twice = _outside = _outside_format = _free

@@ -30,7 +30,7 @@ MOST_H = "(/ 66049.0 65536.0)"
 """Largest squared length of a good hand: (1 + 2^-8)^2."""
 
 WORST_ERROR = {"qs": 0.004, "qe": 0.0001, "qw": 0.0001}
-"""Largest error of a word at any word length. From |w| <= |q| + e and |q| <= q^2 + 1/4 follows each word's lemma."""
+"""Largest error of a word at any word length. Each word's lemma follows from |w| <= |q| + e and |q| <= q^2 + 1/4."""
 
 FRAME = "ww", "wi", "ii", "iw", "jj", "jk", "kk", "kj"
 """Products of G and Qe in Qw: f_ww is g_w times qe_i."""
@@ -333,14 +333,13 @@ CLAMPED = {
 }
 ON_SHOULDER = ["case", *(f"={n}_sq" for n in "xyz"), "=rho_sq", "=s", "=m_rho", "=m_s", "=at_shoulder"]
 CASES: dict[str, tuple[str, dict[str, list[str]]]] = {
-    # case of the target -> (assumption, other facts than in USES and GEOMETRY)
+    # case of the target -> (assumption, overrides of USES and GEOMETRY)
     "reachable": ("(not clamp)", {}),
     "clamped": ("(and clamp (not at_shoulder))", CLAMPED),
     "at the shoulder": (
         "(and clamp at_shoulder)",
         CLAMPED
         | {
-            "|el| = 1": [],
             "tilt": [*ON_SHOULDER, "=tilt_c", "=tilt_s", "=tilt_sq", "=cos_el", "=root_rho"],
             "tilt_sq": ["case", "=tilt_sq"],
             "sin_el": [*ON_SHOULDER, "=sin_el", "=z_n"],
@@ -349,4 +348,4 @@ CASES: dict[str, tuple[str, dict[str, list[str]]]] = {
         },
     ),
 }
-"""The words of Qs and Qe leave for clamped targets as well; of such a target, the triangle's other words are unused."""
+"""Qs and Qe are outputs for clamped targets too; the triangle's other words are then unused."""

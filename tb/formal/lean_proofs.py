@@ -19,8 +19,8 @@ from tb.formal.task import digest_of, no_circle
 from tb.formal.unrolled import ask_each
 
 SOLVER = "(check-sat-using qfnra-nlsat)"
-LINEAR = "(check-sat-using (then simplify smt))"  # for sums of squares of which the facts are linear
-LIMIT = 60  # seconds for one question
+LINEAR = "(check-sat-using (then simplify smt))"  # for sums of squares with linear facts
+LIMIT = 60  # seconds for one question and its assumptions
 REACHABLE = next(iter(CASES))
 SEEDED = "wi_0"  # the node whose claim is made too narrow
 
@@ -36,8 +36,7 @@ class Questions:
         self.proved = self._proved()
 
     def _proved(self) -> list[str]:
-        """Return the lemmas, and the nodes whose range in exact arithmetic holds: for targets that are not reachable,
-        those on which Qs and Qe rest."""
+        """Return the lemmas and nodes to prove: all for a reachable target, else those that Qs and Qe rest on."""
         ranges = [name for name in self.exact.claimed if name not in BY_WORDS]
         if self.case == REACHABLE:
             return [*self.lemmas, *ranges]
@@ -77,7 +76,7 @@ class Rules(Questions):
     """Questions about the exact ranges."""
 
     def names(self) -> list[str]:
-        """Return the names of the lemmas and of the nodes with a range in exact arithmetic."""
+        """Return the lemmas and nodes to prove, none of which rests on itself."""
         no_circle({name: [used for used in self.uses(name) if used[0] not in "=#~"] for name in self.proved})
         return self.proved
 
@@ -114,7 +113,7 @@ class Rounded(Questions):
     """
 
     def names(self) -> list[str]:
-        """Return the nodes that have a fraction and are not exact."""
+        """Return the nodes to prove that are rounded; CORDICs have bounds of their own."""
         nodes = self.exact.nodes
         names = [name for name in (*self.proved, *BY_WORDS) if name in nodes and nodes[name].op != "vector"]
         return [name for name in names if nodes[name].format.frac and self.exact.errors[name]]
@@ -125,7 +124,7 @@ class Rounded(Questions):
         return JAM if node.error == FLOOR and node.op == "choose" else node.error
 
     def _near(self, node: Node) -> list[str]:
-        """Return the known facts of a node: its range and its word's error; an exact word equals its value."""
+        """Return the proved facts of a node: its range and its word's error; an exact word equals its value."""
         name = node.name
         if node.op == "input":
             return [*self.exact.equations[name], self.exact.near(name)]
@@ -196,7 +195,7 @@ def questions(kind: type[Questions], widths: Sequence[int] = WIDTHS) -> Iterator
 
 def digest(kind: type[Questions]) -> str:
     """Return the digest of all questions."""
-    return digest_of(SOLVER, *(asked.question(name) for asked, name in _all(kind, WIDTHS)))
+    return digest_of(SOLVER, LINEAR, *(asked.question(name) for asked, name in _all(kind, WIDTHS)))
 
 
 def too_narrow(kind: type[Questions]) -> Iterator[Question]:

@@ -30,14 +30,14 @@ tools = pytest.mark.skipif(
 
 @pytest.mark.parametrize("width", [16, 17, 32])
 def test_every_range_is_asked_for(width):
-    """Every range that the dataflow claims has a question, and every error but those of a CORDIC."""
+    """Every claimed range and every error has a question, except those of CORDICs and of words without a limit."""
     exact = Exact(width)
     asked, rounded, nodes = Rules(exact).names(), set(Rounded(exact).names()), exact.nodes
     fractions = {name for name, node in nodes.items() if node.format.frac and node.op != "input"}
     joints = {n for n in fractions if nodes[n].section == "joints"}
-    wrapped = {"x", "y", "z", *(n for n in joints if nodes[n].format.signed)}
-    assert fractions - wrapped <= set(exact.claimed) <= {*asked, *BY_WORDS} and set(BY_WORDS) <= rounded
-    assert {n for n in fractions - wrapped - rounded if exact.errors[n]} == joints - wrapped
+    limitless = {"x", "y", "z", *(n for n in joints if nodes[n].format.signed)}
+    assert fractions - limitless <= set(exact.claimed) <= {*asked, *BY_WORDS} and set(BY_WORDS) <= rounded
+    assert {n for n in fractions - limitless - rounded if exact.errors[n]} == joints - limitless
     assert all(
         set(Rules(exact, case).names()) > {"words of Qs", "words of Qe", "arm_c", "k_q", "qe_i"} for case in CASES
     )
