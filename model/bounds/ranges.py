@@ -9,8 +9,8 @@ intended saturation are stated at the nodes (:mod:`model.dataflow.annotations`),
 * :class:`Ranges`, of the paper's dataflow: plain intervals, which a rule narrows at single nodes.  The input words are
   split into :func:`model.dataflow.annotations.cases`; a node's range is the union over them.
 * :class:`LeanRanges`, of the lean dataflow and the whole arm: every range is stated, and `make formal` proves ranges
-  and errors (``tb/formal/lean_proofs.py``).  Unused words of a clamped target (K and its
-  dependents) or a bad hand (its products) may lose high bits.
+  and errors (``tb/formal/lean_proofs.py``).  Unused words of a clamped target (K and its dependents) or a bad hand (its
+  products) may lose high bits.
 """
 
 import itertools
