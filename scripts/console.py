@@ -25,7 +25,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS, DEFAULT, MODELS
-from model.dataflow.nodes import WIDTHS
+from model.dataflow.formats import WIDTHS
 from model.io.files import Place, number, whole_files
 from model.io.words import TargetError
 from model.motion.clip import TORSO

@@ -3,9 +3,8 @@
 
     python -m scripts.follow --target 42 [--trajectory NAME|FILE] [--sim icarus|verilator] [--waves] ...
 
-Prints a line for each node: clock, clocks since admission, equation, name, word and value in RTL and model, operation
-and operands, and the text of the lean equation where the operation is a choice or a sum. A `!` marks a node that
-differs; the first one and its operands follow at the end.
+Prints a line for each node: clock, clocks since admission, the paper's equation, name, word and value in RTL and model,
+and the node's equation. A `!` marks a node that differs; the first one and its operands follow at the end.
 The trajectory runs as in `make run`; targets count from 0.
 With --waves: OUT/waves.vcd, OUT/aligned.vcd with all nodes of a target in one clock, and save files.
 """
@@ -19,7 +18,6 @@ from types import SimpleNamespace
 
 from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Node
-from model.reference.lean_equations import LEAN, NUMBER
 from scripts.console import InputError, command, option, output, switch, whole
 from scripts.run import simulated
 from scripts.trajectory import Prepared, datapaths, prepare, sources, trajectory_options
@@ -47,22 +45,10 @@ def chosen(arguments: SimpleNamespace) -> Prepared:
 
 def _operand(node: Node, of: Node) -> str:
     """Return the name of an operand of the node `of`, with its section if that is another one."""
-    if node.op == "constant":
-        return f"{int(node.value) / 2**node.format.frac:.10g}"
-    return node.name if node.section == of.section or node.op == "input" else f"{node.section}.{node.name}"
+    return node.name if node.section == of.section or node.kind == "input" else f"{node.section}.{node.name}"
 
 
-LINES = {NUMBER[name]: f"{name} = {text}" for group in LEAN.values() for name, text in group.items()}
-"""Number of a lean equation -> its text."""
-
-
-def made_of(node: Node) -> str:
-    """Return operation and operands of a node, and the lean equation that gives a choice or a sum its meaning."""
-    line = f": {LINES[node.equation]}" if node.op == "choose" and node.equation in LINES else ""
-    return f"{node.op} {', '.join(_operand(each, node) for each in node.operands)}".rstrip() + line
-
-
-HEADINGS = ("clock", "after", "equation", "node", "RTL word", "model word", "RTL value", "model value", "made of")
+HEADINGS = ("clock", "after", "paper", "node", "RTL word", "model word", "RTL value", "model value", "equation")
 
 
 def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: str) -> Iterator[str]:
@@ -72,9 +58,9 @@ def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: 
         words = recording.word(node, target), model_bits(node, target)
         shown = (*map(hexadecimal, words), *(value(word, node.format, 10) for word in words))
         clock = str(recording.admitted[target] + node.time)
-        rows.append((clock, f"+{node.time}", node.equation, node.name, *shown, made_of(node)))
+        rows.append((clock, f"+{node.time}", node.equation, node.name, *shown, node.right_side))
     widths = [max(map(len, column)) for column in zip(HEADINGS, *rows, strict=True)]
-    sides = [str.ljust if heading in ("equation", "node", "made of") else str.rjust for heading in HEADINGS]
+    sides = [str.ljust if heading in ("paper", "node", "equation") else str.rjust for heading in HEADINGS]
 
     def line(mark: str, cells: Sequence[str]) -> str:
         placed = (side(cell, width) for side, cell, width in zip(sides, cells, widths, strict=True))
@@ -84,7 +70,7 @@ def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: 
     about = MODELS[datapath].sections
     title = ""
     for node, row in zip(nodes, rows, strict=True):
-        now = "inputs" if node.op == "input" else f"{node.section}: {about[node.section]}"
+        now = "inputs" if node.kind == "input" else f"{node.section}: {about[node.section]}"
         if now != title:
             title = now
             yield title
@@ -95,10 +81,8 @@ def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[s
     """Yield lines on the first difference of a target and on its operands, which equal the model."""
     first, target = found[0], found[0].target
     yield f"first difference: {first}"
-    yield f"         made of: {made_of(first.node)}; in RTL and model alike"
+    yield f"        equation: {first.node.name} = {first.node.right_side}"
     for node in first.node.operands:
-        if node.op == "constant":
-            continue
         word, clock = recording.word(node, target), recording.admitted[target] + node.time
         name = _operand(node, first.node)
         yield f"                  {name} at clock {clock}: {hexadecimal(word)} ({value(word, node.format)})"

@@ -31,7 +31,8 @@ from vcd.writer import VCDWriter
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
-from model.dataflow.nodes import Format, Limits, Node
+from model.dataflow.formats import Format
+from model.dataflow.nodes import Limits, Node
 from model.io.files import Place
 from model.io.words import JOINTS, TargetError
 from scripts.console import WORD_LENGTH, command, output
@@ -162,7 +163,7 @@ def write_save_file(
         for section, what in of.sections.items():
             with save.writer.group(f"{section}: {what}", closed=not first or first.node.section != section):
                 for node in nodes.values():
-                    if node.section == section and node.op != "input":
+                    if node.section == section and node.kind != "input":
                         label = " ".join(filter(None, (node.name, node.equation, f"+{node.time}")))
                         color = GTKWColor.red if first and first.node.name == node.name else None
                         save.word(place(datapath, node), node.format, label, color=color)

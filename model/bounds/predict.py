@@ -6,97 +6,51 @@ Only the decisions of the bit-true model are used: shift counts and masks.  A pr
 conditioning of the equations at the pose, and measured errors can be compared with it.
 """
 
-from dataclasses import replace
+from collections.abc import Mapping
 
 import numpy as np
 
 from ..dataflow import fixed
-from ..dataflow.angles import gain
-from ..dataflow.datapaths import MODELS
-from ..dataflow.nodes import EXACT, Domain, Node, real_value
+from ..dataflow.expressions import EXACT
+from ..dataflow.nodes import Node
 from ..io.words import ARMS, RESULT_FIELDS
 from ..reference.kinematics import forward
 
 
-class Real(Domain):
-    """Dataflow in double precision at the pose of ``bits``, with some nodes moved.
+class Real:
+    """Dataflow in double precision at the pose of ``bits``, with some nodes moved; ``values`` are the nodes'.
 
     ``moves`` maps a node's name to an array (N,), in ulps.  Decisions and the guard's nodes come from the integer run.
     """
 
-    def __init__(self, bits: fixed.Bits, moves: dict[str, np.ndarray]) -> None:
-        super().__init__(bits.width, MODELS[bits.datapath].widths, bits.tile)
-        self.bits = bits
-        self.moves = moves
+    def __init__(self, bits: fixed.Bits, moves: Mapping[str, np.ndarray]) -> None:
+        self.bits, self.moves = bits, moves
+        self.values: dict[str, np.ndarray] = {}
+        self._as_words: frozenset[str] = frozenset()  # of the node in evaluation
         for name, node in bits.nodes.items():
-            if node.section == "guard":
-                value = np.asarray(node.value * node.format.ulp, float) if node.format.signed else node.value
-                self.nodes[name] = replace(node, value=self._moved(name, value, node.format))
-        MODELS[bits.datapath].after_guard(self, self.nodes["phi"])
+            self.values[name] = self._moved(node, self._value(node))
 
-    def _moved(self, name, value, fmt):
-        return value + self.moves[name] * fmt.ulp if name in self.moves else value
+    def _value(self, node: Node):
+        if not node.frac:
+            return node.value
+        if node.kind == "input" or node.section == "guard":
+            return np.asarray(self.word(node.name), float)
+        self._as_words = node.as_words
+        return node.op.real_result(node, self)
 
-    def constant(self, value, fmt):
-        return Node("", "", "", "constant", (), fmt, None, 0, value)
+    def _moved(self, node: Node, value):
+        return value + self.moves[node.name] * node.format.ulp if node.name in self.moves else value
 
-    def apply(self, name, operands, fmt, words):
-        if self.decides(fmt):
-            return self.bits.nodes[name].value
-        return self._moved(name, real_value(words, operands, [n.value for n in operands], fmt), fmt)
+    def __getitem__(self, name: str):
+        return self.word(name) if name in self._as_words else self.values[name]
 
-    def product(self, name, a, b, fmt, scale):
-        return self._moved(name, a.value * b.value * 2.0**scale, fmt)
-
-    def total(self, name, signs, nodes, fmt):
-        return self._moved(name, sum(s * n.value for s, n in zip(signs, nodes, strict=True)), fmt)
-
-    def quotient(self, name, n, d, fmt):
-        value = n.value / np.where(d.value > 0, d.value, fmt.ulp)
-        return self._moved(name, np.clip(value, fmt.low * fmt.ulp, fmt.high * fmt.ulp), fmt)
-
-    def square_root(self, name, n, fmt):
-        return self._moved(name, np.sqrt(np.maximum(n.value, 0)), fmt)
-
-    def mantissa(self, name, word, words, counts, fill):
-        empty = np.logical_and.reduce([w.value == 0 for w in self.bits.nodes[name].operands])
-        scaled = word.value * 2.0 ** (counts.value - (word.format.width - 1 - word.format.frac))
-        return self._moved(name, np.where(empty, 0.5 if fill else 0.0, scaled), self.word(0))
-
-    def cordic(self, names, phi):
-        return self.half_sincos(names, phi, self.word(1))
-
-    # lean datapath; operations with several results move their nodes where they create them
-
-    def product3(self, name, a, b, fmt, scale):
-        return self.product(name, a, b, fmt, scale)
-
-    def even_mantissa(self, count, name, value, width, fmt):
-        shift, mantissa = (self.bits.nodes[k].value for k in (count, name))
-        exact = value.value / value.format.ulp * 2.0 ** (2 * shift - width)
-        return shift, self._moved(name, np.where(mantissa == 0, 0.0, exact), fmt)
-
-    def reciprocal_root(self, name, m, fmt, twice):
-        inverse = 0.5 / np.sqrt(np.where(m.value > 0, m.value, 0.25))
-        inverse = inverse * np.where(twice.value, 2.0, 1.0) if twice else inverse
-        return self._moved(name, inverse, fmt)
-
-    def half_sincos(self, names, phi, fmt):
-        half = phi.value * (np.pi / 2)  # phi's word has its sign in the MSB: half a turn is 1
-        return tuple(self._moved(n, v, fmt) for n, v in zip(names, (np.sin(half), np.cos(half)), strict=True))
-
-    # the whole arm
-
-    def words(self, *names):
-        for name in names:
-            self.nodes[name].value = self.bits.nodes[name].value * self.nodes[name].format.ulp
-
-    def polar(self, names, x, y, sign):
-        return gain(self.width) * np.hypot(x.value, y.value), np.arctan2(sign * y.value, x.value) / np.pi
+    def word(self, name: str):
+        """Return the value of a node's word."""
+        return self.bits.nodes[name].value * self.bits.nodes[name].format.ulp
 
     def points(self, d1, d2) -> tuple[np.ndarray, np.ndarray]:
         """Return elbow and wrist (N, 3) of an arm d1, d2 in the computed pose."""
-        q = np.stack([self.nodes[k].value for k in RESULT_FIELDS], axis=1)
+        q = np.stack([self.values[k] for k in RESULT_FIELDS], axis=1)
         return forward(q[:, :4], q[:, 4:], d1, d2)
 
 

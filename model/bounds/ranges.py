@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proved ranges: the dataflows run on intervals, over every input word, with geometry as rules.
+"""Proved ranges: the dataflows evaluated on intervals, over every input word, with geometry as rules.
 
 A node's :class:`Bound` is the interval of exact arithmetic (``low``, ``high``) and the largest rounding error of its
 word (``error``), propagated forward: the operation's own rounding plus the operands' errors, multiplied by the largest
@@ -15,16 +15,17 @@ intended saturation are stated at the nodes (:mod:`model.dataflow.annotations`),
 
 import itertools
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache, reduce
 
 import numpy as np
 
-from ..dataflow.angles import gain, length_bound
-from ..dataflow.annotations import ANYTHING, Case, Given, Rule, Within, cases
-from ..dataflow.datapaths import MODELS
-from ..dataflow.nodes import CORDIC, EXACT, Domain, Format, Node, real_value
-from ..dataflow.paper import paper
+from ..dataflow.annotations import ANYTHING, Bound, Case, Given, RangeError, Rule, Within, cases
+from ..dataflow.expressions import Constant, Term
+from ..dataflow.fixed import dataflow
+from ..dataflow.formats import Format
+from ..dataflow.nodes import Node
 from ..io.words import ARMS
 
 SLACK = 2.0**-48
@@ -33,198 +34,140 @@ SLACK = 2.0**-48
 UP = 1 + 2.0**-50  # the same for the lean dataflow's errors, rounded upwards
 
 
-class RangeError(Exception):
-    """Proved range that does not fit the node's format; the text names the node."""
+class Intervals:
+    """Bounds of a dataflow's nodes, ``bounds``.  ``failed`` collects the nodes that do not fit, each with a line that
+    names it; ``formats`` replaces the dataflow's formats for single nodes."""
 
-
-@dataclass(frozen=True)
-class Bound:
-    """Exact arithmetic gives [low, high]; the word is within ``error`` of it and within [floor, ceiling], the
-    operation's range on its operands' words."""
-
-    low: float
-    high: float
-    error: float = 0.0
-    floor: float = -math.inf
-    ceiling: float = math.inf
-
-    @property
-    def word(self) -> tuple[float, float]:
-        """Range of the word's value."""
-        return max(self.low - self.error, self.floor), min(self.high + self.error, self.ceiling)
-
-    @property
-    def size(self) -> float:
-        """Largest magnitude in exact arithmetic."""
-        return max(abs(self.low), abs(self.high))
-
-
-class Intervals(Domain):
-    """Dataflow on intervals.  ``failed`` collects the nodes that do not fit, each with a line that names it;
-    ``formats`` replaces the dataflow's formats for single nodes."""
-
-    def __init__(self, width: int, formats: dict[str, Format] | None = None) -> None:
-        super().__init__(width)
+    def __init__(self, datapath: str, width: int, formats: Mapping[str, Format] | None = None) -> None:
+        self.flow, self.width = dataflow(datapath, width), width
         self.formats = formats or {}
         self.failed: dict[str, str] = {}
+        self.bounds: dict[str, Bound] = {}
 
-    def _fail(self, name: str, fmt: Format, low: float, high: float, where: str = "") -> None:
-        self.failed[name] = (
-            f"{name} {self._equation}: proved range [{low:.9g}, {high:.9g}] does not fit its format "
+    def _fail(self, node: Node, fmt: Format, low: float, high: float, where: str = "") -> None:
+        label = f"{node.name} {node.equation}".strip()
+        self.failed[node.name] = (
+            f"{label}: proved range [{low:.9g}, {high:.9g}] does not fit its format "
             f"[{fmt.low * fmt.ulp:.9g}, {fmt.high * fmt.ulp:.9g}], {fmt.width} bits, {fmt.frac} of them fraction "
             f"(W = {self.width}{where})"
         )
 
 
 class Ranges(Intervals):
-    """Paper's dataflow over one :class:`Case`.  ``saturated`` collects the nodes that saturate by design."""
+    """Paper's dataflow over one :class:`Case`.  ``proved`` has the bounds before they are limited to the format;
+    ``saturated`` collects the nodes that saturate by design."""
 
-    def __init__(self, width: int, case: Case, formats: dict[str, Format] | None = None) -> None:
-        super().__init__(width, formats)
-        self.case = replace(case, elbow=self.word(1).ulp)
+    def __init__(self, width: int, case: Case, formats: Mapping[str, Format] | None = None) -> None:
+        super().__init__("paper", width, formats)
+        self.case = replace(case, elbow=self.flow.word(1).ulp)
         self.saturated: set[str] = set()
         self.proved: dict[str, Bound] = {}
+        for number, node in enumerate(self.flow.nodes.values()):
+            if fact := self.flow.learned.get(number):
+                self.case = fact(self.case, self.flow.nodes, self.bounds)
+            self._restart(self.flow.restarts.get(number, ()))
+            self.bounds[node.name] = self._bound(node)
 
-        def word(name, fmt):
-            least = 1 if name in ARMS and not self.case.clamped else fmt.low
-            return self._fit(name, Bound(least * fmt.ulp, fmt.high * fmt.ulp), fmt)
+    def __call__(self, term: Term) -> Bound:
+        """Return the bound of an operand."""
+        if isinstance(term, Constant):
+            return Bound(float(term.value), float(term.value))
+        assert isinstance(term, Node)
+        return self.bounds[term.name]
 
-        paper(self, self.inputs(word))
+    def limit(self, node: Node) -> float:
+        """Return the largest magnitude that the node's rule permits."""
+        return max(map(abs, node.within.limit(self.case))) if isinstance(node.within, Rule) else math.inf
 
-    def _fit(self, name: str, bound: Bound, fmt: Format) -> Bound:
+    def _restart(self, names: tuple[str, ...]) -> None:
+        if names:
+            self.case = self.case.tilted(reduce(math.hypot, (self.bounds[name].error for name in names)))
+        for name in names:
+            low, high = self.bounds[name].word
+            self.bounds[name] = replace(self.bounds[name], low=low, high=high, error=0.0)
+
+    def _bound(self, node: Node) -> Bound:
+        fmt = node.format
+        if node.kind == "input":
+            least = 1 if node.name in ARMS and not self.case.clamped else fmt.low
+            return self._fit(node, Bound(least * fmt.ulp, fmt.high * fmt.ulp))
+        interval = getattr(node.op, "interval", None)
+        if interval is None:
+            return self._of_expression(node)
+        if node.kind == "div" and node.limited:
+            self.saturated.add(node.name)
+            return self._fit(node, Bound(fmt.low * fmt.ulp, fmt.high * fmt.ulp))
+        bounds = interval(node, self)
+        return self._rule(node, *bounds) if bounds else self._given(node)
+
+    def _fit(self, node: Node, bound: Bound) -> Bound:
         """Check a bound against the format; a bound that does not fit is recorded and limited to the format's range."""
-        fmt = self.formats.get(name, fmt)
+        fmt = self.formats.get(node.name, node.format)
         floor, ceiling = fmt.low * fmt.ulp, fmt.high * fmt.ulp
         low, high = bound.word
         slack = SLACK * max(abs(low), abs(high))
         # A word lies on the format's grid: a value less than an ulp beyond the last one is the last one.
         if math.ceil((low + slack) / fmt.ulp) < fmt.low or math.floor((high - slack) / fmt.ulp) > fmt.high:
-            limited = self.facts[name].limited
-            if limited is None or limited.clamped and not self.case.clamped:
-                self._fail(name, fmt, low, high, f", case {self.case.name}")
+            if node.limited is None or node.limited.clamped and not self.case.clamped:
+                self._fail(node, fmt, low, high, f", case {self.case.name}")
             else:
-                self.saturated.add(name)
+                self.saturated.add(node.name)
                 bound = replace(bound, floor=floor, ceiling=ceiling)
-        self.proved[name] = bound
+        self.proved[node.name] = bound
         # Words outside the format saturate.  Saturation only moves a word closer to its exact value, unless the exact
         # value is itself outside.
         if bound.low < floor or bound.high > ceiling:
             return Bound(max(bound.low, floor), min(bound.high, ceiling), bound.error, floor, ceiling)
         return replace(bound, floor=max(bound.floor, floor), ceiling=min(bound.ceiling, ceiling))
 
-    def learn(self, fact):
-        self.case = fact(self.case)
-
-    def restart(self, *names):
-        nodes = [self.nodes[name] for name in names]
-        self.case = self.case.tilted(reduce(math.hypot, (node.value.error for node in nodes)))
-        for node in nodes:
-            low, high = node.value.word
-            node.value = replace(node.value, low=low, high=high, error=0.0)
-
-    def _rule(self, name: str, low: float, high: float, error: float, fmt: Format, word=ANYTHING) -> Bound:
+    def _rule(self, node: Node, low: float, high: float, error: float, word=ANYTHING) -> Bound:
         """Return the result of an operation, narrowed by the node's rule if it has one."""
-        rule = self.facts[name].within
+        rule = node.within
         if not isinstance(rule, Rule):
-            return self._fit(name, Bound(low, high, error, *word), fmt)
+            return self._fit(node, Bound(low, high, error, *word))
         least, most = rule.limit(self.case)
         low, high = max(low, least), min(high, most)
         if low > high and self.failed:
             low, high = least, most  # an operand saturated
         if low > high:
-            raise RangeError(f"{name}: its interval contradicts the rule '{rule.why}'")
+            raise RangeError(f"{node.name}: its interval contradicts the rule '{rule.why}'")
         floor, ceiling = rule.word(self.case)
         error = min(error, rule.error(self.case))
-        return self._fit(name, Bound(low, high, error, max(word[0], floor), min(word[1], ceiling)), fmt)
+        return self._fit(node, Bound(low, high, error, max(word[0], floor), min(word[1], ceiling)))
 
-    def _given(self, name: str, fmt: Format) -> Bound:
-        given = self.facts[name].within
-        least, most = given.limit(self.case) if isinstance(given, Given) else ANYTHING
-        return self._fit(name, Bound(max(fmt.low * fmt.ulp, least), min(fmt.high * fmt.ulp, most)), fmt)
+    def _given(self, node: Node) -> Bound:
+        fmt = node.format
+        least, most = node.within.limit(self.case) if isinstance(node.within, Given) else ANYTHING
+        return self._fit(node, Bound(max(fmt.low * fmt.ulp, least), min(fmt.high * fmt.ulp, most)))
 
-    # ---- the operations ------------------------------------------------------------------------------------------
-
-    def constant(self, value, fmt):
-        return Node("", "", "", "constant", (), fmt, None, 0, Bound(value, value))
-
-    def product(self, name, a, b, fmt, scale):
-        p, q = a.value, b.value
-        square = a is b
-        ends = [u * v * 2.0**scale for u in (p.low, p.high) for v in (q.low, q.high)]
-        low = 0.0 if square and p.low <= 0 <= p.high else min(p.low**2, p.high**2) if square else min(ends)
-        error = (p.size * q.error + q.size * p.error + p.error * q.error) * 2.0**scale
-        rounding = 0.5 * fmt.ulp if a.format.frac + b.format.frac - scale > fmt.frac else 0.0
-        words = [u * v * 2.0**scale for u in p.word for v in q.word]
-        least = 0.0 if square else min(words) - rounding  # rounding half up preserves the sign
-        return self._rule(name, low, max(ends), error + rounding, fmt, (least, max(words) + rounding))
-
-    def total(self, name, signs, nodes, fmt):
-        low = sum(n.value.low if s > 0 else -n.value.high for s, n in zip(signs, nodes, strict=True))
-        high = sum(n.value.high if s > 0 else -n.value.low for s, n in zip(signs, nodes, strict=True))
-        rounding = 0.5 * fmt.ulp if nodes[0].format.frac > fmt.frac else 0.0
-        ends = ((s, *n.value.word) for s, n in zip(signs, nodes, strict=True))
-        words = [(least, most) if s > 0 else (-most, -least) for s, least, most in ends]
-        least = sum(w[0] for w in words)
-        word = least - (rounding if least < 0 else min(rounding, least)), sum(w[1] for w in words) + rounding
-        return self._rule(name, low, high, sum(n.value.error for n in nodes) + rounding, fmt, word)
-
-    def quotient(self, name, n, d, fmt):
-        p, q = n.value, d.value
-        if self.facts[name].limited:
-            self.saturated.add(name)
-            return self._fit(name, Bound(fmt.low * fmt.ulp, fmt.high * fmt.ulp), fmt)
-        least = q.word[0]
-        if q.low <= 0 or least <= 0:
-            raise RangeError(f"{name}: its divisor {d.name} may be 0: [{q.low:.9g}, {q.high:.9g}] +- {q.error:.3g}")
-        ends = [u / v for u in (p.low, p.high) for v in (q.low, q.high)]
-        rule = self.facts[name].within
-        size = max(map(abs, ends))
-        if isinstance(rule, Rule):
-            size = min(size, max(map(abs, rule.limit(self.case))))
-        words = [u / v for u in p.word for v in q.word]
-        word = min(words) - fmt.ulp, max(words)
-        return self._rule(name, min(ends), max(ends), (p.error + size * q.error) / least + fmt.ulp, fmt, word)
-
-    def square_root(self, name, n, fmt):
-        v = n.value
-        low, high = math.sqrt(max(v.low, 0)), math.sqrt(max(v.high, 0))
-        # |sqrt a - sqrt b| = |a - b| / (sqrt a + sqrt b), at most sqrt |a - b|; below 0 both roots are 0.
-        ends = low + math.sqrt(max(v.word[0], 0))
-        error = math.sqrt(v.error) if ends == 0 else min(v.error / ends, math.sqrt(v.error))
-        word = tuple(math.sqrt(max(w, 0)) for w in v.word)
-        return self._rule(name, low, high, error + fmt.ulp, fmt, (max(word[0] - fmt.ulp, 0.0), word[1]))
-
-    def mantissa(self, name, word, words, counts, fill):
-        # Exact: a shift changes the unit, not the vector.  Bounds downstream refer to the actual words.
-        return self._given(name, self.word(0))
-
-    def cordic(self, names, phi):
-        fmt = self.word(1)
-        return tuple(self._rule(name, -1.0, 1.0, CORDIC[1] * fmt.ulp, fmt) for name in names)
-
-    def apply(self, name, operands, fmt, words):
-        if isinstance(self.facts[name].within, Given) or fmt.width == 1:
-            return self._given(name, fmt)
+    def _of_expression(self, node: Node) -> Bound:
+        fmt = node.format
+        if isinstance(node.within, Given) or fmt.width == 1:
+            return self._given(node)
         # Selections, shifts and additions are monotone in each operand while the others (and the sign of a comparison's
         # operand) are fixed: the extremes lie at corners of the operands' ranges, 0 and -1 included.
-        corners = [self._corners(n) for n in operands]
-        grid = [np.array(c, dtype=object) for c in zip(*itertools.product(*corners), strict=True)]
-        grid = [g if any(abs(v) >= 1 << 62 for v in g) else g.astype(np.int64) for g in grid]
-        ends = [int(w) for w in np.atleast_1d(words(*grid))]
+        ends = [int(word) for word in np.atleast_1d(node.evaluate(_grid(node, self._corners)))]
         word = min(ends) * fmt.ulp, max(ends) * fmt.ulp
-        if self.decides(fmt):
-            return self._rule(name, *word, 0.0, fmt)
-        values = [sorted({n.value.low, n.value.high, min(max(0.0, n.value.low), n.value.high)}) for n in operands]
-        points = [np.array(c, dtype=np.float64) for c in zip(*itertools.product(*values), strict=True)]
-        exact = real_value(words, operands, points, fmt)
-        low, high = float(np.min(exact)), float(np.max(exact))
-        error = self.facts[name].grows([n.value.error for n in operands], fmt.ulp)
-        return self._rule(name, low, high, error, fmt, word)
+        if node.decision:
+            return self._rule(node, *word, 0.0)
+        exact = np.atleast_1d(node.op.real_result(node, _grid(node, self._ends)))
+        error = node.op.growth(node, self.bounds)
+        return self._rule(node, float(np.min(exact)), float(np.max(exact)), error, word)
 
     def _corners(self, node: Node) -> list[int]:
         ulp = node.format.ulp
-        low, high = (round(v / ulp) for v in on_grid(node.value.word, node.format))
+        low, high = (round(v / ulp) for v in on_grid(self.bounds[node.name].word, node.format))
         return sorted({low, high, *(v for v in (-1, 0, 1) if low <= v <= high)})
+
+    def _ends(self, node: Node) -> list[float]:
+        bound = self.bounds[node.name]
+        return sorted({bound.low, bound.high, min(max(0.0, bound.low), bound.high)})
+
+
+def _grid(node: Node, corners) -> dict[str, np.ndarray]:
+    """Return all combinations of the corners of a node's operands, by name."""
+    columns = zip(*itertools.product(*(corners(operand) for operand in node.operands)), strict=True)
+    return {operand.name: np.array(column) for operand, column in zip(node.operands, columns, strict=True)}
 
 
 def on_grid(word: tuple[float, float], fmt: Format) -> tuple[float, float]:
@@ -264,7 +207,7 @@ def analyse(width: int, **formats: Format) -> tuple[dict[str, Proved], dict[str,
     runs = [Ranges(width, case, formats) for case in cases(width)]
     failed = {name: line for run in reversed(runs) for name, line in run.failed.items()}  # of the first case
     table = {}
-    for name, node in runs[0].nodes.items():
+    for name, node in dataflow("paper", width).nodes.items():
         ranges = [on_grid(run.proved[name].word, node.format) for run in runs]
         error = max(run.proved[name].error for run in runs) / node.format.ulp
         table[name] = Proved(node, min(r[0] for r in ranges), max(r[1] for r in ranges), error)
@@ -286,65 +229,35 @@ def check(width: int) -> None:
 
 
 class LeanRanges(Intervals):
-    """Lean dataflow, or the whole arm around it, on bounds."""
+    """Lean dataflow, or the whole arm around it: ``errors`` of the words by node, and ``bounds``."""
 
-    def __init__(self, width: int, formats: dict[str, Format] | None = None, datapath: str = "lean") -> None:
-        super().__init__(width, formats)
-        self.errors: dict[str, float] = {}  # by node, before :meth:`words` resets them
-        path = MODELS[datapath]
+    def __init__(self, width: int, formats: Mapping[str, Format] | None = None, datapath: str = "lean") -> None:
+        super().__init__(datapath, width, formats)
+        self.errors: dict[str, float] = {}
+        for node in self.flow.nodes.values():
+            exact = {name: Bound(*on_grid(self.bounds[name].word, self.flow.nodes[name].format)) for name in node.as_words}
+            self.bounds[node.name] = bound = self._bound(node, self.bounds | exact)
+            self.errors[node.name] = bound.error
+            self._check(node, bound)
 
-        def word(name, fmt):
-            return Bound((1 if name in ARMS else fmt.low) * fmt.ulp, fmt.high * fmt.ulp)
+    def _bound(self, node: Node, operands: Mapping[str, Bound]) -> Bound:
+        fmt = node.format
+        if node.kind == "input":
+            return Bound((1 if node.name in ARMS else fmt.low) * fmt.ulp, fmt.high * fmt.ulp)
+        if not node.frac:
+            return Bound(0.0, node.op.most if node.kind == "even" else float(fmt.high))
+        if not isinstance(node.within, Within):
+            raise RangeError(f"{node.name}: the dataflow does not say what exact arithmetic gives")
+        error = 0.0 if node.decision else UP * node.op.growth(node, operands)  # exact integers are not rounded
+        if node.op.adds_rounding:
+            error = UP * (error + max(map(abs, node.error)) * fmt.ulp)
+        bound = Bound(node.within.low, node.within.high, error)
+        return replace(bound, floor=0.0) if node.kind == "vector" and not fmt.signed else bound  # a length
 
-        path.flow(self, self.inputs(word, (*path.inputs, *path.side)))
-
-    def words(self, *names):
-        for node in (self.nodes[name] for name in names):
-            node.value = Bound(*on_grid(node.value.word, node.format))
-
-    def make(self, name, op, operands, fmt, latency, value, after=None, error=EXACT):
-        if op in ("rsqrt", "trig", "mul3"):  # the operation states its own rounding
-            value = replace(value, error=UP * (value.error + max(map(abs, error)) * fmt.ulp))
-        node = super().make(name, op, operands, fmt, latency, value, after, error)
-        held, self.errors[name] = self.formats.get(name, fmt), value.error
-        least, most = value.word
-        if isinstance(node.facts.within, Within) and node.facts.within.below:
-            least, most = value.low, value.high - fmt.ulp
-        if fmt.frac and (least < held.low * held.ulp or most >= (held.high + 1) * held.ulp and not node.facts.limited):
-            self._fail(name, held, least, most)
-        return node
-
-    def _bound(self, name: str, error: float) -> Bound:
-        within = self.facts[name].within
-        if not isinstance(within, Within):
-            raise RangeError(f"{name}: the dataflow does not say what exact arithmetic gives")
-        return Bound(within.low, within.high, UP * error)
-
-    def apply(self, name, operands, fmt, words):
-        if self.decides(fmt):
-            decided = fmt.width == 1 or fmt.frac == 0
-            return Bound(0.0, float(fmt.high)) if decided else self._bound(name, 0.0)  # exact integers are not rounded
-        return self._bound(name, self.facts[name].grows([n.value.error for n in operands], fmt.ulp))
-
-    def product3(self, name, a, b, fmt, scale):
-        p, q = a.value, b.value
-        return self._bound(name, ((p.size + p.error) * q.error + (q.size + q.error) * p.error) * 2.0**scale)
-
-    def even_mantissa(self, count, name, value, width, fmt):
-        return Bound(0.0, width / 2 - 1), self._bound(name, fmt.ulp)
-
-    def reciprocal_root(self, name, m, fmt, twice):
-        # The slope of 1/(2 sqrt m) is at most 2 (m >= 1/4); "faithful" includes the truncated mantissa
-        return self._bound(name, 0.0 if m.op == "even" else (4 if twice else 2) * m.value.error)
-
-    def half_sincos(self, names, phi, fmt):
-        return tuple(self._bound(name, 0.0) for name in names)
-
-    def polar(self, names, x, y, sign):
-        # An angle's error has no bound but half a turn: it grows as its vector gets shorter.
-        length, angle = names
-        if not length:
-            return None, self._bound(angle, 0.0)
-        longest = self._bound(length, 0.0).high / gain(self.width)
-        error = length_bound(self.width, longest) * 2.0 ** -(self.width + 1)
-        return replace(self._bound(length, error), floor=0.0), self._bound(angle, 0.0)  # a length is never negative
+    def _check(self, node: Node, bound: Bound) -> None:
+        held, limited = self.formats.get(node.name, node.format), node.limited
+        least, most = bound.word
+        if isinstance(node.within, Within) and node.within.below:
+            least, most = bound.low, bound.high - node.format.ulp
+        if node.frac and (least < held.low * held.ulp or most >= (held.high + 1) * held.ulp and not limited):
+            self._fail(node, held, least, most)

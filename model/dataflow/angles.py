@@ -11,12 +11,13 @@ The length is K = 1.6468 times the vector's, in all vectors alike.
 """
 
 import math
+from fractions import Fraction
 from functools import cache
 
 import mpmath
 import numpy as np
 
-from .operations import magnitude, round_shift, wrap
+from .expressions import Operation, Term, magnitude, number, round_shift, wrap
 
 GUARD = 3  # bits of X and Y below a word's LSB
 ANGLE = 4  # bits of an angle below the LSB of a word of one turn
@@ -131,3 +132,73 @@ def error_bound(width: int, length: float = 1.0) -> float:
     for step in steps[head:]:
         tangent = max(step, tangent - step)
     return min(lost + words + cubed + tangent, math.pi)
+
+
+class Angle(Operation):
+    """Angle of a vector: atan2(+-y, x), a binary angle whose unit is half a turn."""
+
+    kind, latency = "vector", "vector"
+
+    def __init__(self, x: Term, y: Term, sign: int = 1) -> None:
+        super().__init__(x, y)
+        self.x, self.y, self.sign = x, y, sign
+        self.length: Term | None = None  # node of the gained length, if it has one
+
+    def pair(self, node, values):
+        """Return length and angle."""
+        if self not in values:
+            width = node.flow.width
+            of = vector if self.x.frac == width - 2 else iterate  # words, or lengths
+            values[self] = of(self.x.words(values), self.sign * self.y.words(values), width)
+        return values[self]
+
+    def result(self, node, values):
+        return self.pair(node, values)[1]
+
+    def real(self, values):
+        return np.arctan2(self.sign * self.y.real(values), self.x.real(values)) / np.pi
+
+    def growth(self, node, bounds):
+        # The error has no bound but half a turn: it grows as the vector gets shorter.
+        return 0.0
+
+    def facts(self, node, domain):
+        return []
+
+    def text(self, level=0):
+        return f"atan2({'-' * (self.sign < 0)}{self.y.text()}, {self.x.text()})"
+
+    def lower(self, to, node):
+        to.vector(node, self.length and self.length.name, self.x, self.y, self.sign)
+
+
+class Gained(Operation):
+    """Length of an :class:`Angle`'s vector, times K."""
+
+    kind, latency = "vector", "vector_x"
+
+    def __init__(self, angle: Angle) -> None:
+        super().__init__(angle.x, angle.y)
+        self.angle = angle
+
+    def result(self, node, values):
+        return self.angle.pair(node, values)[0]
+
+    def real_result(self, node, values):
+        return gain(node.flow.width) * np.hypot(self.angle.x.real(values), self.angle.y.real(values))
+
+    def growth(self, node, bounds):
+        width = node.flow.width
+        return length_bound(width, node.within.high / gain(width)) * 2.0 ** -(width + 1)
+
+    def facts(self, node, domain):
+        x, y = (part.formula(domain) for part in self.parts)
+        gained = number(Fraction(gain(node.flow.width)) ** 2)
+        square = f"(+ (* {x} {x}) (* {y} {y}))"
+        return [f"(<= 0.0 {node.name})", f"(= (* {node.name} {node.name}) (* {gained} {square}))"]
+
+    def text(self, level=0):
+        return f"K |({self.angle.x.text()}, {self.angle.y.text()})|"
+
+    def lower(self, to, node):
+        pass  # made with its angle

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Annotations of a node beyond its computation: :class:`Facts`, stated where the node is created.
+"""Annotations of a node beyond its computation, stated where the node is created.
 
 Ranges of the paper datapath hold case by case: :mod:`model.bounds.ranges` runs the dataflow on parts of the input
 words (:func:`cases`), each with geometric bounds on lengths; a node's range is their union:
@@ -15,6 +15,32 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 SQRT2, SQRT3 = math.sqrt(2), math.sqrt(3)
+
+
+class RangeError(Exception):
+    """Proved range that does not fit the node's format; the text names the node."""
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Exact arithmetic gives [low, high]; the word is within ``error`` of it and within [floor, ceiling], the
+    operation's range on its operands' words."""
+
+    low: float
+    high: float
+    error: float = 0.0
+    floor: float = -math.inf
+    ceiling: float = math.inf
+
+    @property
+    def word(self) -> tuple[float, float]:
+        """Range of the word's value."""
+        return max(self.low - self.error, self.floor), min(self.high + self.error, self.ceiling)
+
+    @property
+    def size(self) -> float:
+        """Largest magnitude in exact arithmetic."""
+        return max(abs(self.low), abs(self.high))
 
 
 @dataclass(frozen=True)
@@ -141,7 +167,7 @@ class Given(Rule):
 @dataclass(frozen=True)
 class Growth:
     """Error growth of an operation: the largest operand error times ``gains`` (default: 1), or the sum if ``added``;
-    plus an ulp, unless the operation is ``exact``."""
+    plus an ulp, unless the operation is ``exact``.  Masks and counts have no error and no gain."""
 
     gains: tuple[float, ...] = ()
     added: bool = False
@@ -159,15 +185,6 @@ class Limited:
 
     why: str
     clamped: bool = False
-
-
-@dataclass(frozen=True)
-class Facts:
-    """Annotations of a node beyond its computation: its range with the reason, its error growth, its saturation."""
-
-    within: Within | Rule | None = None
-    grows: Growth = Growth()
-    limited: Limited | None = None
 
 
 COSINE = Rule("a sine or cosine", lambda c: (-1.0, 1.0))

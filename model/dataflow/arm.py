@@ -3,36 +3,38 @@
 
 The input words are the hand's point, its quaternion Qh and the tool's length; the core's target is the wrist:
 
-    (L62) n = |Qh|^2                               bad_hand: |Qh| outside [1 - 2^-8, 1 + 2^-8)
-    (L63) h = Qh, or 1 for a bad hand              (L64) t = tool, or 0 for a bad hand
-    (L65) r_x = ik + wj    (L66) r_y = jk - wi     (L67) r_z = 1/2 - ii - jj      half the third column of Qh's rotation
-    (L68) .. (L70) x, y, z = hand - 2 t r          saturated
+    |Qh|^2 = hand_sq                               bad_hand: |Qh| outside [1 - 2^-8, 1 + 2^-8)
+    h = Qh, or 1 for a bad hand                    tool_h = tool, or 0 for a bad hand
+    r_x = ik + wj    r_y = jk - wi    r_z = 1/2 - ii - jj      half the third column of Qh's rotation
+    (x, y, z) = hand - 2 tool_h r                  saturated
 
 The wrist's orientation and all angles are computed from the words Qs and Qe that leave, so roundings of Qs and Qe do
 not turn the hand:
 
-    (L71) .. (L74) G = Qs~ h                       (L75) .. (L78) Qw = (-qe_i + qe_w i)~ G = (Qs Rx(th4))~ Qh
+    G = Qs~ h                                      Qw = (-qe_i + qe_w i)~ G = (Qs Rx(th4))~ Qh
 
-    (L79) d = atan2(j, i), K |(i, j)|              (L80) s = atan2(k, w), K |(w, k)|      of Qs
-    (L81) b = atan2(|(i, j)|, |(w, k)|)            (L82) .. (L84) th1 = s + d, th2 = 2 b, th3 = s - d
-    (L85) e = atan2(-qe_w, qe_i)                   (L86) th4 = 2 e
-    (L87) .. (L92) the same of Qw: th5, th6, th7
+    d = atan2(j, i), K |(i, j)|    s = atan2(k, w), K |(w, k)|      of Qs
+    b = atan2(|(i, j)|, |(w, k)|)                  th1 = s + d, th2 = 2 b, th3 = s - d
+    e = atan2(-qe_w, qe_i)                         th4 = 2 e
+    the same of Qw: th5, th6, th7
 
 K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  Bits of the branch turn joints by half a
 turn or negate them, as in :mod:`model.reference.joints`.  over_k: th_k is outside its limits, exactly.
 """
 
-from functools import partial
-
 from ..io.words import BRANCHES, JOINTS, RESULT_FIELDS
-from . import lean
-from . import operations as ops
-from .angles import ANGLE
-from .annotations import SAME, SUM, Growth, Limited, Within
-from .lean import Lean
-from .nodes import HALF_UP, Domain, Format, Node
+from .angles import Angle, Gained
+from .annotations import SAME, Growth, Limited, Within
+from .choices import Joint, Outside, OutsideFormat, Replaced, RoundedSum, Twice, WrappedSum, Wrist, square
+from .expressions import HALF_UP, Constant, Sum
+from .formats import Format
+from .lean import SECTIONS as CORE_SECTIONS
+from .lean import SUM, Lean, equations, guard, norm
+from .lean_turn import sections
+from .mul3 import Mul3
+from .nodes import SATURATE, WRAP, Dataflow, Node
 
-SECTIONS = {"hand": "wrist target of a hand pose", **lean.SECTIONS, "frame": "wrist quaternion", "joints": "angles"}
+SECTIONS = {"hand": "wrist target of a hand pose", **CORE_SECTIONS, "frame": "wrist quaternion", "joints": "angles"}
 """Section name -> description; the core's sections are the lean datapath's."""
 
 LENGTH = Within(0.0, 1.01, "the squared length of a good hand")
@@ -52,112 +54,175 @@ NEGATED = dict(zip(("th2", "th4", "th6"), BRANCHES, strict=True))
 """Joint -> the bits of the branch that turn it by half a turn, or the bit that negates it."""
 
 
-def arm(d: Domain, target: dict[str, Node]) -> None:
+MOST_H = "66049/65536"
+"""Largest squared length of a good hand: (1 + 2^-8)^2."""
+
+WORST_ERROR = {"qs": 0.004, "qe": 0.0001, "qw": 0.0001}
+"""Largest error of a word at any word length."""
+
+
+def arm(d: Dataflow, target: dict[str, Node]) -> None:
     """Build the whole datapath, from the input words to results and flags."""
     hand(d, target)
-    lean.guard(d, d.nodes)
-    _from_core(d, target["phi"])
-
-
-def after_guard(d: Domain, phi: Node) -> None:
-    """Build everything but the core's exact decisions, whose nodes are in ``d.nodes``, as are the input words."""
-    hand(d, d.nodes)
-    _from_core(d, phi)
-
-
-def _from_core(d: Domain, phi: Node) -> None:
-    lean.sections(d, phi)
+    guard(d, d.nodes)
+    sections(d, target["phi"])
     d.words(*RESULT_FIELDS)
     frame(d)
     d.words("qw_w", "qw_i", "qw_j", "qw_k")
     joints(d)
 
 
-def hand(d: Domain, target: dict[str, Node]) -> None:
-    """Build the wrist's point, the words of Qh that the wrist's orientation uses, and their flags."""
-    f, L = Lean(d.width), d.line
-    d.at("hand")
-    # Four squares add up to at most 16; the sum wraps at 8. A wrapped sum is far from 1, so the hand is still bad.
-    exact, total = Format(2 * d.width, 2 * d.width - 4, "2*W - 4"), "hi_sq"
-    for c in "ijkw":
-        L(62).op(f"h{c}_sq", (f"qh_{c}",), exact, ops.square, "square", within=LENGTH, grows=SAME)
-    for c, name in (("j", "hij_sq"), ("k", "hijk_sq"), ("w", "hand_sq")):
-        operands, total = (total, f"h{c}_sq"), name
-        L(62).op(name, operands, exact, partial(ops.plus_wrapped, width=exact.width), "wide", within=LENGTH, grows=SUM)
-    d.at()
-    d.mask("bad_hand", (total,), partial(ops.off_one, frac=exact.frac, places=8))
-    for c in "wijk":
-        how = partial(ops.chosen, unit=f.result.frac if c == "w" else None)
-        L(63).op(f"h_{c}", (f"qh_{c}", "bad_hand"), f.result, how, within=GOOD, grows=SAME)
-    L(64).op("tool_h", ("tool", "bad_hand"), f.result, partial(ops.chosen, unit=None), within=POINT, grows=SAME)
+def parts(before: str, after: str = "", of: str = "wijk") -> tuple[str, ...]:
+    """Return a name for each part of a quaternion."""
+    return tuple(f"{before}{part}{after}" for part in of)
 
-    half = 1 << f.frac - 1
-    rows = ("x", "ik", "wj", (1, 1), 0), ("y", "jk", "wi", (1, -1), 0), ("z", "ii", "jj", (-1, -1), half)
-    for line, (axis, first, second, signs, one) in enumerate(rows, start=65):
-        terms = first, second
-        for term in terms:
-            L(line).mul3(f"h_{term}", target[f"qh_{term[0]}"], target[f"qh_{term[1]}"], f.inner, within=GOOD)
-        how = partial(ops.half_row, signs=signs, half=one, width=f.inner.width)
-        L(line).op(f"r_{axis}", [f"h_{term}" for term in terms], f.inner, how, within=ROW, grows=SUM)
-    shifts = {"up": f.drop - 1, "drop": f.drop - 1, "top": f.result.high}  # off is half the offset
-    wrist: list[str] = []
-    for line, axis in enumerate("xyz", start=68):
-        row, wrist = d.nodes[f"r_{axis}"], [*wrist, f"hand_{axis}", f"off_{axis}"]
-        L(line).mul3(wrist[-1], row, d.nodes["tool_h"], f.inner, kind="mul3_far", within=OFFSET)
-        facts = {"within": POINT, "grows": Growth((1.0, 2.0)), "limited": WRIST}
-        L(line).op(axis, wrist[-2:], f.result, partial(ops.target, **shifts), "sum2", HALF_UP, **facts)
-    d.at()
-    d.mask("saturated", wrist, partial(ops.outside_format, **shifts), "sum2")
+
+def hand(d: Dataflow, target: dict[str, Node]) -> None:
+    """Build the wrist's point, the words of Qh that the wrist's orientation uses, and their flags."""
+    f = Lean(d.width)
+    d.at("hand")
+    good = ("=qh_len", "good hand", "|Qh|")
+    # Four squares add up to at most 16; the sum wraps at 8. A wrapped sum is far from 1, so the hand is still bad.
+    exact = Format(2 * d.width, 2 * d.width - 4, "2*W - 4")
+    sums = equations("bad_hand", "hand_sq", "hijk_sq", "hij_sq", *parts("h", "_sq"), *parts("qh_"))
+    squares = {}
+    for c in "ijkw":
+        proof = (f"=h{c}_sq", *good)
+        facts = {"within": LENGTH, "grows": SAME, "proof": proof}
+        squares[c] = d.node(f"h{c}_sq", square(target[f"qh_{c}"]), exact, "square", **facts)
+    total = squares["i"]
+    for c, name in (("j", "hij_sq"), ("k", "hijk_sq"), ("w", "hand_sq")):
+        facts = {"ends": WRAP, "within": LENGTH, "grows": SUM, "proof": (*good, *sums)}
+        total = d.node(name, WrappedSum(total, squares[c]), exact, "wide", **facts)
+    least, most = (Constant((1 + side / 256) ** 2) for side in (-1, 1))
+    bad_hand = d.mask("bad_hand", (total < least) | (total >= most))
+    for c in "wijk":
+        facts = {"within": GOOD, "grows": SAME, "proof": ("=h_len", "|h|")}
+        d.node(f"h_{c}", Replaced(target[f"qh_{c}"], bad_hand, int(c == "w")), f.result, **facts)
+    facts = {"within": POINT, "grows": SAME, "proof": ("=tool_h", "=tool")}
+    tool_h = d.node("tool_h", Replaced(target["tool"], bad_hand, 0), f.result, **facts)
+    d.define("qh_len", norm(*parts("qh_")))
+    d.define("h_len", norm(*parts("h_")))
+    d.lemma("good hand", "not bad_hand")  # by assumption, of the hand's products only
+    d.lemma("|Qh|", f"implies(not bad_hand, qh_len <= {MOST_H})", "=qh_len", *sums)
+    d.lemma("|h|", f"0 <= h_len and h_len <= {MOST_H}", "=h_len", "=qh_len", "|Qh|", *equations(*parts("h_")))
+
+    rows = {}
+    for axis, first, second, signs in (("x", "ik", "wj", (1, 1)), ("y", "jk", "wi", (1, -1)), ("z", "ii", "jj", (-1, -1))):
+        terms = []
+        for sign, (a, b) in zip(signs, (first, second), strict=True):
+            product, facts = Mul3(target[f"qh_{a}"], target[f"qh_{b}"]), {"within": GOOD, "proof": (f"=h_{a}{b}", *good)}
+            terms.append((sign, d.node(f"h_{a}{b}", product, f.inner, **facts)))
+        facts = {"ends": WRAP, "within": ROW, "grows": SUM, "proof": equations(f"r_{axis}", f"h_{first}", f"h_{second}")}
+        facts["proof"] += good
+        row = Sum((1, Constant(0.5)), *terms) if axis == "z" else Sum(*terms)
+        rows[axis] = d.node(f"r_{axis}", row, f.inner, **facts)
+    wrist = []
+    for axis, row in rows.items():
+        off = d.node(f"off_{axis}", Mul3(row, tool_h), f.inner, "mul3_far", within=OFFSET)  # half the offset
+        facts = {"ends": SATURATE, "within": POINT, "grows": Growth((1.0, 2.0)), "limited": WRIST}
+        point = Wrist(target[f"hand_{axis}"], off)
+        wrist.append(d.node(axis, point, f.result, "sum2", rounding=HALF_UP, **facts))
+    d.mask("saturated", OutsideFormat(*wrist), "sum2")
     d.words("x", "y", "z")
 
 
-def frame(d: Domain) -> None:
+PRODUCTS = {"w": "ww+ ii+ jj+ kk+", "i": "wi+ iw- jk- kj+", "j": "wj+ jw- ki- ik+", "k": "wk+ kw- ij- ji+"}
+"""Part of G = Qs~ h -> its products, each a part of Qs times a part of h, with their signs."""
+
+
+def frame(d: Dataflow) -> None:
     """Build Qw."""
-    f, n, L = Lean(d.width), d.nodes, d.line
+    f, n = Lean(d.width), d.nodes
     d.at("frame")
-    rows = {"w": "ww+ ii+ jj+ kk+", "i": "wi+ iw- jk- kj+", "j": "wj+ jw- ki- ik+", "k": "wk+ kw- ij- ji+"}
-    for line, (c, row) in enumerate(rows.items(), start=71):
-        terms = [(f"g_{term[:2]}", n[f"qs_{term[0]}"], n[f"h_{term[1]}"]) for term in row.split()]
-        for name, a, b in terms:
-            L(line).mul3(name, a, b, f.inner, kind="mul3_far", within=PART)
-        how = partial(ops.four, signs=tuple(1 if sign == "+" else -1 for sign in row[2::4]))
-        L(line).op(f"g_{c}", [name for name, *_ in terms], f.inner, how, "sum2", within=PART, grows=SUM)
-    for line, (c, other, sign) in enumerate((("w", "i", 1), ("i", "w", -1), ("j", "k", 1), ("k", "j", -1)), start=75):
-        products = f"f_{c}{c}", f"f_{c}{other}"
-        for name, of, half in zip(products, (c, other), "iw", strict=True):
-            L(line).mul3(name, n[f"g_{of}"], n[f"qe_{half}"], f.inner, kind="mul3_far", within=PART)
-        facts, how = {"within": PART, "grows": ROUNDED_SUM}, partial(ops.two, sign=sign, drop=f.drop)
-        L(line).op(f"qw_{c}", products, f.result, how, "sum2", HALF_UP, **facts)
+    for c, row in PRODUCTS.items():
+        terms = []
+        for a, b, sign in row.split():
+            proof = (f"=g_{a}{b}", "=qs_len", "=h_len", "words of Qs", "|h|")
+            product, facts = Mul3(n[f"qs_{a}"], n[f"h_{b}"]), {"within": PART, "proof": proof}
+            terms.append((1 if sign == "+" else -1, d.node(f"g_{a}{b}", product, f.inner, "mul3_far", **facts)))
+        d.node(f"g_{c}", Sum(*terms), f.inner, "sum2", within=PART, grows=SUM, proof=("=g_len", "|G|"))
+    turned = []
+    for c, other, sign in (("w", "i", 1), ("i", "w", -1), ("j", "k", 1), ("k", "j", -1)):
+        products = []
+        for part, half in ((c, "i"), (other, "w")):
+            name = f"f_{c}{part}"
+            facts = {"within": PART, "proof": (f"={name}", "=g_len", "=qe_len", "|G|", "words of Qe")}
+            product = Mul3(n[f"g_{part}"], n[f"qe_{half}"])
+            products.append(d.node(name, product, f.inner, "mul3_far", **facts))
+            turned.append(name)
+        facts = {"rounding": HALF_UP, "within": PART, "grows": ROUNDED_SUM, "proof": ("=qw_len", "|Qw|")}
+        d.node(f"qw_{c}", RoundedSum(*products, sign), f.result, "sum2", **facts)
+    frame_lemmas(d, turned)
 
 
-def joints(d: Domain) -> None:
+def frame_lemmas(d: Dataflow, turned: list[str]) -> None:
+    """State the lemmas on the lengths of words of Qs, Qe and Qw, and of their products."""
+    uses = equations("w_q", "i_q", "j_q", "k_q", "wi_1_len", "kj_1_len")
+    d.lemma("|w_q|", f"{norm('w_q', 'i_q', 'j_q', 'k_q')} <= 1", *uses, "q_1", "1/|q|", "length_sq")
+    d.lemma("|Qs|", f"{norm(*parts('qs_'))} <= 1", "|w_q|", *equations(*parts("qs_")))
+    uses = ("case", "=qe_w", "=qe_i", "elbow w", "elbow i", "A + B", "=d1", "=d2")
+    d.lemma("|Qe|", f"{norm('qe_w', 'qe_i')} == 1", *uses)
+    for q, e in WORST_ERROR.items():  # |w| <= |q| + e and |q| <= q^2 + 1/4
+        for part in parts(f"{q}_", of="wi" if q == "qe" else "wijk"):
+            statement = f"{part}_w*{part}_w <= {1 + 2 * e}*{part}*{part} + {e / 2 + e * e:.9f}"
+            d.lemma(f"word {part}", statement, part, f"~{part}")
+    for q, of in (("qs", "wijk"), ("qe", "wi")):
+        d.define(f"{q}_len", norm(*parts(f"{q}_", "_w", of)))
+    d.define("g_len", norm(*parts("g_")))
+    d.define("qw_len", norm(*parts("qw_")))
+    words = [f"word {part}" for part in parts("qs_")]
+    d.lemma("words of Qs", "0 <= qs_len and qs_len <= 1.017", "=qs_len", "|Qs|", *words)
+    uses = ("=qe_len", "|Qe|", "word qe_w", "word qe_i")
+    d.lemma("words of Qe", "0 <= qe_len and qe_len <= 1.001", *uses)
+    lengths = equations("g_len", "qs_len", "h_len")
+    products = [f"=g_{a}{b}" for a in "wijk" for b in "wijk"]
+    d.lemma("|G| = |Qs| |h|", "g_len == qs_len*h_len", *lengths, *equations(*parts("g_")), *products)
+    d.lemma("|G|", "0 <= g_len and g_len <= 1.025", "|G| = |Qs| |h|", "words of Qs", "|h|")
+    lengths = equations("qw_len", "g_len", "qe_len", *parts("qw_"))
+    d.lemma("|Qw| = |G| |Qe|", "qw_len == g_len*qe_len", *lengths, *equations(*turned))
+    d.lemma("|Qw|", "qw_len <= 1.0265", "|Qw| = |G| |Qe|", "|G|", "words of Qe")
+    words = [f"word {part}" for part in parts("qw_")]
+    d.lemma("words of Qw", f"{norm(*parts('qw_', '_w'))} <= 1.028", "=qw_len", "|Qw|", *words)
+
+
+def joints(d: Dataflow) -> None:
     """Build the seven angles, and which of them are outside their limits."""
-    L = d.line
     d.at("joints")
-    _ball(d, 79, "qs", JOINTS[:3])
-    L(85).vector(None, "qe_e", d.nodes["qe_i"], -d.nodes["qe_w"], within=(TURN,))
-    _twice(L(86), "th4", "qe_e")
-    _ball(d, 87, "qw", JOINTS[4:])
-    d.at()
+    _ball(d, "qs", JOINTS[:3])
+    _twice(d, "th4", angle(d, "qe_e", Angle(d.nodes["qe_i"], d.nodes["qe_w"], -1)))
+    _ball(d, "qw", JOINTS[4:])
     free = -(1 << d.width - 1), (1 << d.width - 1) - 1
     for k, (low, high) in enumerate(d.limits or [free] * 7, start=1):
-        d.mask(f"over_{k}", (f"th{k}",), partial(ops.outside, low=low, high=high, width=d.width))
+        d.mask(f"over_{k}", Outside(d.nodes[f"th{k}"], low, high))
 
 
-def _ball(d: Domain, line: int, q: str, names: tuple[str, ...]) -> None:
+def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
     """Build the three angles of a ball joint with the quaternion ``q``."""
-    n, L = d.nodes, d.line
-    L(line).vector(f"{q}_ij", f"{q}_d", n[f"{q}_i"], n[f"{q}_j"], within=(GAINED, TURN))
-    L(line + 1).vector(f"{q}_wk", f"{q}_s", n[f"{q}_w"], n[f"{q}_k"], within=(GAINED, TURN))
-    L(line + 2).vector(None, f"{q}_b", n[f"{q}_wk"], n[f"{q}_ij"], within=(TURN,))
-    for number, (name, sign) in enumerate(((names[0], 1), (names[2], -1))):
-        how = partial(ops.joint, sign=sign, drop=ANGLE, width=d.width)
-        operands = f"{q}_s", f"{q}_d", *TURNED[name]
-        L(line + 3 + 2 * number).op(name, operands, d.word(0), how, "sum2", HALF_UP, within=TURN, grows=ROUNDED_SUM)
-    _twice(L(line + 4), names[1], f"{q}_b")
+    n = d.nodes
+    both = {}
+    for name, x, y in (("d", "i", "j"), ("s", "w", "k")):
+        both[name] = Angle(n[f"{q}_{x}"], n[f"{q}_{y}"])
+        fmt = Format(d.width + 3, d.width + 1, "W + 1", signed=False)
+        facts = {"within": GAINED, "proof": (f"={q}_{x}{y}", *(("=qs_len",) if q == "qs" else ()), f"words of Q{q[1]}")}
+        both[name].length = d.node(f"{q}_{x}{y}", Gained(both[name]), fmt, **facts)
+        angle(d, f"{q}_{name}", both[name])
+    between = angle(d, f"{q}_b", Angle(both["s"].length, both["d"].length))
+    facts = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": ROUNDED_SUM}
+    pair = n[f"{q}_s"], n[f"{q}_d"]
+    first, third = (Joint(*pair, sign, tuple(n[bit] for bit in TURNED[th])) for th, sign in ((names[0], 1), (names[2], -1)))
+    d.node(names[0], first, d.word(0), "sum2", **facts)
+    d.node(names[2], third, d.word(0), "sum2", **facts)
+    _twice(d, names[1], between)
 
 
-def _twice(d: Domain, name: str, half: str) -> None:
-    how = partial(ops.twice, drop=ANGLE, width=d.width)
-    facts = {"within": TURN, "grows": Growth((2.0, 0.0))}
-    d.op(name, (half, NEGATED[name]), d.word(0), how, error=HALF_UP, **facts)
+def angle(d: Dataflow, name: str, of: Angle) -> Node:
+    """Build an angle, with its length if it has one."""
+    bits = d.width + 4
+    latency = "vector_y" if of.length else "vector"
+    return d.node(name, of, Format(bits, bits - 1, "W + 3"), latency, after=of.length, within=TURN)
+
+
+def _twice(d: Dataflow, name: str, half: Node) -> None:
+    facts = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": Growth((2.0,))}
+    d.node(name, Twice(half, d.nodes[NEGATED[name]]), d.word(0), **facts)

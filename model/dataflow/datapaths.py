@@ -8,20 +8,20 @@ from pathlib import Path
 
 from ..io.flags import ARM_FLAG_BITS, ARM_FLAGS, CORE_FLAGS, FLAG_BITS
 from ..io.words import ARM_FIELDS, ARM_RESULT_FIELDS, BRANCHES, FIELDS, RESULT_FIELDS
-from . import arm, lean, paper
+from . import arm, lean, lean_turn, paper
 from .fold import program, shown
-from .nodes import WIDTHS, Node
-from .operations import TILE
+from .formats import WIDTHS
+from .mul3 import TILE
+from .nodes import Node
 
 
 @dataclass(frozen=True)
 class Datapath:
     """A dataflow and the location of its Verilog.
 
-    ``number`` is the parameter ``DATAPATH`` of ``ik_axis``, ``flow(domain, target)`` the whole dataflow,
-    ``after_guard(domain, phi)`` the part after the exact decisions.
+    ``number`` is the parameter ``DATAPATH`` of ``ik_axis``, ``flow(dataflow, target)`` builds the whole dataflow.
     ``sections`` maps a section to its description, ``widths`` are the supported word lengths.
-    ``tile``: bits of the longer operand of the multipliers for which :func:`model.dataflow.operations.mul3` is cut.
+    ``tile``: bits of the longer operand of the multipliers for which :func:`model.dataflow.mul3.mul3` is cut.
     ``times(width)``: node -> clock in which it is valid, for a datapath without the dataflow's pipeline;
     ``period``: clocks from a target to the next, at W = 24; ``behind``: clocks of the FIFO behind the datapath.
     ``top`` is the module around it, ``inputs`` and ``results`` are the words of a target and of a result, lowest bits
@@ -32,7 +32,6 @@ class Datapath:
     name: str
     number: int
     flow: Callable
-    after_guard: Callable
     sections: dict[str, str]
     widths: range = WIDTHS
     tile: int = TILE
@@ -91,8 +90,8 @@ class Datapath:
         return f"ik_{section}" if self.rtl == "paper" else f"ik_{self.rtl}_{section}"
 
 
-LEAN = Datapath("lean", 1, lean.lean, lean.sections, lean.SECTIONS, lean.WIDTHS)
-PAPER = Datapath("paper", 0, paper.paper, paper.sections, paper.SECTIONS)
+LEAN = Datapath("lean", 1, lean_turn.lean, lean.SECTIONS, lean.WIDTHS)
+PAPER = Datapath("paper", 0, paper.paper, paper.SECTIONS)
 FOLD = replace(
     LEAN,
     name="fold",
@@ -115,7 +114,7 @@ of 25x18 or 16x16 bits, the latter with small tables, and the lean one as a prog
 tiles of 18x18 or 16x16 bits."""
 
 ARM = replace(
-    LEAN, name="arm", flow=arm.arm, after_guard=arm.after_guard, sections=arm.SECTIONS, widths=WIDTHS, top="ik_arm",
+    LEAN, name="arm", flow=arm.arm, sections=arm.SECTIONS, widths=WIDTHS, top="ik_arm",
     inputs=ARM_FIELDS, side=BRANCHES, results=ARM_RESULT_FIELDS, flags=ARM_FLAGS, flag_bits=ARM_FLAG_BITS,
     core="u_lean",
 )  # fmt: skip

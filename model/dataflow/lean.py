@@ -1,30 +1,40 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dataflow of ``rtl/lean``, written once: the paper's results from reciprocal square roots in two levels.
 
-docs/generated/lean.md derives it from (10)-(18).  :func:`lean` uses the same operations as the paper's dataflow
-(:class:`model.dataflow.nodes.Domain`) and runs in the same ways: in integers, in double precision, as a table of
-formats and clocks.
+docs/generated/lean.md derives it from (10)-(18).  Section "turn" is in :mod:`model.dataflow.lean_turn`.  For a target
+in reach, with s = |p|^2 and rho^2 = x^2 + y^2:
 
-Exact part.  Squares, their sums, A = (d1 + d2)^2 - s, B = s - (d1 - d2)^2 and K = s + d1^2 - d2^2 are integers of
-2W + 2 bits; their signs are the flags.  Every root takes its argument normalized by an even shift, so its relative
-precision does not depend on the size of the argument.
+    A = (d1 + d2)^2 - s    B = s - (d1 - d2)^2    K = s + d1^2 - d2^2              a_far, b_near, k_law
+    Qe = sqrt(A)/(2 sqrt(d1 d2)) - sqrt(B)/(2 sqrt(d1 d2)) i                       the paper's (14)
+    (u_x, u_y) = (x, y)/rho    sin_el = z/|p|    cos_el = rho/|p|
+    cos a = K/(2 d1 |p|)    sin a = sqrt(A) sqrt(B)/(2 d1 |p|)
+    Qs = Rz(azimuth + 90 deg) Rx(90 deg - elevation) Rz(phi) Rx(-a)                the paper's (18)
+
+Exact part.  Squares, their sums, A, B and K are integers of 2W + 2 bits; their signs are the flags.  Every root takes
+its argument normalized by an even shift, so its relative precision does not depend on the size of the argument: a root
+and its dependents hold the quantity in units of a power of two.
 
 Formats.  An inner word has F = W + 5 fraction bits, but at least 22 and at most 33, and two integer bits: [-2, 2).  A
 root has at most 31 fraction bits, and 22 up to W = 18; its argument, a mantissa, has 3 more.  The root's result is
 1/(2 sqrt(m)), in (1/2, 1]; 1 where m = 0.
 
-Rounding.  ``mul3`` omits the product of the two low parts and rounds half up.  Roots are faithful, shifts floor,
+Rounding.  ``Mul3`` omits the product of the two low parts and rounds half up.  Roots are faithful, shifts floor,
 the results are rounded half up to W - 2 fraction bits.
+
+Proofs.  Each range has its reason and, as ``proof``, the facts from which z3 derives it (:mod:`tb.formal.lean_proofs`):
+``=node`` is a node's equation, ``node`` its range, ``#node`` that an exact word is 0, one ulp, or at least two, ``~node``
+that the node's word is within its error; other names are lemmas, stated after the nodes that they are about.  Without
+``proof`` a range follows from the node's equation and its operands' ranges.
 """
 
-from functools import partial
-
-import numpy as np
-
-from ..io.words import LENGTHS
-from . import operations as ops
-from .annotations import SUM, Growth, Limited, Within
-from .nodes import FLOOR, HALF_UP, Domain, Format, Node, effective_width, inner_frac, root_frac
+from .annotations import Growth, Limited, Within
+from .choices import AtMost, Elbow, HalfLength, HalfPart, HalfSum, Product, square
+from .expressions import FLOOR, HALF_UP, Not, Select, zero
+from .formats import Format, effective_width, inner_frac, root_frac
+from .mul3 import Mul3
+from .nodes import SATURATE, Dataflow, Node
+from .quadratic import Rsqrt
+from .shifts import Count, Even, EvenCount, ShiftDown, ShiftUp
 
 SECTIONS = {
     "guard": "exact squares and flags",
@@ -40,7 +50,6 @@ SECTIONS = {
 SQUARES = "squares of words in [-2, 2)"
 MANTISSA = Within(0.0, 1.0, "mantissa", below=True)
 INVERSE = Within(0.0, 1.0, "1/(2 sqrt m) with m >= 1/4")
-LENGTH_INVERSE = Within(0.0, 1.5, "1/(2 sqrt L) with L >= 1/8")
 INVERSES = Within(0.0, 1.0, "products of inverses")
 COORDINATE = Within(-1.0, 1.0, "coordinates are no longer than the vector", below=True)
 CIRCLE = Within(-1.0, 1.0, "a sine or cosine")
@@ -48,11 +57,9 @@ UPPER_HALF = Within(0.0, 1.0, "a sine or cosine")
 ROOT = Within(0.0, 1.0, "the root of a mantissa")
 HALF_LENGTH = Within(0.5, 1.0, "(1 + |c|)/2")
 HALF_ANGLE = Within(-1.0, 1.0, "half angles: squared length (1 + |c|)/2")
-PART = Within(-1.0, 1.0, "parts of quaternions no longer than 1")
 PAIR = Within(-1.5, 1.5, "sums of two parts of such, at most the root of 2, and products of them")
 ELBOW_W, ELBOW_I = Within(0.0, 1.0, "a component of Qe"), Within(-1.0, 0.0, "a component of Qe")
 RISES = "e_rho >= e_s, because rho <= |p|"
-RISEN = Within(0.0, 1.0, RISES)
 ARMS_UNIT = Within(0.0, 2.0, "sqrt A <= 2 sqrt(d1 d2), and root_far >= 1/2")
 LAW = Within(0.0, 2.0, "inv_law = 2 inv_11 inv_s")
 LAW_UNIT = Within(0.0, 2.0, "sin a <= 1, and root_ab >= 1/4, or 0 and |d1 - d2| a place or more")
@@ -62,9 +69,9 @@ K_UNIT = Within(-2.0, 2.0, "|K| <= 2 d1 |p|, and inv_law > 1/4", below=True)
 
 TWO = Limited("2, which powers of two can give, becomes the largest word")
 ONE = Limited("1, which powers of two can give, becomes the largest word")
-MOST = Limited("1 and more becomes the largest mantissa")
 
-FOURFOLD = Growth((4.0, 0.0))
+FOURFOLD, EIGHTFOLD = Growth((4.0,)), Growth((8.0,))
+SUM = Growth(added=True, exact=True)
 
 
 def not_negative(why: str) -> Within:
@@ -82,7 +89,7 @@ class Lean:
     def __init__(self, width: int) -> None:
         frac = inner_frac(width)
         self.frac = frac
-        self.even_width = width + width % 2  # width of an arm's length rounded up to even, as its shifts are even
+        self.even_width = width + width % 2  # width of a length rounded up to even, as its shifts are even
         self.odd = width % 2
         self.inner = Format(frac + 2, frac, "FRAC")
         root = root_frac(width)
@@ -92,245 +99,280 @@ class Lean:
         self.doubled = Format(frac + 3, frac, "FRAC")  # fits slightly more than 2
         self.raised = Format(frac + 5, frac, "FRAC")  # shifted left by 2
         effective = effective_width(width)
-        self.pad = effective - width  # zeros below a coordinate
         self.shifted = Format(effective + 1, effective, "WX")
         self.result = Format(width, width - 2, "W - 2")
-        self.drop = frac - self.result.frac  # bits of an inner word that a result's rounding drops
 
 
-def lean(d: Domain, target: dict[str, Node]) -> None:
-    """Build the whole datapath, from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to the
-    results.
+# Facts that several proofs use.
 
-    Every node is stored in ``d.nodes`` under its name, which is also its signal name in the RTL.
-    """
-    guard(d, target)
-    sections(d, target["phi"])
+CASE = ("case", "=clamp", "=too_far", "=too_near", "=bad_length", "=at_shoulder")
+LENGTHS = ("=d1", "=d2")
+TARGET = ("=s", "=rho_sq", "=x_sq", "=y_sq", "=z_sq")
 
 
-def sections(d: Domain, phi: Node) -> None:
-    """Build everything after :func:`guard`, whose nodes are in ``d.nodes``."""
-    formats = Lean(d.width)
-    direction(d, formats)
-    triangle(d, formats)
-    turn(d, formats, phi)
+def norm(*parts: str) -> str:
+    """Return the sum of the squares of parts, as text."""
+    return " + ".join(f"{part}**2" for part in parts)
 
 
-def guard(d: Domain, target: dict[str, Node]) -> None:
+def equations(*names: str) -> tuple[str, ...]:
+    """Return the equations of nodes, as facts."""
+    return tuple(f"={name}" for name in names)
+
+
+def mantissas(*names: str) -> tuple[str, ...]:
+    """Return the equations of mantissas and their counts, as facts."""
+    return tuple(f"={kind}_{name}" for name in names for kind in "me")
+
+
+def guard(d: Dataflow, target: dict[str, Node]) -> None:
     """Build the exact integers of the input words, and the flags decided by them."""
     f = Lean(d.width)
     x, y, z, d1, d2 = (target[k] for k in ("x", "y", "z", "d1", "d2"))
     d.at("guard")
-    d.summed(LENGTHS, lambda x, y, z, d1, d2: np.maximum(x * x + y * y + z * z, (d1 + d2) ** 2))
-    d.mask("bad_length", (d1, d2), lambda a, b: (a <= 0) | (b <= 0))
-    d.mask("on_axis", (x, y), lambda a, b: (a == 0) & (b == 0))
-    d.mask("at_shoulder", (x, y, z), lambda a, b, c: (a == 0) & (b == 0) & (c == 0))
+    bad_length = d.mask("bad_length", (d1 <= 0) | (d2 <= 0))
+    d.mask("on_axis", zero(x) & zero(y))
+    at_shoulder = d.mask("at_shoulder", zero(x) & zero(y) & zero(z))
 
-    L = d.line
-    d_sum = L(1).op("d_sum", (d1, d2), f.length, ops.plus, within=Within(0.0, 4.0, SQUARES, below=True))
-    d_dif = L(2).op("d_dif", (d1, d2), f.length, ops.minus, within=Within(-2.0, 2.0, SQUARES))
-    L(3).op("x_sq", (x,), f.exact, ops.square, "square", within=Within(0.0, 4.0, SQUARES))
-    L(3).op("y_sq", (y,), f.exact, ops.square, "square", within=Within(0.0, 4.0, SQUARES))
-    L(4).op("z_sq", (z,), f.exact, ops.square, "square", within=Within(0.0, 4.0, SQUARES))
-    L(5).op("d_sum_sq", (d_sum,), f.exact, ops.square, "square", within=Within(0.0, 16.0, SQUARES, below=True))
-    L(6).op("d_dif_sq", (d_dif,), f.exact, ops.square, "square", within=Within(0.0, 4.0, SQUARES))
-    L(7).op("sum_dif", (d_sum, d_dif), f.exact, ops.times, "product", within=Within(-4.0, 4.0, SQUARES))  # d1^2 - d2^2
-    L(3).op("rho_sq", ("x_sq", "y_sq"), f.exact, ops.plus, "wide", within=Within(0.0, 8.0, SQUARES))
-    L(4).op("s", ("rho_sq", "z_sq"), f.exact, ops.plus, "wide", within=Within(0.0, 12.0, SQUARES))
-    L(5).op("a_far", ("d_sum_sq", "s"), f.exact, ops.minus, "wide", within=Within(0.0, 16.0, SQUARES, below=True))
-    L(6).op("b_near", ("s", "d_dif_sq"), f.exact, ops.minus, "wide", within=Within(0.0, 12.0, SQUARES))
-    L(7).op("k_law", ("s", "sum_dif"), f.exact, ops.plus, "wide", within=Within(-4.0, 16.0, SQUARES))
+    within = Within(0.0, 4.0, SQUARES, below=True)
+    d_sum = d.node("d_sum", d1 + d2, f.length, within=within, proof=("=d_sum", *LENGTHS))
+    d_dif = d.node("d_dif", d1 - d2, f.length, within=Within(-2.0, 2.0, SQUARES), proof=("=d_dif", *LENGTHS))
 
-    d.at()
-    d.mask("too_far", ("a_far", "bad_length"), lambda a, bad: (a < 0).astype(bool) & ~bad)
-    d.mask("too_near", ("b_near", "bad_length"), lambda b, bad: (b < 0).astype(bool) & ~bad)
-    # No elbow: the arm is straight or folded along the line to the target.
-    d.mask("clamp", ("too_far", "too_near", "at_shoulder", "bad_length"), lambda f, n, s, b: f | n | s | b)
-    d.mask("fold", ("too_near", "at_shoulder", "bad_length"), lambda n, s, b: (n | s) & ~b)
-    d.mask("away", ("too_near", d_dif), lambda n, q: n & (q < 0))
+    def squared(word: Node, most: float, **record) -> Node:
+        within = Within(0.0, most, SQUARES, below=most > 4)
+        return d.node(f"{word.name}_sq", square(word), f.exact, "square", within=within, **record)
+
+    x_sq, y_sq, z_sq = (squared(p, 4.0, proof=(f"={p.name}_sq", f"={p.name}_w")) for p in (x, y, z))
+    d_sum_sq, d_dif_sq = squared(d_sum, 16.0), squared(d_dif, 4.0)
+    proof = ("=sum_dif", "=d_sum", "=d_dif", *LENGTHS)
+    within = Within(-4.0, 4.0, SQUARES)
+    sum_dif = d.node("sum_dif", Product(d_sum, d_dif), f.exact, "product", within=within, proof=proof)  # d1^2 - d2^2
+    rho_sq = d.node("rho_sq", x_sq + y_sq, f.exact, "wide", within=Within(0.0, 8.0, SQUARES))
+    s = d.node("s", rho_sq + z_sq, f.exact, "wide", within=Within(0.0, 12.0, SQUARES))
+    within, proof = Within(0.0, 16.0, SQUARES, below=True), (*CASE, *LENGTHS, "=a_far", "d_sum_sq", "s")
+    a_far = d.node("a_far", d_sum_sq - s, f.exact, "wide", within=within, proof=proof)
+    within, proof = Within(0.0, 12.0, SQUARES), (*CASE, *LENGTHS, "=b_near", "s", "d_dif_sq")
+    b_near = d.node("b_near", s - d_dif_sq, f.exact, "wide", within=within, proof=proof)
+    d.node("k_law", s + sum_dif, f.exact, "wide", within=Within(-4.0, 16.0, SQUARES))
+
+    d.lemma("s > 0", "0 < s", *CASE, *TARGET)
+    d.lemma("target", f"s == {norm('x_w', 'y_w', 'z_w')}", *TARGET)
+    d.lemma("rho <= |p|", "rho_sq <= s", "=s", "=z_sq")
+    sums = equations("a_far", "b_near", "d_sum_sq", "d_dif_sq", "d_sum", "d_dif")
+    d.lemma("A + B", "a_far + b_near == 4*d1*d2", *sums)
+    d.lemma("A <= 4 d1 d2", "a_far <= 4*d1*d2", "A + B", "b_near")
+    d.lemma("B <= 4 d1 d2", "b_near <= 4*d1*d2", "A + B", "a_far")
+    d.lemma("K^2 + A B", "k_law*k_law + a_far*b_near == 4*d1*d1*s", "=k_law", "=sum_dif", *sums)
+    d.lemma("A B <= 4 d1^2 s", "a_far*b_near <= 4*d1*d1*s", "K^2 + A B")
+
+    too_far = d.mask("too_far", (a_far < 0) & ~bad_length)
+    too_near = d.mask("too_near", (b_near < 0) & ~bad_length)
+    # No elbow: the arm is straight or closed along the line to the target.
+    d.mask("clamp", too_far | too_near | at_shoulder | bad_length)
+    d.mask("fold", (too_near | at_shoulder) & ~bad_length)
+    d.mask("away", too_near & (d_dif < 0))
 
 
-def direction(d: Domain, f: Lean) -> None:
+def direction(d: Dataflow, f: Lean) -> None:
     """Build (u_x, u_y) = (x, y)/rho, sin_el = z/|p|, cos_el = rho/|p|, and the half angles of azimuth and tilt."""
-    n, L = d.nodes, d.line
+    n = d.nodes
+    x, y, z, rho_sq, s = (n[name] for name in ("x", "y", "z", "rho_sq", "s"))
     d.at("direction")
-    root(L(8), f, "rho", n["rho_sq"], 2 * d.width)
-    root(L(9), f, "s", n["s"], 2 * d.width)
+    e_rho, m_rho, inv_rho = root(d, f, "rho", rho_sq, 2 * d.width)
+    e_s, m_s, inv_s = root(d, f, "s", s, 2 * d.width)
 
     # in the root's own unit: |x| <= rho, so no high bit is lost
-    unit = partial(ops.shift_up, left=f.pad, width=f.shifted.width)
-    L(14).op("x_n", ("x", "e_rho"), f.shifted, unit, "shift", within=COORDINATE)
-    L(15).op("y_n", ("y", "e_rho"), f.shifted, unit, "shift", within=COORDINATE)
-    L(16).op("z_n", ("z", "e_s"), f.shifted, unit, "shift", within=COORDINATE)
-    L(14).mul3("u_x", n["x_n"], n["inv_rho"], f.inner, scale=1, within=CIRCLE)
-    L(15).mul3("u_y", n["y_n"], n["inv_rho"], f.inner, scale=1, within=CIRCLE)
-    L(16).mul3("sin_el", n["z_n"], n["inv_s"], f.inner, scale=1, within=CIRCLE)
-    L(17).mul3("root_rho", n["inv_rho"], n["m_rho"], f.inner, scale=1, within=ROOT)  # sqrt(m)
-    L(18).op("n_el", ("e_rho", "e_s"), d.count, partial(ops.count, factors=(1, -1)), within=not_negative(RISES))
-    L(18).op("inv_s_el", ("inv_s", "n_el"), f.inner, ops.shift_down, "shift", FLOOR, within=RISEN)
-    L(18).mul3("cos_el", n["root_rho"], n["inv_s_el"], f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)
+    def unit(name: str, word: Node, count: Node, *proof: str) -> Node:
+        return d.node(name, ShiftUp(word, count, -2), f.shifted, "shift", within=COORDINATE, proof=proof)
+
+    x_n, y_n = (unit(name, word, e_rho, "direction", "m_rho") for name, word in (("x_n", x), ("y_n", y)))
+    z_n = unit("z_n", z, e_s, "elevation", "m_s")
+    d.lemma("direction", f"m_rho == {norm('x_n', 'y_n')}", *equations("x_n", "y_n", "m_rho", "rho_sq", "x_sq", "y_sq"))
+    d.lemma("elevation", "z_n*z_n <= m_s", "=z_n", "=m_s", *TARGET)
+    u_x = d.node("u_x", Mul3(x_n, inv_rho, scale=1), f.inner, within=CIRCLE, proof=("|u| <= 1",))
+    u_y = d.node("u_y", Mul3(y_n, inv_rho, scale=1), f.inner, within=CIRCLE, proof=("|u| <= 1",))
+    sin_el = d.node("sin_el", Mul3(z_n, inv_s, scale=1), f.inner, within=CIRCLE, proof=("|el| = 1",))
+    proof = ("=root_rho", "inv_rho", "root of m_rho", "m_rho")
+    root_rho = d.node("root_rho", Mul3(inv_rho, m_rho, scale=1), f.inner, within=ROOT, proof=proof)  # sqrt(m)
+    proof = ("=n_el", "rho <= |p|", "s > 0", "rho_sq", *mantissas("rho", "s"))
+    n_el = d.node("n_el", Count((1, e_rho), (-1, e_s)), d.count, within=not_negative(RISES), proof=proof)
+    risen = {"rounding": FLOOR, "within": Within(0.0, 1.0, RISES)}
+    inv_s_el = d.node("inv_s_el", ShiftDown(inv_s, n_el), f.inner, "shift", **risen)
+    proof = ("=cos_el", "root_rho", "inv_s_el", "|el| = 1")
+    cos_el = d.node("cos_el", Mul3(root_rho, inv_s_el, scale=1), f.inner, "mul3_far", within=UPPER_HALF, proof=proof)
+    d.lemma("|u| <= 1", f"{norm('u_x', 'u_y')} <= 1", "=u_x", "=u_y", "=inv_rho", "direction")
+    d.lemma("root of m_rho", "root_rho*root_rho == m_rho", "=root_rho", "=inv_rho")
+    uses = equations("n_el", "m_rho", "e_rho", "e_s", "m_s", "z_n", "s", "z_sq")
+    in_unit = "root_rho*root_rho == n_el*n_el*(m_s - z_n*z_n)"
+    d.lemma("rho in p's unit", in_unit, "root of m_rho", *uses, "s > 0")
+    d.lemma("1/|p|", "4*m_s*inv_s*inv_s == 1", "=inv_s", "=m_s", "s > 0")
+    uses = equations("sin_el", "cos_el", "inv_s_el", "n_el")
+    d.lemma("|el| = 1", f"{norm('sin_el', 'cos_el')} == 1", *uses, "rho in p's unit", "1/|p|")
 
     # The first rotation turns by the azimuth and 90 degrees: cosine -u_y, sine u_x.  On the z axis, where both are 0,
-    # the azimuth is 0: (1, 1)/2.
-    squared_length(L(29), f, "az_sq", ("u_y",))
-    # Its parts do not wait for the squared length.
-    az = "u_y", "u_y", "u_x", "on_axis"
-    part(L(32), f, "az_c", az, large=lambda u_y, on_axis: (u_y < 0) | ops.truth(on_axis), frac=f.frac)
-    part(L(33), f, "az_s", az, large=lambda u_y, on_axis: u_y >= 0, frac=f.frac)
+    # the azimuth is 0: (1, 1)/2.  Its parts do not wait for the squared length.
+    squared_length(d, f, "az_sq", HalfLength(u_y))
+    az = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("az", "az_sq")}
+    d.node("az_c", HalfPart(u_y, u_x, (u_y < 0) | n["on_axis"]), f.inner, **az)
+    d.node("az_s", HalfPart(u_y, u_x, u_y >= 0), f.inner, **az)
     # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, the direction is +z:
     # (1, 0).
-    squared_length(L(30), f, "tilt_sq", ("sin_el", "at_shoulder"))
-    tilt = ("tilt_sq", "sin_el", "cos_el")
-    part(L(34), f, "tilt_c", tilt, large=lambda c: c >= 0)
-    part(L(35), f, "tilt_s", tilt, large=lambda c: c < 0)
+    tilt_sq = squared_length(d, f, "tilt_sq", HalfLength(sin_el, n["at_shoulder"]), (*CASE, "=tilt_sq", "sin_el"))
+    tilt = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("tilt", "tilt_sq")}
+    d.node("tilt_c", HalfPart(sin_el, cos_el, sin_el >= 0, tilt_sq), f.inner, **tilt)
+    d.node("tilt_s", HalfPart(sin_el, cos_el, sin_el < 0, tilt_sq), f.inner, **tilt)
+    uses = equations("az_c", "az_s", "az_sq")
+    d.lemma("az", f"{norm('az_c', 'az_s')} <= az_sq", *uses, "|u| <= 1", "=on_axis", "=u_y", "=y_n")
+    uses = (*CASE, "=tilt_c", "=tilt_s", "=tilt_sq", "|el| = 1")
+    d.lemma("tilt", f"{norm('tilt_c', 'tilt_s')} <= tilt_sq", *uses)
 
 
-def triangle(d: Domain, f: Lean) -> None:
+def triangle(d: Dataflow, f: Lean) -> None:
     """Build Qe (14) and half the angle a at the shoulder: cos a = K/(2 d1 |p|), sin a = sqrt(A B)/(2 d1 |p|)."""
-    n, L = d.nodes, d.line
+    n = d.nodes
+    e_s, inv_s, clamp, fold, away = (n[name] for name in ("e_s", "inv_s", "clamp", "fold", "away"))
     d.at("triangle")
-    root(L(10), f, "far", n["a_far"], 2 * d.width)
-    root(L(11), f, "near", n["b_near"], 2 * d.width)
-    root(L(12), f, "1", n["d1"], f.even_width)
-    root(L(13), f, "2", n["d2"], f.even_width)
-    L(19).mul3("root_far", n["inv_far"], n["m_far"], f.inner, scale=1, within=ROOT)
-    L(20).mul3("root_near", n["inv_near"], n["m_near"], f.inner, scale=1, within=ROOT)
+    e_far, m_far, inv_far = root(d, f, "far", n["a_far"], 2 * d.width)
+    e_near, m_near, inv_near = root(d, f, "near", n["b_near"], 2 * d.width)
+    e_1, _, inv_1 = root(d, f, "1", n["d1"], f.even_width)
+    e_2, _, inv_2 = root(d, f, "2", n["d2"], f.even_width)
+    roots = {}
+    for side, inverse, mantissa in (("far", inv_far, m_far), ("near", inv_near, m_near)):
+        proof = (f"=root_{side}", f"inv_{side}", f"root of m_{side}", f"m_{side}")
+        product = Mul3(inverse, mantissa, scale=1)
+        roots[side] = d.node(f"root_{side}", product, f.inner, within=ROOT, proof=proof)
+        d.lemma(f"root of m_{side}", f"root_{side}*root_{side} == m_{side}", f"=root_{side}", f"=inv_{side}")
     # 1/(4 sqrt(m_1 m_2)), shifted to the unit of sqrt A: their product is at most 1, and root_far >= 1/2
     fine = Format(f.frac + 2, f.frac + 1, "FRAC + 1")
-    L(21).mul3("inv_12_raw", n["inv_1"], n["inv_2"], Format(f.frac + 3, f.frac + 1, "FRAC + 1"), within=INVERSES)
-    limited(d, f, "inv_12", INVERSES, fine, ONE)
+    d.node("inv_12_raw", Mul3(inv_1, inv_2), Format(f.frac + 3, f.frac + 1, "FRAC + 1"), within=INVERSES)
+    inv_12 = limited(d, "inv_12", INVERSES, fine, ONE)
+    for name in "12":
+        statement = f"4*m_{name}*inv_{name}*inv_{name} == 1"
+        d.lemma(f"1/d{name}", statement, f"=inv_{name}", f"=m_{name}", f"=d{name}")
+    d.lemma("1/(d1 d2)", "16*m_1*m_2*inv_12*inv_12 == 1", "=inv_12", "=inv_12_raw", "1/d1", "1/d2")
 
-    arms, down = partial(ops.count, factors=(1, -1, -1), constant=2 + f.odd), partial(ops.shift_down, left=2)
-    for line, side, root_of, half in ((22, "far", "A", "w"), (23, "near", "B", "i")):
-        shorter = not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)")
-        L(line).op(f"n_{side}", (f"e_{side}", "e_1", "e_2"), d.count, arms, within=shorter)
-        raw, shifted, eightfold = f"inv_12_{side}_raw", ("inv_12", f"n_{side}"), Growth((8.0, 0.0))
-        L(line).op(raw, shifted, f.raised, down, "shift", FLOOR, within=ARMS_UNIT, grows=eightfold)
-        limited(d, f, f"inv_12_{side}", ARMS_UNIT)
-        L(line).mul3(f"elbow_{half}", n[f"root_{side}"], n[f"inv_12_{side}"], f.inner, kind="mul3_far", within=ELBOW_W)
+    elbow = {}
+    for side, count, exact, root_of, half in (("far", e_far, "a_far", "A", "w"), ("near", e_near, "b_near", "B", "i")):
+        sizes = mantissas(side, "1", "2")
+        shorter, steps = f"{root_of} <= 4 d1 d2", Count((1, count), (-1, e_1), (-1, e_2), constant=2 + f.odd)
+        within, proof = not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)"), (f"=n_{side}", shorter, exact, *LENGTHS, *sizes)
+        steps = d.node(f"n_{side}", steps, d.count, within=within, proof=proof)
+        raw, name = f"inv_12_{side}_raw", f"inv_12_{side}"
+        proof = (f"={raw}", f"=n_{side}", f"n_{side}", "inv_12", f"=elbow_{half}", f"={name}", f"elbow_{half}")
+        proof += (f"root_{side}", f"root of m_{side}", exact, *sizes, *LENGTHS)
+        facts = {"rounding": FLOOR, "within": ARMS_UNIT, "grows": EIGHTFOLD, "proof": proof}
+        d.node(raw, ShiftDown(inv_12, steps, 3), f.raised, "shift", **facts)
+        shifted = limited(d, name, ARMS_UNIT, f.inner)
+        proof = (f"={name}", f"={raw}", f"=n_{side}", "inv_12", f"root_{side}", f"root of m_{side}")
+        proof = (f"=elbow_{half}", f"elbow {half}", shorter, *proof, f"=m_{side}", f"=e_{side}", exact, *LENGTHS)
+        product = Mul3(roots[side], shifted)
+        elbow[half] = d.node(f"elbow_{half}", product, f.inner, "mul3_far", within=ELBOW_W, proof=proof)
+        uses = equations(f"elbow_{half}", name, raw, f"n_{side}")
+        uses += (f"root of m_{side}", "1/(d1 d2)", *sizes, *LENGTHS)
+        d.lemma(f"elbow {half}", f"4*d1*d2*elbow_{half}*elbow_{half} == {exact}", *uses)
 
-    # The clamped elbow is folded (1, 0) or straight (0, -1).
-    for line, half, sign, ends, within in ((22, "w", 1, (1, 0), ELBOW_W), (23, "i", -1, (0, -1), ELBOW_I)):  # (14)
-        folded, straight = ends
-        how = partial(ops.elbow, drop=f.drop, sign=sign, folded=folded, straight=straight, one=1 << (d.width - 2))
-        L(line).op(f"qe_{half}", (f"elbow_{half}", "clamp", "fold"), f.result, how, error=HALF_UP, within=within)
+    # The clamped elbow is closed (1, 0) or straight (0, -1).
+    d.at(equation="(14)")
+    for half, sign, closed, straight, within in (("w", 1, 1, 0, ELBOW_W), ("i", -1, 0, -1, ELBOW_I)):
+        facts = {"rounding": HALF_UP, "within": within, "proof": ("case", f"=qe_{half}", f"elbow_{half}")}
+        d.node(f"qe_{half}", Elbow(elbow[half], clamp, fold, sign, closed, straight), f.result, **facts)
+    d.at()
 
-    # 1/(4 d1 |p|) in the arms' and the target's own units, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
-    L(24).mul3("inv_11", n["inv_1"], n["inv_1"], f.inner, within=INVERSES)
-    L(25).mul3("inv_law_raw", n["inv_11"], n["inv_s"], f.doubled, scale=1, within=LAW)
-    inv_law = limited(d, f, "inv_law", LAW)
+    # 1/(4 d1 |p|) in the units of d1 and |p|, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
+    inv_11 = d.node("inv_11", Mul3(inv_1, inv_1), f.inner, within=INVERSES)
+    proof = ("=inv_law_raw", "inv_11", "inv_s")
+    d.node("inv_law_raw", Mul3(inv_11, inv_s, scale=1), f.doubled, within=LAW, proof=proof)
+    inv_law = limited(d, "inv_law", LAW, f.inner)
     # K in the same units: at most 2, because |K| <= 2 d1 |p|
-    L(26).op("n_law", ("e_1", "e_s"), d.count, partial(ops.count, factors=(2, 1)))
-    raise_k, drop_k = max(f.frac - 2 * d.width - f.odd + 1, 0), max(2 * d.width + f.odd - f.frac, 1)
-    law = partial(ops.shift_up, left=raise_k, right=drop_k, width=f.inner.width)
-    L(26).op("k_scaled", ("k_law", "n_law"), f.inner, law, "shift3", FLOOR, within=K_UNIT)
-    L(26).mul3("cos_a", n["k_scaled"], inv_law, f.inner, scale=1, within=CIRCLE)
-    L(27).mul3("root_ab", n["root_far"], n["root_near"], f.inner, within=ROOT)
+    n_law = d.node("n_law", Count((2, e_1), (1, e_s)), d.count)
+    k_unit = {"rounding": FLOOR, "within": K_UNIT}
+    proof = ("cos_a", "=cos_a", "1/(d1 |p|)", "1/|p|", "m_1", "=m_1", "=d1", "m_s", "inv_s")
+    k_law = ShiftUp(n["k_law"], n_law, -4 - f.odd)
+    k_scaled = d.node("k_scaled", k_law, f.inner, "shift3", proof=proof, **k_unit)
+    cos_a = d.node("cos_a", Mul3(k_scaled, inv_law, scale=1), f.inner, within=CIRCLE, proof=("|a| = 1",))
+    root_ab = d.node("root_ab", Mul3(roots["far"], roots["near"]), f.inner, within=ROOT)
+    d.lemma("1/(d1 |p|)", "2*m_1*inv_law == inv_s", "=inv_law", "=inv_law_raw", "=inv_11", "1/d1")
+    uses = ("=cos_a", "=k_scaled", "=n_law", "1/(d1 |p|)", "1/|p|")
+    d.lemma("cos a", "4*d1*d1*s*cos_a*cos_a == k_law*k_law", *uses, *mantissas("1", "s"), "=d1", "s > 0")
 
-    ab = partial(ops.count, factors=(1, 1, -2, -1), constant=2 + f.odd)
-    L(28).op("n_ab", ("e_far", "e_near", "e_1", "e_s"), d.count, ab, "sum2", within=not_negative("sin a <= 1"))
-    L(28).op("inv_law_ab_raw", ("inv_law", "n_ab"), f.raised, down, "shift", FLOOR, within=LAW_UNIT, grows=FOURFOLD)
-    inv_law_ab = limited(d, f, "inv_law_ab", LAW_UNIT)
-    L(28).mul3("sin_a", n["root_ab"], inv_law_ab, f.inner, scale=1, kind="mul3_far", within=UPPER_HALF)
+    n_ab = Count((1, e_far), (1, e_near), (-2, e_1), (-1, e_s), constant=2 + f.odd)
+    proof = ("=n_ab", "law", "A + B", "a_far", "b_near", *mantissas("far", "near", "1", "s"), "=ulp", *LENGTHS)
+    n_ab = d.node("n_ab", n_ab, d.count, "sum2", within=not_negative("sin a <= 1"), proof=proof)
+    proof = ("=inv_law_ab_raw", "=n_ab", "inv_law", "1/(d1 |p|) by n_ab", "law")
+    facts = {"rounding": FLOOR, "within": LAW_UNIT, "grows": FOURFOLD, "proof": proof}
+    d.node("inv_law_ab_raw", ShiftDown(inv_law, n_ab, 2), f.raised, "shift", **facts)
+    inv_law_ab = limited(d, "inv_law_ab", LAW_UNIT, f.inner)
+    uses = equations("sin_a", "root_ab"), equations("inv_law_ab", "inv_law_ab_raw", "n_ab")
+    proof = ("|a| = 1", *uses[0], "root_far", "root_near", *uses[1], "inv_law")
+    sin_a = d.node("sin_a", Mul3(root_ab, inv_law_ab, scale=1), f.inner, "mul3_far", within=UPPER_HALF, proof=proof)
+    triangle_lemmas(d)
+
     # The last rotation turns by -a.  A clamped arm lies along the line to the target, (1, 0), or away from it, (0, 1).
-    squared_length(L(31), f, "arm_sq", ("cos_a", "clamp"))
-
-    def toward(c, clamp, away):
-        return np.where(clamp, ~ops.truth(away), c >= 0)
-
-    arm = ("arm_sq", "cos_a", "sin_a", "clamp", "away")
-
-    def none(clamp, away):
-        return clamp
-
-    part(L(36), f, "arm_c", arm, large=toward, none=none)
-    part(L(37), f, "arm_s", arm, large=lambda *c: ~toward(*c), none=none)
+    arm_sq = squared_length(d, f, "arm_sq", HalfLength(cos_a, clamp), ("case", "=arm_sq", "cos_a"))
+    toward = Select(clamp, Not(away), cos_a >= 0)
+    facts = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("arm", "arm_sq")}
+    d.node("arm_c", HalfPart(cos_a, sin_a, toward, arm_sq, clamp), f.inner, **facts)
+    d.node("arm_s", HalfPart(cos_a, sin_a, Not(toward), arm_sq, clamp), f.inner, **facts)
     # Operands for three products instead of four: c + s, and the larger part minus the smaller.
-    d.at()
-    d.mask("arm_swap", ("cos_a", "clamp", "away"), lambda *c: ~toward(*c))
+    d.mask("arm_swap", Select(clamp, away, cos_a < 0))
+    for name, sign in (("arm_dif", -1), ("arm_sum", 1)):
+        facts = {"rounding": FLOOR, "within": PAIR, "grows": SUM, "proof": ("case", f"={name}", "arm_sq", "sin_a")}
+        d.node(name, HalfSum(arm_sq, sin_a, clamp, sign), f.inner, **facts)
+    uses = ("case", "=arm_c", "=arm_s", "=arm_sq", "|a| = 1")
+    d.lemma("arm", f"{norm('arm_c', 'arm_s')} <= arm_sq", *uses)
+    swapped = "arm_sum == arm_c + arm_s and arm_dif == (arm_s - arm_c if arm_swap else arm_c - arm_s)"
+    d.lemma("swap", swapped, "case", *equations("arm_sum", "arm_dif", "arm_swap", "arm_c", "arm_s"))
 
-    both = ("arm_sq", "sin_a", "clamp")
-    for line, name, sign in ((52, "arm_dif", -1), (53, "arm_sum", 1)):
-        L(line).op(name, both, f.inner, partial(ops.part_sum, sign=sign), error=FLOOR, within=PAIR, grows=SUM)
 
-
-def turn(d: Domain, f: Lean, phi: Node) -> None:
-    """Build Qs: the four rotations multiplied, by azimuth and 90 degrees, tilt, swivel and -a, and normalized."""
-    n, L = d.nodes, d.line
-    d.at("turn")
-    d.trig(("sin_h", "cos_h"), phi, f.inner, lines=(38, 39), within=(CIRCLE, UPPER_HALF))
-    L(40).mul3("cc", n["az_c"], n["cos_h"], f.inner, within=PART)
-    L(41).mul3("ss", n["az_s"], n["sin_h"], f.inner, within=PART)
-    L(42).mul3("sc", n["az_s"], n["cos_h"], f.inner, within=PART)
-    L(43).mul3("cs", n["az_c"], n["sin_h"], f.inner, within=PART)
-    # half the sum and half the difference of azimuth and swivel
-    L(44).op("c_plus", ("cc", "ss"), f.inner, ops.minus, within=PART, grows=SUM)
-    L(45).op("s_plus", ("sc", "cs"), f.inner, ops.plus, within=PART, grows=SUM)
-    L(46).op("c_minus", ("cc", "ss"), f.inner, ops.plus, within=PART, grows=SUM)
-    L(47).op("s_minus", ("sc", "cs"), f.inner, ops.minus, within=PART, grows=SUM)
-    L(48).mul3("w_0", n["tilt_c"], n["c_plus"], f.inner, kind="mul3_far", within=PART)
-    L(49).mul3("i_0", n["tilt_s"], n["c_minus"], f.inner, kind="mul3_far", within=PART)
-    L(50).mul3("j_0", n["tilt_s"], n["s_minus"], f.inner, kind="mul3_far", within=PART)
-    L(51).mul3("k_0", n["tilt_c"], n["s_plus"], f.inner, kind="mul3_far", within=PART)
-    # Three products per pair: w c + i s = (w + i) c - i (c - s), and i c - w s = (w + i) c - w (c + s).
-    for first, second, lines in (("w", "i", (52, 53)), ("k", "j", (55, 54))):
-        both = first + second
-        parts = f"{first}_0", f"{second}_0"
-        L(min(lines)).op(f"{both}_0", parts, f.inner, ops.plus, within=PAIR, grows=SUM)
-        L(min(lines)).mul3(f"{both}_c", n[f"{both}_0"], n["arm_c"], f.inner, kind="mul3_far", within=PAIR)
-        terms_of = zip((first, second), (second, first), ("dif", "sum"), lines, strict=True)
-        for unit, other, arm, line in terms_of:
-            factors = n[f"{other}_0"], n[f"arm_{arm}"]
-            L(line).mul3(f"{other}_{arm}", *factors, f.inner, kind="mul3_far", after=n[f"{both}_0"], within=PAIR)
-            terms = f"{both}_c", f"{other}_{arm}"
-            if arm == "sum":
-                L(line).op(f"{unit}_1", terms, f.inner, ops.minus, within=PART, grows=SUM)
-            else:  # the larger part minus the smaller is s - c where they are swapped
-                L(line).op(f"{unit}_1", (*terms, "arm_swap"), f.inner, ops.turned, within=PART, grows=SUM)
-
-    # The squared length lies in [1/8, 1]: the last root does not wait for the product.
-    L(56).mul3("az_tilt_sq", n["az_sq"], n["tilt_sq"], f.inner, within=Within(0.25, 1.0, "a product of such"))
-    L(56).mul3("length_sq", n["az_tilt_sq"], n["arm_sq"], f.inner, within=Within(0.125, 1.0, "a product of such"))
-    quarter = 1 << (f.frac - 2)
-    low = L(57).op("low", ("length_sq",), d.bit, lambda t: t < quarter, None)
-    # The mantissa is of four times the length below 1/4; the root is doubled there.
-    up = partial(ops.mantissa, up=f.mantissa.frac - f.frac, top=f.mantissa.high)
-    within = Within(0.25, 1.0, "mantissa")
-    L(57).op("m_q", ("length_sq", low), f.mantissa, up, within=within, grows=FOURFOLD, limited=MOST)
-    inv_q = L(57).rsqrt("inv_q", n["m_q"], f.inner, twice=low, within=LENGTH_INVERSE)
-
-    # The k part is nonnegative.
-    rounded = partial(ops.result, drop=f.drop)
-    d.at()
-    d.op("minus", ("k_1",), d.bit, lambda k: k < 0, None)
-    for line, unit in ((58, "w"), (59, "i"), (60, "j"), (61, "k")):
-        L(line).mul3(f"{unit}_q", n[f"{unit}_1"], inv_q, f.inner, scale=1, kind="mul3_far", within=PART)
-        # (18)
-        L(line).op(f"qs_{unit}", (f"{unit}_q", "minus"), f.result, rounded, error=HALF_UP, within=PART)
+def triangle_lemmas(d: Dataflow) -> None:
+    """State the lemmas on sin a: n_ab is not negative, because sin a <= 1 and, where A B = 0, words have ulps."""
+    d.lemma("|a| = 1", f"{norm('cos_a', 'sin_a')} <= 1", "cos a", "sin a", "K^2 + A B", "s > 0", "=d1")
+    uses = ("root of m_far", "root of m_near", "1/(d1 |p|)", "1/|p|")
+    uses = (*equations("sin_a", "inv_law_ab", "inv_law_ab_raw", "n_ab", "root_ab"), *uses)
+    uses = (*uses, *equations("m_far", "m_near", "m_1", "m_s", "e_far", "e_near", "e_1", "e_s", "d1"))
+    d.lemma("sin a", "4*d1*d1*s*sin_a*sin_a == a_far*b_near", *uses, "s > 0")
+    in_lengths = "n_ab*n_ab*m_1*m_1*m_s*16 == e_far*e_far*e_near*e_near*d1*d1*s"
+    d.lemma("n_ab in lengths", in_lengths, *equations("n_ab", "m_1", "m_s", "e_1", "e_s"))
+    law = "1 <= 4*n_ab*n_ab*m_1*m_1*m_s"
+    uses = ("n_ab in lengths", "A B <= 4 d1^2 s", "=m_far", "=m_near")
+    d.lemma("n_ab, A B > 0", f"implies(0 < a_far and 0 < b_near, {law})", *uses)
+    # straight: B = 4 d1 d2
+    uses = equations("m_far", "m_near", "e_near", "a_far", "d_sum_sq", "d_sum", "ulp")
+    d.lemma("n_ab, A = 0", f"implies(a_far == 0, {law})", "n_ab in lengths", "A + B", *uses, *LENGTHS)
+    # d1 and, if at least an ulp, 1/e_far are whole ulps, so 1/e_far is not between d1 and d1 + ulp
+    d.lemma("e_far of d1", "1 < ulp*e_far or 1 <= e_far*d1 or e_far*(d1 + ulp) <= 1")
+    # A = 4 d1 d2; |d1 - d2| is one ulp, or at least two
+    uses = ("A + B", *equations("m_far", "e_far", "b_near", "d_dif_sq", "d_dif"), "s > 0", "#d_dif", "e_far of d1")
+    nearer = "implies(b_near == 0, ulp*ulp <= e_far*e_far*d1*d1*s)"
+    d.lemma("not nearer than closed", nearer, *uses, "=ulp", *LENGTHS)
+    uses = ("n_ab in lengths", "not nearer than closed", "=m_near", "=ulp")
+    d.lemma("n_ab, B = 0", f"implies(b_near == 0, {law})", *uses)
+    d.lemma("law", law, "n_ab, A B > 0", "n_ab, A = 0", "n_ab, B = 0", "a_far", "b_near")
+    by_n_ab = "inv_law_ab_raw*inv_law_ab_raw*n_ab*n_ab*m_1*m_1*m_s == 1"
+    d.lemma("1/(d1 |p|) by n_ab", by_n_ab, "=inv_law_ab_raw", "=n_ab", "1/(d1 |p|)", "1/|p|")
 
 
 # -- shared by the sections ------------------------------------------------------------------------------------------
 
 
-def root(d: Domain, f: Lean, name: str, value: Node, width: int) -> None:
+def root(d: Dataflow, f: Lean, name: str, value: Node, width: int) -> tuple[Node, Node, Node]:
     """Build e_<name> (even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)) of the low ``width`` bits."""
-    d.even(f"e_{name}", f"m_{name}", value, width, f.mantissa, within=MANTISSA)
-    d.rsqrt(f"inv_{name}", d.nodes[f"m_{name}"], f.inner, far=True, within=INVERSE)
+    whole = f"={value.name}" if value.kind == "input" else value.name  # an input's range is its equation
+    even = Even(value, width)
+    count = d.node(f"e_{name}", EvenCount(even), d.count)
+    proof = (f"=m_{name}", whole)
+    mantissa = d.node(f"m_{name}", even, f.mantissa, rounding=FLOOR, within=MANTISSA, proof=proof)
+    even.count, even.mantissa = count, mantissa
+    facts = {"within": INVERSE, "proof": (f"=inv_{name}", f"=m_{name}", whole)}
+    return count, mantissa, d.node(f"inv_{name}", Rsqrt(mantissa), f.inner, "rsqrt_far", **facts)
 
 
-def limited(d: Domain, f: Lean, name: str, within: Within, fmt: Format | None = None, limited: Limited = TWO) -> Node:
+def limited(d: Dataflow, name: str, within: Within, fmt: Format, why: Limited = TWO) -> Node:
     """Build ``name`` from ``name``_raw: 2, possible for powers of two, becomes the largest inner word, or 1 the largest
     of another format."""
-    most = partial(ops.limit, top=f.inner.high)
-    return d.op(name, (f"{name}_raw",), fmt or f.inner, most, within=within, limited=limited)
+    return d.node(name, AtMost(d.nodes[f"{name}_raw"]), fmt, ends=SATURATE, within=within, limited=why)
 
 
-def squared_length(d: Domain, f: Lean, name: str, operands: tuple[str, ...]) -> None:
-    """Build (1 + |c|)/2 of the first operand; 1 where the second, a mask, is set."""
-    d.op(name, operands, f.inner, partial(ops.half_length, frac=f.frac), error=FLOOR, within=HALF_LENGTH)
-
-
-def part(d: Domain, f: Lean, name: str, operands: tuple[str, ...], **how) -> None:
-    """Build a part of h.  ``operands``: squared length, cosine, sine, masks; the first is the cosine again where the
-    part does not wait for the squared length.  ``how``: parameters of :func:`.operations.half_part`."""
-    d.op(name, operands, f.inner, partial(ops.half_part, **how), error=FLOOR, within=HALF_ANGLE)
+def squared_length(d: Dataflow, f: Lean, name: str, length: HalfLength, proof: tuple[str, ...] | None = None) -> Node:
+    """Build a squared length, (1 + |c|)/2."""
+    return d.node(name, length, f.inner, rounding=FLOOR, within=HALF_LENGTH, proof=proof)

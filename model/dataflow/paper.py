@@ -6,19 +6,22 @@ Sections 3.3 to 3.5 are in :mod:`model.dataflow.paper_turns`.
 Scale.  Four scales are free in the equations and keep words full without changing the result: the unit of length of
 the arms, the unit of length of the target in (11)-(13), the length of the swivel plane's normal, and the length of
 L_m.  Each is a power of two chosen by a count of leading sign bits
-(:meth:`model.dataflow.nodes.Domain.normalize`), so small arms, targets near the shoulder or the z axis, and elbows
+(:func:`normalize`), so small arms, targets near the shoulder or the z axis, and elbows
 near the z axis lose no precision.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
-import numpy as np
-
-from .annotations import COSINE, SQRT3, SUM, Case, Given, Rule, leading, not_negative, upto, used
-from .nodes import FLOOR, JAM, Domain, Format, Node
-from .operations import room, wrap
+from .annotations import COSINE, SQRT3, SUM, Bound, Case, Given, Rule, leading, not_negative, upto, used
+from .choices import square
+from .expressions import FLOOR, JAM, Constant, Floor, Select, zero
+from .formats import Format
+from .nodes import Dataflow, Node
+from .paper_operations import Div, LeadingBits, Mul, Root, SineCosine, Total, normalize
 from .paper_turns import elbow_quaternion, rotate_to_elbow, rotate_to_wrist
+from .shifts import ShiftDown, ShiftUp
 
 SECTIONS = {
     "guard": "domain and scale",
@@ -31,7 +34,7 @@ SECTIONS = {
 """Section name -> description; the RTL module is ``ik_<section>``, its instance in ``ik_paper`` is ``u_<section>``."""
 
 
-def paper(d: Domain, target: dict[str, Node]) -> None:
+def paper(d: Dataflow, target: dict[str, Node]) -> None:
     """Build the whole datapath, from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to the
     results.
 
@@ -41,19 +44,13 @@ def paper(d: Domain, target: dict[str, Node]) -> None:
     sections(d, target["phi"])
 
 
-def sections(d: Domain, phi: Node) -> None:
+def sections(d: Dataflow, phi: Node) -> None:
     """Build sections 3.1 to 3.5; ``d.nodes`` holds the nodes of :func:`guard`."""
     swivel(d, phi)
     elbow(d)
     elbow_quaternion(d)
     rotate_to_elbow(d)
     rotate_to_wrist(d)
-
-
-def half_of(words, clamp, clamped=0):
-    """Halve, or-ing the last bit into the bit above so that a length never becomes 0; ``clamped`` replaces the result
-    for a clamped target."""
-    return np.where(clamp, clamped, (words >> 1) | (words & 1))
 
 
 # Exact ranges from geometry are stated before each section, case by case, with their reason.
@@ -74,60 +71,57 @@ ARM_SH = Given("arms' unit", used(lambda c: (c.ulp, c.d_high)))
 ARM = Given("arms' unit", lambda c: (0.25, 0.25) if c.clamped else (c.ulp, c.d_high - c.ulp * c.long))
 
 
-def guard(d: Domain, target: dict[str, Node]) -> None:
+def guard(d: Dataflow, target: dict[str, Node]) -> None:
     """Classify targets outside the equations' domain exactly, and scale the operands of the equations.
 
     The comparisons are exact: squares of input words are not rounded, so they are wider than ``W`` bits.
     """
-    w = d.width
+    w, n = d.width, d.nodes
     x, y, z, d1, d2 = (target[k] for k in ("x", "y", "z", "d1", "d2"))
     d.at("guard")
     length = Format(w + 1, w - 2, "W - 2")
     exact = Format(2 * w + 2, 2 * w - 4, "2*W - 4")
 
-    d.mask("bad_length", (d1, d2), lambda a, b: (a <= 0) | (b <= 0), within=REACHABLE)
-    d.mask("on_axis", (x, y), lambda a, b: (a == 0) & (b == 0))
-    d.mask("at_shoulder", (x, y, z), lambda a, b, c: (a == 0) & (b == 0) & (c == 0), within=REACHABLE)
+    bad_length = d.mask("bad_length", (d1 <= 0) | (d2 <= 0), within=REACHABLE)
+    d.mask("on_axis", zero(x) & zero(y))
+    at_shoulder = d.mask("at_shoulder", zero(x) & zero(y) & zero(z), within=REACHABLE)
 
-    r_raw = d.op("r_raw", (d1, d2), length, lambda a, b: a + b)
-    d_raw = d.op("d_raw", (d1, d2), length, lambda a, b: a - b)
+    r_raw = d.node("r_raw", d1 + d2, length)
+    d_raw = d.node("d_raw", d1 - d2, length)
     for name, word in (("x_sq", x), ("y_sq", y), ("z_sq", z), ("r_sq", r_raw), ("d_sq", d_raw)):
-        d.op(name, (word,), exact, lambda a: a.astype(object) ** 2, "mul")
-    d.op("xy_sq", ("x_sq", "y_sq"), exact, lambda a, b: a + b)
-    d.op("s_raw", ("xy_sq", "z_sq"), exact, lambda a, b: a + b)
-    far, near = ("s_raw", "r_sq", "bad_length"), ("s_raw", "d_sq", "bad_length")
-    d.mask("too_far", far, lambda s, r, bad: (s > r).astype(bool) & ~bad, within=REACHABLE)
-    d.mask("too_near", near, lambda s, q, bad: (s < q).astype(bool) & ~bad, within=REACHABLE)
+        d.node(name, square(word), exact, "mul")
+    d.node("xy_sq", n["x_sq"] + n["y_sq"], exact)
+    s_raw = d.node("s_raw", n["xy_sq"] + n["z_sq"], exact)
+    too_far = d.mask("too_far", (s_raw > n["r_sq"]) & ~bad_length, within=REACHABLE)
+    too_near = d.mask("too_near", (s_raw < n["d_sq"]) & ~bad_length, within=REACHABLE)
 
-    # A clamped target has no elbow in the sense of (13): the arm is straight or folded along the line to the target.
+    # A clamped target has no elbow in the sense of (13): the arm is straight or closed along the line to the target.
     # It passes through all equations as the ordinary target of an arm with d1 = d2 = 1/4, and three values are
     # overridden: p_e, c4 and the vector whose side decides the sign in (17).
-    no_fold = ("too_near", "at_shoulder", "bad_length")
-    d.mask("clamp", ("too_far", *no_fold), lambda f, n, s, b: f | n | s | b, within=CLAMPED)
-    d.mask("fold", no_fold, lambda n, s, b: (n | s) & ~b, within=REACHABLE)
-    d.mask("away", ("too_near", d_raw), lambda n, q: n & (q < 0), within=REACHABLE)
+    clamp = d.mask("clamp", too_far | too_near | at_shoulder | bad_length, within=CLAMPED)
+    d.mask("fold", (too_near | at_shoulder) & ~bad_length, within=REACHABLE)
+    d.mask("away", too_near & (d_raw < 0), within=REACHABLE)
 
     # The target in its own unit of length; a target at the shoulder becomes "straight up".
-    lz_p = d.normalize(("p_w_z", "p_w_x", "p_w_y"), (z, x, y), "lz_p", within=TARGET_UNIT)
+    lz_p = normalize(d, ("p_w_z", "p_w_x", "p_w_y"), (z, x, y), "lz_p", TARGET_UNIT)
     # The target's horizontal direction in its own unit; on the z axis the azimuth is 0.
-    d.normalize(("b_x", "b_y"), (x, y), "lz_b", within=DIRECTION_UNIT)
-    # The arms in a unit of length that brings d1 + d2 to [1/2, 1), and the target in the same unit.
-    lz_r = d.op("lz_r", (r_raw,), d.count, lambda r: np.where(r == 0, 0, room(r, w + 1)), "lzc", within=leading(w))
+    normalize(d, ("b_x", "b_y"), (x, y), "lz_b", DIRECTION_UNIT)
+    # The lengths in a unit that brings d1 + d2 to [1/2, 1), and the target in the same unit.
+    lz_r = d.node("lz_r", LeadingBits(r_raw), d.count, "lzc", within=leading(w))
     mantissa = Format(w + 1, w, "W")
-    quarter = 1 << (w - 3)
     for name, raw in (("d_1", d1), ("d_2", d2)):
-        d.op(f"{name}_sh", (raw, lz_r), mantissa, lambda a, n: wrap(a << n, w + 1), "shift", within=ARM_SH)
-        d.op(name, (f"{name}_sh", "clamp"), d.word(0), lambda a, c: half_of(a, c, quarter), error=JAM, within=ARM)
+        shifted = d.node(f"{name}_sh", ShiftUp(raw, lz_r, -2), mantissa, "shift", within=ARM_SH)
+        d.node(name, Select(clamp, Constant(0.25), shifted), d.word(0), rounding=JAM, within=ARM)
     for axis, raw in (("x", x), ("y", y), ("z", z)):
-        d.op(f"p_a_{axis}_sh", (raw, lz_r), mantissa, lambda a, n: wrap(a << n, w + 1), "shift", within=IN_REACH_SH)
-        d.op(f"p_a_{axis}", (f"p_a_{axis}_sh", "clamp"), d.word(0), half_of, error=JAM, within=IN_REACH)
-    # d1 - d2 in the target's unit, from the exact difference: rounded arms could put a target close to the shoulder out
-    # of reach.
+        shifted = d.node(f"p_a_{axis}_sh", ShiftUp(raw, lz_r, -2), mantissa, "shift", within=IN_REACH_SH)
+        d.node(f"p_a_{axis}", Select(clamp, 0, shifted), d.word(0), rounding=JAM, within=IN_REACH)
+    # d1 - d2 in the target's unit, from the exact difference: rounded lengths could put a target close to the shoulder
+    # out of reach.
     finer = Format(w + 1, w - 1, "W - 1")
-    d.op("d_dif_sh", (d_raw, lz_p), finer, lambda a, n: wrap(a << n, w + 1), "shift", within=NOT_NEAR_SH)
-    d.op("d_dif_j", ("d_dif_sh", "clamp"), d.word(1), lambda a, c: np.where(c, 0, a >> 1), error=FLOOR, within=NOT_NEAR)
+    shifted = d.node("d_dif_sh", ShiftUp(d_raw, lz_p, -1), finer, "shift", within=NOT_NEAR_SH)
+    d.node("d_dif_j", Select(clamp, 0, shifted), d.word(1), rounding=FLOOR, within=NOT_NEAR)
     # Ratio of the two units: p_w = 2^j p_a.
-    d.op("scale_j", (lz_p, lz_r, "clamp"), d.count, lambda p, r, c: np.where(c, 2, p - r + 1), within=UNITS)
+    d.node("scale_j", Select(clamp, 2, lz_p - lz_r + 1), d.count, within=UNITS)
 
 
 UNIT_SQ = Rule(
@@ -149,7 +143,7 @@ PLANE = Rule(
 )
 
 
-def swivel(d: Domain, phi: Node) -> None:
+def swivel(d: Dataflow, phi: Node) -> None:
     """Section 3.1: |L_sw| (10) and the swivel plane (11).
 
     Every term of (11) has the target's horizontal direction (p_x, p_y) as a factor.  It is replaced by
@@ -159,35 +153,36 @@ def swivel(d: Domain, phi: Node) -> None:
     p_x, p_y, p_z, b_x, b_y = (n[k] for k in ("p_w_x", "p_w_y", "p_w_z", "b_x", "b_y"))
     d.at("swivel", "(10)")
     for axis, p in (("x", p_x), ("y", p_y), ("z", p_z)):
-        d.mul(f"s_{axis}", p, p, d.wide(1))
-    d.sum("s", n["s_x"], n["s_y"], n["s_z"], fmt=d.word(2), within=UNIT_SQ)
-    l_sw = d.root("l_sw", n["s"], d.word(1), within=UNIT)
+        d.node(f"s_{axis}", Mul(p, p), d.wide(1))
+    d.node("s", Total(n["s_x"] + n["s_y"] + n["s_z"]), d.word(2), within=UNIT_SQ)
+    l_sw = d.node("l_sw", Root(n["s"]), d.word(1), within=UNIT)
 
     d.at(equation="(11)")
-    sin_h, cos_h = d.sincos(("sin_h", "cos_h"), phi, within=COSINE)
-    sin_phi = d.mul("sin_phi", sin_h, cos_h, d.word(1), scale=1, within=COSINE)  # 2 cos(phi/2) sin(phi/2)
+    sin_h = d.node("sin_h", SineCosine(phi, "sin"), d.word(1), within=COSINE)
+    cos_h = d.node("cos_h", SineCosine(phi, "cos"), d.word(1), within=COSINE)
+    sin_phi = d.node("sin_phi", Mul(sin_h, cos_h, scale=1), d.word(1), within=COSINE)  # 2 cos(phi/2) sin(phi/2)
     # 2 cos^2(phi/2): the square is missing in print
-    d.mul("cos2_sq", cos_h, cos_h, d.wide(2), scale=1, within=COSINE_SQ)
-    cos_phi = d.sum("cos_phi", n["cos2_sq"], -d.constant(1.0, d.wide(2)), fmt=d.word(1), within=COSINE)
+    d.node("cos2_sq", Mul(cos_h, cos_h, scale=1), d.wide(2), within=COSINE_SQ)
+    cos_phi = d.node("cos_phi", Total(n["cos2_sq"] - Constant(1)), d.word(1), within=COSINE)
 
-    d.mul("a_x", p_z, b_x, d.word(1))
-    d.mul("a_y", p_z, b_y, d.word(1))
-    d.mul("rho_x", p_x, b_x, d.wide(2), within=SAME_DIRECTION)
-    d.mul("rho_y", p_y, b_y, d.wide(2), within=SAME_DIRECTION)
+    d.node("a_x", Mul(p_z, b_x), d.word(1))
+    d.node("a_y", Mul(p_z, b_y), d.word(1))
+    d.node("rho_x", Mul(p_x, b_x), d.wide(2), within=SAME_DIRECTION)
+    d.node("rho_y", Mul(p_y, b_y), d.wide(2), within=SAME_DIRECTION)
     # p_x^2 + p_y^2, with one factor each in b's scale
-    d.sum("rho", n["rho_x"], n["rho_y"], fmt=d.word(2), within=SAME_DIRECTION)
-    d.mul("sa_x", sin_phi, n["a_x"], d.wide(2))
-    d.mul("sa_y", sin_phi, n["a_y"], d.wide(2))
-    d.mul("sa_z", sin_phi, n["rho"], d.wide(2))
-    d.mul("cb_x", cos_phi, b_x, d.word(1))
-    d.mul("cb_y", cos_phi, b_y, d.word(1))
-    d.mul("lcb_x", l_sw, n["cb_x"], d.wide(2))
-    d.mul("lcb_y", l_sw, n["cb_y"], d.wide(2))
-    d.sum("pi_num_x", n["sa_x"], n["lcb_y"], fmt=d.wide(2), within=PLANE_NUM)
-    d.sum("pi_num_y", n["sa_y"], -n["lcb_x"], fmt=d.wide(2), within=PLANE_NUM)
-    d.sum("pi_num_z", d.constant(0.0, d.wide(2)), -n["sa_z"], fmt=d.wide(2), after=n["lcb_y"], within=PLANE_NUM)
+    d.node("rho", Total(n["rho_x"] + n["rho_y"]), d.word(2), within=SAME_DIRECTION)
+    d.node("sa_x", Mul(sin_phi, n["a_x"]), d.wide(2))
+    d.node("sa_y", Mul(sin_phi, n["a_y"]), d.wide(2))
+    d.node("sa_z", Mul(sin_phi, n["rho"]), d.wide(2))
+    d.node("cb_x", Mul(cos_phi, b_x), d.word(1))
+    d.node("cb_y", Mul(cos_phi, b_y), d.word(1))
+    d.node("lcb_x", Mul(l_sw, n["cb_x"]), d.wide(2))
+    d.node("lcb_y", Mul(l_sw, n["cb_y"]), d.wide(2))
+    d.node("pi_num_x", Total(n["sa_x"] + n["lcb_y"]), d.wide(2), within=PLANE_NUM)
+    d.node("pi_num_y", Total(n["sa_y"] - n["lcb_x"]), d.wide(2), within=PLANE_NUM)
+    d.node("pi_num_z", Total(Constant(0) - n["sa_z"]), d.wide(2), after=n["lcb_y"], within=PLANE_NUM)
     for axis in "xyz":
-        d.div(f"pi_swivel_{axis}", n[f"pi_num_{axis}"], l_sw, d.word(1), within=PLANE)
+        d.node(f"pi_swivel_{axis}", Div(n[f"pi_num_{axis}"], l_sw), d.word(1), within=PLANE)
     # (12) and everything after it hold for any plane.  Exact arithmetic on the words gives k_e / 2 = p_e p_w and
     # |p_e| = d1 as before; p_w is out of their plane by the tilt, which enters squared.
     d.restart("pi_swivel_x", "pi_swivel_y", "pi_swivel_z")
@@ -224,25 +219,24 @@ ELBOW = Rule(
 )
 
 
-def off_length(c: Case, d: Domain) -> Case:
+def off_length(c: Case, nodes: dict[str, Node], bounds: Mapping[str, Bound]) -> Case:
     """Bound the error of p_e.  The root of (13), and p_e with it, may lose half of its digits; the square in
     |p_e|^2 = |a|^2 + t^2 |m|^2 (a along p_w, t = tmp_sqr, m = PP^- / |PP^-|^2 perpendicular) undoes the root."""
-    n = d.nodes
-    t, inf, worst = n["tmp_sqr"], n["inf_pp"].value, 0.0
+    root, inf, worst = bounds["tmp_sqr"], bounds["inf_pp"], 0.0
     if min(inf.low, inf.word[0]) <= 0:
         return c  # the division gives the bound
     for axis, m in zip("xyz", "123", strict=True):
-        if f"e_{axis}_pp" not in n:  # at most the first axis's
-            axis, m = "x", max("123", key=lambda k: n[f"pp_{k}_m"].value.error)
-        pp = n[f"e_{axis}_pp"]
-        num = pp.value.error + t.value.word[1] * n[f"pp_{m}_m"].value.error + pp.format.ulp
+        if f"e_{axis}_pp" not in bounds:  # at most the first axis's
+            axis, m = "x", max("123", key=lambda k: bounds[f"pp_{k}_m"].error)
+        along = bounds[f"e_{axis}_pp"].error + root.word[1] * bounds[f"pp_{m}_m"].error
+        num = along + nodes[f"e_{axis}_pp"].format.ulp
         worst = max(worst, (num + c.p_e * 1.1 * inf.error) / inf.word[0] + c.elbow)
     straight = SQRT3 * worst
-    square = n["tmp1"].value.error + 2 * t.value.word[1] * t.format.ulp
+    square = bounds["tmp1"].error + 2 * root.word[1] * nodes["tmp_sqr"].format.ulp
     return replace(c, straight=straight, square=square / inf.low + 2 * straight * c.p_e * 1.1 + straight**2)
 
 
-def elbow(d: Domain) -> None:
+def elbow(d: Dataflow) -> None:
     """Section 3.2: the point pair (12), in the form (19), and the elbow point (13).
 
     PP is homogeneous.  As in (19) it is scaled by 2 throughout; the target's own unit of length (2^j finer than the
@@ -251,58 +245,53 @@ def elbow(d: Domain) -> None:
     n = d.nodes
     d.at("elbow", "(12)")
     # p_w^2 + d1^2 - d2^2 = p_w^2 + (d1 + d2)(d1 - d2), times 2^j
-    d.op("d_sum", ("d_1", "d_2"), d.word(0), lambda a, b: a + b, within=ARMS, grows=SUM)
-    d.op("s_j", ("s", "scale_j"), d.word(2), lambda a, j: a >> j, "shift", FLOOR, within=TARGET)
-    d.mul("dd_j", n["d_sum"], n["d_dif_j"], d.word(2))
-    k_e = d.sum("k_e", n["s_j"], n["dd_j"], fmt=d.word(2), within=LAW)
+    d.node("d_sum", n["d_1"] + n["d_2"], d.word(0), within=ARMS, grows=SUM)
+    d.node("s_j", ShiftDown(n["s"], n["scale_j"]), d.word(2), "shift", rounding=FLOOR, within=TARGET)
+    d.node("dd_j", Mul(n["d_sum"], n["d_dif_j"]), d.word(2))
+    k_e = d.node("k_e", Total(n["s_j"] + n["dd_j"]), d.word(2), within=LAW)
 
     p = {a: n[f"p_w_{a}"] for a in "xyz"}
     pi = {a: n[f"pi_swivel_{a}"] for a in "xyz"}
     for unit, a in zip("ijk", "xyz", strict=True):
-        d.mul(f"pp_{unit}", pi[a], k_e, d.word(3), within=LAW_PLANE)
-    d_1_sq = d.mul("d_1_sq", n["d_1"], n["d_1"], d.word(0))
+        d.node(f"pp_{unit}", Mul(pi[a], k_e), d.word(3), within=LAW_PLANE)
+    d_1_sq = d.node("d_1_sq", Mul(n["d_1"], n["d_1"]), d.word(0))
     d.at(equation="(19)")
     for m, a, b in (("1", "z", "y"), ("2", "x", "z"), ("3", "y", "x")):
-        d.mul(f"c_{m}_{a}{b}", p[a], pi[b], d.wide(2), scale=1)
-        d.mul(f"c_{m}_{b}{a}", p[b], pi[a], d.wide(2), scale=1)
-        d.sum(f"pp_{m}_m", n[f"c_{m}_{a}{b}"], -n[f"c_{m}_{b}{a}"], fmt=d.word(3), within=CROSS)  # PP_m5 - PP_m4
-        d.mul(f"pp_{m}_p", d_1_sq, n[f"pp_{m}_m"], d.word(3))  # PP_m5 + PP_m4
-        d.mul(f"pp_{m}_pm", n[f"pp_{m}_p"], n[f"pp_{m}_m"], d.wide(5))
+        d.node(f"c_{m}_{a}{b}", Mul(p[a], pi[b], scale=1), d.wide(2))
+        d.node(f"c_{m}_{b}{a}", Mul(p[b], pi[a], scale=1), d.wide(2))
+        d.node(f"pp_{m}_m", Total(n[f"c_{m}_{a}{b}"] - n[f"c_{m}_{b}{a}"]), d.word(3), within=CROSS)  # PP_m5 - PP_m4
+        d.node(f"pp_{m}_p", Mul(d_1_sq, n[f"pp_{m}_m"]), d.word(3))  # PP_m5 + PP_m4
+        d.node(f"pp_{m}_pm", Mul(n[f"pp_{m}_p"], n[f"pp_{m}_m"]), d.wide(5))
 
     d.at(equation="(13)")
     for m in "123":
-        d.mul(f"pp_{m}_sq", n[f"pp_{m}_m"], n[f"pp_{m}_m"], d.wide(5))
-    inf_pp = d.sum("inf_pp", n["pp_1_sq"], n["pp_2_sq"], n["pp_3_sq"], fmt=d.word(5), within=ORTHOGONAL)
+        d.node(f"pp_{m}_sq", Mul(n[f"pp_{m}_m"], n[f"pp_{m}_m"]), d.wide(5))
+    inf_pp = d.node("inf_pp", Total(n["pp_1_sq"] + n["pp_2_sq"] + n["pp_3_sq"]), d.word(5), within=ORTHOGONAL)
     for unit in "ijk":
-        d.mul(f"pp_{unit}_sq", n[f"pp_{unit}"], n[f"pp_{unit}"], d.wide(5))
-    d.sum("pp_sq", n["pp_i_sq"], n["pp_j_sq"], n["pp_k_sq"], fmt=d.wide(5), within=LAW_PLANE_SQ)
-    d.sum("pp_pm", n["pp_1_pm"], n["pp_2_pm"], n["pp_3_pm"], fmt=d.wide(5), within=ORTHOGONAL_ARM)
-    tmp1 = d.sum("tmp1", n["pp_pm"], -n["pp_sq"], fmt=d.word(3), within=HEIGHT_SQ)
-    tmp_sqr = d.root("tmp_sqr", tmp1, d.word(2), within=HEIGHT)
+        d.node(f"pp_{unit}_sq", Mul(n[f"pp_{unit}"], n[f"pp_{unit}"]), d.wide(5))
+    d.node("pp_sq", Total(n["pp_i_sq"] + n["pp_j_sq"] + n["pp_k_sq"]), d.wide(5), within=LAW_PLANE_SQ)
+    d.node("pp_pm", Total(n["pp_1_pm"] + n["pp_2_pm"] + n["pp_3_pm"]), d.wide(5), within=ORTHOGONAL_ARM)
+    tmp1 = d.node("tmp1", Total(n["pp_pm"] - n["pp_sq"]), d.word(3), within=HEIGHT_SQ)
+    tmp_sqr = d.node("tmp_sqr", Root(tmp1), d.word(2), within=HEIGHT)
     # Straight or folded within an ulp: the target lies on the line of the arm and gives no side in (17).
-    d.mask("flat", ("clamp", "tmp1"), lambda c, t: c | (t <= 0))
-    d.mask("back", ("clamp", "away", "k_e"), lambda c, a, k: np.where(c, a, k < 0))
+    d.mask("flat", n["clamp"] | (tmp1 <= 0))
+    d.mask("back", Select(n["clamp"], n["away"], k_e < 0))
 
     for axis, m, (u, mu), (v, mv) in (
         ("x", "1", ("k", "2"), ("j", "3")),
         ("y", "2", ("i", "3"), ("k", "1")),
         ("z", "3", ("j", "1"), ("i", "2")),
     ):
-        d.mul(f"e_{axis}_{u}", n[f"pp_{u}"], n[f"pp_{mu}_m"], d.wide(5))
-        d.mul(f"e_{axis}_{v}", n[f"pp_{v}"], n[f"pp_{mv}_m"], d.wide(5))
-        d.sum(f"e_{axis}_pp", n[f"e_{axis}_{u}"], -n[f"e_{axis}_{v}"], fmt=d.wide(5), within=ELBOW_NUM)
-        d.mul(f"e_{axis}_sqr", tmp_sqr, n[f"pp_{m}_m"], d.wide(5))
-        d.sum(f"e_{axis}_num", n[f"e_{axis}_pp"], n[f"e_{axis}_sqr"], fmt=d.wide(5), within=ELBOW_NUM)
-        d.learn(lambda c: off_length(c, d))
-        d.div(f"e_{axis}_quo", n[f"e_{axis}_num"], inf_pp, d.word(1), within=ELBOW)
+        d.node(f"e_{axis}_{u}", Mul(n[f"pp_{u}"], n[f"pp_{mu}_m"]), d.wide(5))
+        d.node(f"e_{axis}_{v}", Mul(n[f"pp_{v}"], n[f"pp_{mv}_m"]), d.wide(5))
+        d.node(f"e_{axis}_pp", Total(n[f"e_{axis}_{u}"] - n[f"e_{axis}_{v}"]), d.wide(5), within=ELBOW_NUM)
+        d.node(f"e_{axis}_sqr", Mul(tmp_sqr, n[f"pp_{m}_m"]), d.wide(5))
+        d.node(f"e_{axis}_num", Total(n[f"e_{axis}_pp"] + n[f"e_{axis}_sqr"]), d.wide(5), within=ELBOW_NUM)
+        d.learn(off_length)
+        d.node(f"e_{axis}_quo", Div(n[f"e_{axis}_num"], inf_pp), d.word(1), within=ELBOW)
         # A clamped arm's elbow lies on the line to the target, at half its distance here.
-        either = (f"e_{axis}_quo", p[axis], "clamp", "away")
-        d.op(
-            f"p_e_{axis}",
-            either,
-            d.word(1),
-            lambda q, t, c, a: np.where(c, np.where(a, -1, 1) * (t >> 2), q),
-            error=JAM,
-        )
+        near = Floor(p[axis] / 2, d.word(1).frac)
+        clamped = Select(n["clamp"], Select(n["away"], -near, near), n[f"e_{axis}_quo"])
+        d.node(f"p_e_{axis}", clamped, d.word(1), rounding=JAM)
     # (15) needs the length of the upper arm in the scale of p_e.
-    d.op("d_e", ("d_1", "l_sw", "clamp"), d.word(1), lambda a, b, c: np.where(c, b >> 1, a >> 1), error=FLOOR)
+    d.node("d_e", Select(n["clamp"], n["l_sw"] / 2, n["d_1"]), d.word(1), rounding=FLOOR)

@@ -3,17 +3,11 @@
 
 import math
 
-import numpy as np
-
 from .annotations import COSINE, SAME, SQRT2, SQRT3, SUM, Case, Given, Growth, Limited, Rule, not_negative, upto, used
-from .nodes import HALF_UP, Domain, Format
-from .operations import round_shift, saturate
-
-
-def signed(magnitude, sign):
-    """Return the magnitude with the sign of the other operand; 0 counts as positive."""
-    return np.where(sign < 0, -magnitude, magnitude)
-
+from .expressions import HALF_UP, Absolute, Clipped, Constant, Select, Sum
+from .formats import Format
+from .nodes import SATURATE, Dataflow
+from .paper_operations import Div, Mul, Root, Total, normalize
 
 def forearm(c: Case) -> float:
     """Return |p_e - p_w|^2 = d2^2, or d2^2 + |p_e|^2 - d1^2 where rounded arms do not reach."""
@@ -29,42 +23,38 @@ ULP = Limited("d1 d2 may be an ulp; the quotient saturates, and (14) limits it t
 ARMS_PRODUCT = Rule("d1 d2 <= ((d1 + d2) / 2)^2", lambda c: (0.0, 0.25))
 
 
-def elbow_quaternion(d: Domain) -> None:
+def elbow_quaternion(d: Dataflow) -> None:
     """Section 3.3: the elbow quaternion (14)."""
     n = d.nodes
-    top, one, rounded_sum = d.word(1).high, 1 << (d.width - 2), Growth(added=True)
+    rounded_sum = Growth(added=True)
     d.at("elbow_q", "(14)")
-
-    def less(e, p):
-        return saturate(round_shift((e << 1) - p, 1), top, ~top)
 
     for a in "xyz":
         # p_e^2 - p_e p_w = p_e (p_e - p_w)
-        d.op(f"f_{a}", (f"p_e_{a}", f"p_a_{a}"), d.word(1), less, "sum2", HALF_UP, within=FOREARM, grows=rounded_sum)
-        d.mul(f"t_{a}", n[f"p_e_{a}"], n[f"f_{a}"], d.wide(1))
+        facts = {"rounding": HALF_UP, "ends": SATURATE, "within": FOREARM, "grows": rounded_sum}
+        d.node(f"f_{a}", n[f"p_e_{a}"] - n[f"p_a_{a}"], d.word(1), "sum2", **facts)
+        d.node(f"t_{a}", Mul(n[f"p_e_{a}"], n[f"f_{a}"]), d.wide(1))
 
     def rounding(c: Case) -> float:  # of |p_e|^2 - p_e p_w, whose error is the square's
         own = 1.5 * d.wide(1).ulp + SQRT3 * d.word(1).ulp * c.p_e + 0.5 * d.word(-1).ulp
         return math.inf if c.clamped else c.square + c.straight + own
 
     law = Rule(COSINE_LAW, lambda c: c.t_e, error=rounding)
-    t_e = d.sum("t_e", n["t_x"], n["t_y"], n["t_z"], fmt=d.word(-1), within=law, limited=SET_OUTSIDE)
-    d_12 = d.mul("d_12", n["d_1"], n["d_2"], d.word(-1), within=ARMS_PRODUCT)
-    d.div("c4_quo", t_e, d_12, d.word(1), limited=ULP)
-    given = ("c4_quo", "clamp", "fold")
-    d.op("c4", given, d.word(1), lambda q, c, f: np.where(c, np.where(f, one, -one), q), grows=SAME)
-    _half(d, "h4_p", "c4", +1)
-    _half(d, "h4_m", "c4", -1)
-    d.root("qe_w", n["h4_p"], d.word(1))
-    d.root("qe_abs", n["h4_m"], d.word(1))
-    d.op("qe_i", ("qe_abs",), d.word(1), lambda a: -a, grows=SAME)
+    t_e = d.node("t_e", Total(n["t_x"] + n["t_y"] + n["t_z"]), d.word(-1), within=law, limited=SET_OUTSIDE)
+    d_12 = d.node("d_12", Mul(n["d_1"], n["d_2"]), d.word(-1), within=ARMS_PRODUCT)
+    d.node("c4_quo", Div(t_e, d_12), d.word(1), limited=ULP)
+    c4 = d.node("c4", Select(n["clamp"], Select(n["fold"], 1, -1), n["c4_quo"]), d.word(1), grows=SAME)
+    _half(d, "h4_p", 1 + c4)
+    _half(d, "h4_m", 1 - c4)
+    d.node("qe_w", Root(n["h4_p"]), d.word(1))
+    d.node("qe_abs", Root(n["h4_m"]), d.word(1))
+    d.node("qe_i", -n["qe_abs"], d.word(1), grows=SAME)
 
 
-def _half(d: Domain, name: str, cosine: str, sign: int) -> None:
-    """Compute (1 + sign cosine) / 2 of (6) and (7), limited to [0, 1]: an unsigned word, so that 1 fits."""
-    one, fmt = 1 << (d.width - 1), Format(d.width, d.width - 1, "W - 1", signed=False)
-    grows = Growth((0.5,), exact=True)
-    d.op(name, (cosine,), fmt, lambda c: np.clip(one // 2 + sign * c, 0, one), grows=grows)
+def _half(d: Dataflow, name: str, twice: Sum) -> None:
+    """Compute (1 + c) / 2 or (1 - c) / 2 of (6) and (7), limited to [0, 1]: an unsigned word, so that 1 fits."""
+    fmt = Format(d.width, d.width - 1, "W - 1", signed=False)
+    d.node(name, Clipped(twice / 2), fmt, grows=Growth((0.5,), exact=True))
 
 
 MANTISSA = Given("unit mantissa", upto(lambda c: 1.0))
@@ -80,7 +70,7 @@ TURN = Rule("components of a vector of length 1", upto(lambda c: 1.0))
 ALL_UPPER_ARM = Limited("d1 + |p_ez| of an arm that is all upper arm may be rounded to 2: the largest word")
 
 
-def rotate_to_elbow(d: Domain) -> None:
+def rotate_to_elbow(d: Dataflow) -> None:
     """Section 3.4: Q12 (15), the middle line L_m divided by its length.
 
     L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) may be scaled freely.  The factor d1 is dropped.
@@ -91,24 +81,23 @@ def rotate_to_elbow(d: Domain) -> None:
     n = d.nodes
     d.at("to_elbow", "(15)")
     p_x, p_y = n["p_e_x"], n["p_e_y"]
-    d.normalize(("u_x", "u_y"), (p_x, p_y), "lz_u", within=MANTISSA)
-    top = d.word(1).high
-    both = ("d_e", "p_e_z")
-    h = d.op("h", both, d.word(1), lambda a, z: saturate(a + abs(z), top), "sum2", grows=SUM, limited=ALL_UPPER_ARM)
-    d.mul("uh_x", n["u_x"], h, d.word(1))
-    d.mul("uh_y", n["u_y"], h, d.word(1))
-    d.mul("uu_x", n["u_x"], p_x, d.wide(1), within=ELBOW_SAME)
-    d.mul("uu_y", n["u_y"], p_y, d.wide(1), within=ELBOW_SAME)
-    d.sum("uu", n["uu_x"], n["uu_y"], fmt=d.word(1), within=ELBOW_UNIT)
-    for axis, low, high in (("x", "uh_x", p_x), ("y", "uh_y", p_y), ("z", "uu", h)):
-        d.op(f"m_{axis}", ("p_e_z", low, high), d.word(1), lambda z, a, b: np.where(z < 0, a, b), grows=SAME)
-    d.normalize(("l_m_z", "l_m_x", "l_m_y"), (n["m_z"], n["m_x"], n["m_y"]), "lz_m", within=MANTISSA)
+    normalize(d, ("u_x", "u_y"), (p_x, p_y), "lz_u", MANTISSA)
+    facts = {"ends": SATURATE, "grows": SUM, "limited": ALL_UPPER_ARM}
+    h = d.node("h", n["d_e"] + Absolute(n["p_e_z"]), d.word(1), "sum2", **facts)
+    d.node("uh_x", Mul(n["u_x"], h), d.word(1))
+    d.node("uh_y", Mul(n["u_y"], h), d.word(1))
+    d.node("uu_x", Mul(n["u_x"], p_x), d.wide(1), within=ELBOW_SAME)
+    d.node("uu_y", Mul(n["u_y"], p_y), d.wide(1), within=ELBOW_SAME)
+    d.node("uu", Total(n["uu_x"] + n["uu_y"]), d.word(1), within=ELBOW_UNIT)
+    for axis, low, high in (("x", n["uh_x"], p_x), ("y", n["uh_y"], p_y), ("z", n["uu"], h)):
+        d.node(f"m_{axis}", Select(n["p_e_z"] < 0, low, high), d.word(1), grows=SAME)
+    normalize(d, ("l_m_z", "l_m_x", "l_m_y"), (n["m_z"], n["m_x"], n["m_y"]), "lz_m", MANTISSA)
     for a in "xyz":
-        d.mul(f"tmp2_{a}", n[f"l_m_{a}"], n[f"l_m_{a}"], d.wide(1))
-    d.sum("tmp2", n["tmp2_x"], n["tmp2_y"], n["tmp2_z"], fmt=d.word(2), within=MIDDLE_SQ)
-    l_m = d.root("l_m", n["tmp2"], d.word(1), within=MIDDLE)
+        d.node(f"tmp2_{a}", Mul(n[f"l_m_{a}"], n[f"l_m_{a}"]), d.wide(1))
+    d.node("tmp2", Total(n["tmp2_x"] + n["tmp2_y"] + n["tmp2_z"]), d.word(2), within=MIDDLE_SQ)
+    l_m = d.node("l_m", Root(n["tmp2"]), d.word(1), within=MIDDLE)
     for unit, a in zip("ijk", "xyz", strict=True):
-        d.div(f"q12_{unit}", n[f"l_m_{a}"], l_m, d.word(1), within=TURN)
+        d.node(f"q12_{unit}", Div(n[f"l_m_{a}"], l_m), d.word(1), within=TURN)
 
 
 PLANE_SQ = Rule("|pi_swivel| = |b|, squared, with |b| in [1/2, sqrt 2]", lambda c: (c.b[0] ** 2, c.b[1] ** 2))
@@ -127,7 +116,7 @@ SIDE = Rule("the side vector times a unit vector", upto(lambda c: SQRT3))
 RESULT = Rule("q_i c + q_j s, with c^2 + s^2 = 1", upto(lambda c: 1.0))
 
 
-def rotate_to_wrist(d: Domain) -> None:
+def rotate_to_wrist(d: Dataflow) -> None:
     """Section 3.5: theta_3 from the rotated y-z plane and the swivel plane (17), and Qs = Q12 Q3 (18)."""
     n = d.nodes
     pi_x, pi_y, pi_z = (n[f"pi_swivel_{a}"] for a in "xyz")
@@ -135,51 +124,52 @@ def rotate_to_wrist(d: Domain) -> None:
     d.at("to_wrist", "(17)")
     # 1/|pi_swivel| is ready long before its use
     for a in "xyz":
-        d.mul(f"pi_sq_{a}", n[f"pi_swivel_{a}"], n[f"pi_swivel_{a}"], d.wide(2))
-    d.sum("pi_sq", n["pi_sq_x"], n["pi_sq_y"], n["pi_sq_z"], fmt=d.word(2), within=PLANE_SQ)
-    d.root("pi_abs", n["pi_sq"], d.word(1), within=PLANE_LENGTH)
-    pi_inv = d.div("pi_inv", d.constant(1.0, d.word(1)), n["pi_abs"], d.word(2), within=PLANE_INVERSE)
+        d.node(f"pi_sq_{a}", Mul(n[f"pi_swivel_{a}"], n[f"pi_swivel_{a}"]), d.wide(2))
+    d.node("pi_sq", Total(n["pi_sq_x"] + n["pi_sq_y"] + n["pi_sq_z"]), d.word(2), within=PLANE_SQ)
+    d.node("pi_abs", Root(n["pi_sq"]), d.word(1), within=PLANE_LENGTH)
+    pi_inv = d.node("pi_inv", Div(Constant(1), n["pi_abs"]), d.word(2), within=PLANE_INVERSE)
 
     for u, q in (("i", q_i), ("j", q_j), ("k", q_k)):
-        d.mul(f"q12_{u}_sq", q, q, d.wide(1))
-    d.sum("r_x", n["q12_k_sq"], n["q12_j_sq"], -n["q12_i_sq"], fmt=d.word(1), within=TURNED)
-    d.mul("g_y", q_j, pi_y, d.wide(1))
-    d.mul("g_z", q_k, pi_z, d.wide(1))
-    d.sum("g", n["g_y"], n["g_z"], fmt=d.word(1), within=PART)
-    d.mul("c3_r", pi_x, n["r_x"], d.wide(1))
-    d.mul("c3_g", q_i, n["g"], d.wide(1), scale=1, within=PRODUCT)
-    d.sum("c3_num", n["c3_r"], -n["c3_g"], fmt=d.word(1), within=ROTATED)
-    d.mul("c3", n["c3_num"], pi_inv, d.word(1), within=COSINE)
+        d.node(f"q12_{u}_sq", Mul(q, q), d.wide(1))
+    d.node("r_x", Total(n["q12_k_sq"] + n["q12_j_sq"] - n["q12_i_sq"]), d.word(1), within=TURNED)
+    d.node("g_y", Mul(q_j, pi_y), d.wide(1))
+    d.node("g_z", Mul(q_k, pi_z), d.wide(1))
+    d.node("g", Total(n["g_y"] + n["g_z"]), d.word(1), within=PART)
+    d.node("c3_r", Mul(pi_x, n["r_x"]), d.wide(1))
+    d.node("c3_g", Mul(q_i, n["g"], scale=1), d.wide(1), within=PRODUCT)
+    d.node("c3_num", Total(n["c3_r"] - n["c3_g"]), d.word(1), within=ROTATED)
+    d.node("c3", Mul(n["c3_num"], pi_inv), d.word(1), within=COSINE)
 
     # sign: the side of the rotated plane on which the target lies.  A flat arm's target lies in the plane; there the
     # elbow's side of the line decides: -PP^- for a target in the direction of the elbow, +PP^- behind the shoulder.
-    scaled = Growth((1.0, 1 / 8, 0.0, 0.0), exact=True)
+    scaled = Growth((1 / 8, 1.0), exact=True)
     for a, m in (("x", "1"), ("y", "2"), ("z", "3")):
-        either = (f"p_w_{a}", f"pp_{m}_m", "flat", "back")
-        d.op(f"side_{a}", either, d.word(0), lambda p, c, f, b: np.where(f, np.where(b, c, -c), p), grows=scaled)
-    d.mul("sg_r", n["side_x"], n["r_x"], d.wide(1))
-    d.mul("sg_y", q_j, n["side_y"], d.wide(1))
-    d.mul("sg_z", q_k, n["side_z"], d.wide(1))
-    d.sum("sg", n["sg_y"], n["sg_z"], fmt=d.word(1), within=SIDE_PART)
-    d.mul("sg_g", q_i, n["sg"], d.wide(1), scale=1, within=SIDE_PRODUCT)
-    d.sum("sign", n["sg_g"], -n["sg_r"], fmt=d.wide(1), within=SIDE)
+        line = n[f"pp_{m}_m"] / 8
+        side = Select(n["flat"], Select(n["back"], line, -line), n[f"p_w_{a}"])
+        d.node(f"side_{a}", side, d.word(0), grows=scaled)
+    d.node("sg_r", Mul(n["side_x"], n["r_x"]), d.wide(1))
+    d.node("sg_y", Mul(q_j, n["side_y"]), d.wide(1))
+    d.node("sg_z", Mul(q_k, n["side_z"]), d.wide(1))
+    d.node("sg", Total(n["sg_y"] + n["sg_z"]), d.word(1), within=SIDE_PART)
+    d.node("sg_g", Mul(q_i, n["sg"], scale=1), d.wide(1), within=SIDE_PRODUCT)
+    d.node("sign", Total(n["sg_g"] - n["sg_r"]), d.wide(1), within=SIDE)
 
-    _half(d, "h3_p", "c3", +1)
-    _half(d, "h3_m", "c3", -1)
-    q3_scalar = d.root("q3_scalar", n["h3_p"], d.word(1))
-    d.root("q3_abs", n["h3_m"], d.word(1))
+    _half(d, "h3_p", 1 + n["c3"])
+    _half(d, "h3_m", 1 - n["c3"])
+    q3_scalar = d.node("q3_scalar", Root(n["h3_p"]), d.word(1))
+    d.node("q3_abs", Root(n["h3_m"]), d.word(1))
     # 0 counts as positive: either sign is correct there.
-    q3_k = d.op("q3_k", ("q3_abs", "sign"), d.word(1), signed, grows=SAME)
+    q3_k = d.node("q3_k", Select(n["sign"] < 0, -n["q3_abs"], n["q3_abs"]), d.word(1), grows=SAME)
 
     d.at(equation="(18)")
-    d.mul("w_kk", q_k, q3_k, d.wide(1))
-    d.mul("i_is", q_i, q3_scalar, d.wide(1))
-    d.mul("i_jk", q_j, q3_k, d.wide(1))
-    d.mul("j_js", q_j, q3_scalar, d.wide(1))
-    d.mul("j_ik", q_i, q3_k, d.wide(1))
-    d.mul("k_ks", q_k, q3_scalar, d.wide(1))
-    zero = d.constant(0.0, d.wide(1))
-    d.sum("qs_w", zero, -n["w_kk"], fmt=d.word(1))
-    d.sum("qs_i", n["i_is"], n["i_jk"], fmt=d.word(1), within=RESULT)
-    d.sum("qs_j", n["j_js"], -n["j_ik"], fmt=d.word(1), within=RESULT)
-    d.sum("qs_k", zero, n["k_ks"], fmt=d.word(1))
+    d.node("w_kk", Mul(q_k, q3_k), d.wide(1))
+    d.node("i_is", Mul(q_i, q3_scalar), d.wide(1))
+    d.node("i_jk", Mul(q_j, q3_k), d.wide(1))
+    d.node("j_js", Mul(q_j, q3_scalar), d.wide(1))
+    d.node("j_ik", Mul(q_i, q3_k), d.wide(1))
+    d.node("k_ks", Mul(q_k, q3_scalar), d.wide(1))
+    zero = Constant(0)
+    d.node("qs_w", Total(zero - n["w_kk"]), d.word(1))
+    d.node("qs_i", Total(n["i_is"] + n["i_jk"]), d.word(1), within=RESULT)
+    d.node("qs_j", Total(n["j_js"] - n["j_ik"]), d.word(1), within=RESULT)
+    d.node("qs_k", Total(zero + n["k_ks"]), d.word(1))

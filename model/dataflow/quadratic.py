@@ -15,7 +15,8 @@ from functools import cache
 import mpmath
 import numpy as np
 
-from .operations import TILE
+from .expressions import Operation, Term
+from .mul3 import TILE
 
 PRECISION = 200
 """Precision of tables and proofs in bits; an error of 2^-190 changes neither."""
@@ -349,3 +350,93 @@ def half_sincos_error(frac: int, tile: int = TILE) -> float:
     with mpmath.workprec(PRECISION):
         worst = max(row_error(SINE, form, row, rises).size for row in range(form.rows) for rises in (True, False))
         return float(worst * 2**frac + mpmath.mpf(1) / 2)
+
+
+# ---- operations ------------------------------------------------------------------------------------------------------
+
+
+def _faithful(node, frac: int, most: float = 1.0) -> tuple[float, float]:
+    """Return the error range of ``most`` ulps of ``frac`` fraction bits, in ulps of the node, which may have more."""
+    bound = most * 2.0 ** max(node.format.frac - frac, 0)
+    return -bound, bound
+
+
+class Rsqrt(Operation):
+    """1/(2 sqrt m) of a mantissa m in [1/4, 1); 1 where m = 0; doubled where the mask ``twice`` is set.
+
+    A root has no more fraction bits than its mantissa supports; the node's word may have more.
+    """
+
+    kind, latency, adds_rounding = "rsqrt", "rsqrt", True
+
+    def __init__(self, m: Term, twice: Term | None = None) -> None:
+        super().__init__(m, *([twice] if twice else []))
+        self.m, self.twice = m, twice
+        self.root_frac = m.frac - 3
+
+    def error(self, node):
+        return _faithful(node, self.root_frac, rsqrt_places(self.root_frac, node.flow.tile) * (2 if self.twice else 1))
+
+    def result(self, node, values):
+        y = rsqrt(self.m.words(values), self.root_frac, node.flow.tile) << (node.format.frac - self.root_frac)
+        return y << np.where(self.twice.words(values), 1, 0) if self.twice else y
+
+    def real(self, values):
+        m = self.m.real(values)
+        inverse = 0.5 / np.sqrt(np.where(m > 0, m, 0.25))
+        return inverse * np.where(self.twice.real(values), 2.0, 1.0) if self.twice else inverse
+
+    def growth(self, node, bounds):
+        # The slope of 1/(2 sqrt m) is at most 2 (m >= 1/4); the operation's own error includes a truncated mantissa.
+        return 0.0 if self.m.kind == "even" else (4 if self.twice else 2) * bounds[self.m.name].error
+
+    def facts(self, node, domain):
+        m, y = self.m.formula(domain), node.name
+        one = f"(ite {self.twice.formula(domain)} 4.0 1.0)" if self.twice else "1.0"
+        return [f"(ite (= {m} 0.0) (= {y} 1.0) (= (* 4.0 {m} {y} {y}) {one}))", f"(< 0.0 {y})"]
+
+    def text(self, level=0):
+        m = self.m.text()
+        return f"{self.twice.text()} ? 1 / sqrt {m} : 1 / (2 sqrt {m})" if self.twice else f"1 / (2 sqrt {m})"
+
+    def lower(self, to, node):
+        to.rsqrt(node, self.m, self.twice)
+
+
+class HalfAngle(Operation):
+    """Sine or cosine of phi/2, a binary angle of at most half a turn in either direction."""
+
+    kind, latency, adds_rounding = "trig", "trig", True
+
+    def __init__(self, phi: Term, function: str) -> None:
+        super().__init__(phi)
+        self.phi, self.function = phi, function
+
+    def error(self, node):
+        return _faithful(node, SINE_FRACS[-1])
+
+    def result(self, node, values):
+        width = max(node.flow.width, 16)  # a shorter angle is padded with zeros
+        frac = min(node.format.frac, SINE_FRACS[-1])
+        key = "half angle", self.phi.name
+        if key not in values:
+            values[key] = half_sincos(self.phi.words(values) << width - node.flow.width, width, frac, node.flow.tile)
+        return values[key][self.function == "cos"] << node.format.frac - frac
+
+    def real(self, values):
+        half = self.phi.real(values) * (np.pi / 2)  # phi's word has its sign in the MSB: half a turn is 1
+        return np.sin(half) if self.function == "sin" else np.cos(half)
+
+    def growth(self, node, bounds):
+        return 0.0
+
+    def facts(self, node, domain):
+        sine, cosine = node.flow.half_angle
+        return [f"(= 1.0 (+ (* {sine} {sine}) (* {cosine} {cosine})))", f"(<= 0.0 {cosine})"]
+
+    def text(self, level=0):
+        return f"{self.function}({self.phi.text()} / 2)"
+
+    def lower(self, to, node):
+        if self.function == "cos":
+            to.half_angle(*node.flow.half_angle, self.phi)

@@ -57,15 +57,15 @@ def observe(into: Observed, words: np.ndarray, width: int) -> None:
     for name, node in bits.nodes.items():
         out = (node.value < node.format.low) | (node.value > node.format.high)
         out = np.broadcast_to(np.asarray(out | bits.overflow.get(name, False)).astype(bool), good.shape)
-        if node.facts.limited:
-            out = out & ~clamped & node.facts.limited.clamped
+        if node.limited:
+            out = out & ~clamped & node.limited.clamped
         out = out & good
         if out.any():
             into.beyond[name] = into.beyond.get(name, 0) + int(out.sum())
             into.first.setdefault(name, words[np.argmax(out)].tolist())
             good = good & ~out
     with np.errstate(all="ignore"):
-        real = Real(bits, {}).nodes
+        real = Real(bits, {}).values
     into.targets += len(words)
     regular = good & ~clamped
     asked = from_words(words[regular], 0, width, "random")
@@ -78,7 +78,7 @@ def observe(into: Observed, words: np.ndarray, width: int) -> None:
         seen.high = max(seen.high, int(value[good].max()))
         if node.error == (0.0, 0.0) and node.section == "guard" or not node.format.signed and node.format.frac == 0:
             continue
-        exact = np.broadcast_to(np.asarray(real[name].value, dtype=np.float64), good.shape)[regular] / node.format.ulp
+        exact = np.broadcast_to(np.asarray(real[name], dtype=np.float64), good.shape)[regular] / node.format.ulp
         error = np.abs(value[regular].astype(np.float64) - exact)
         seen.worst = max(seen.worst, float(error.max(initial=0.0)))
         seen.count += len(error)

@@ -30,7 +30,7 @@ from ..bounds import tolerances
 from ..dataflow import fixed
 from ..dataflow.datapaths import MODELS
 from ..dataflow.nodes import Limits
-from ..dataflow.operations import outside
+from ..dataflow.choices import outside
 from ..reference.equations import solve_clamped
 from ..reference.joints import reached
 from ..reference.kinematics import angle_between, continuous, forward, rotate

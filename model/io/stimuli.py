@@ -9,7 +9,7 @@ from math import isqrt
 
 import numpy as np
 
-from ..dataflow.nodes import inner_frac
+from ..dataflow.formats import inner_frac
 from ..dataflow.quadratic import SINE, SINE_FRACS, sine_sums
 from ..reference.joints import turned
 from ..reference.kinematics import multiply, rotate

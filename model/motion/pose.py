@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..dataflow import fixed
 from ..dataflow.datapaths import CONFIGURATIONS
-from ..dataflow.nodes import WIDTHS
+from ..dataflow.formats import WIDTHS
 from ..io.words import (
     DEFAULT_D1,
     DEFAULT_D2,

@@ -47,19 +47,19 @@ generate
         if (clock == 7'd29) bad_length <= flag_nodes[0];
         if (clock == 7'd16) on_axis <= flag_nodes[1];
         if (clock == 7'd18) at_shoulder <= flag_nodes[2];
-        if (clock == 7'd9) d_sum <= w[D - 3 - (W - 2) +: W - 2 + 3];  // (L1)
-        if (clock == 7'd10) d_dif <= w[D - 3 - (W - 2) +: W - 2 + 3];  // (L2)
-        if (clock == 7'd11) x_sq <= t;  // (L3)
-        if (clock == 7'd12) y_sq <= p[2*D-1 -: XW];  // (L3)
-        if (clock == 7'd14) z_sq <= p[2*D-1 -: XW];  // (L4)
-        if (clock == 7'd16) d_sum_sq <= p[2*D-1 -: XW];  // (L5)
-        if (clock == 7'd17) d_dif_sq <= p[2*D-1 -: XW];  // (L6)
-        if (clock == 7'd18) sum_dif <= p[2*D-1 -: XW];  // (L7)
-        if (clock == 7'd13) rho_sq <= t;  // (L3)
-        if (clock == 7'd15) s <= t;  // (L4)
-        if (clock == 7'd17) a_far <= ~t;  // (L5)
-        if (clock == 7'd18) b_near <= t;  // (L6)
-        if (clock == 7'd19) k_law <= t;  // (L7)
+        if (clock == 7'd9) d_sum <= w[D - 3 - (W - 2) +: W - 2 + 3];
+        if (clock == 7'd10) d_dif <= w[D - 3 - (W - 2) +: W - 2 + 3];
+        if (clock == 7'd11) x_sq <= t;
+        if (clock == 7'd12) y_sq <= p[2*D-1 -: XW];
+        if (clock == 7'd14) z_sq <= p[2*D-1 -: XW];
+        if (clock == 7'd16) d_sum_sq <= p[2*D-1 -: XW];
+        if (clock == 7'd17) d_dif_sq <= p[2*D-1 -: XW];
+        if (clock == 7'd18) sum_dif <= p[2*D-1 -: XW];
+        if (clock == 7'd13) rho_sq <= t;
+        if (clock == 7'd15) s <= t;
+        if (clock == 7'd17) a_far <= ~t;
+        if (clock == 7'd18) b_near <= t;
+        if (clock == 7'd19) k_law <= t;
         if (clock == 7'd29) too_far <= flag_nodes[3];
         if (clock == 7'd29) too_near <= flag_nodes[4];
         if (clock == 7'd29) clamp <= flag_nodes[5];
@@ -95,28 +95,28 @@ generate
     reg signed [FRAC + 1:0] tilt_s;
     always @(posedge clk)
       if (go) begin
-        if (clock == 7'd15) e_rho <= pairs;  // (L8)
-        if (clock == 7'd15) m_rho <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];  // (L8)
-        if (clock == 7'd29) inv_rho <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L8)
-        if (clock == 7'd17) e_s <= pairs;  // (L9)
-        if (clock == 7'd17) m_s <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];  // (L9)
-        if (clock == 7'd34) inv_s <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L9)
-        if (clock == 7'd30) x_n <= normal[D - 1 - (WX) +: WX + 1];  // (L14)
-        if (clock == 7'd26) y_n <= normal[D - 1 - (WX) +: WX + 1];  // (L15)
-        if (clock == 7'd35) z_n <= normal[D - 1 - (WX) +: WX + 1];  // (L16)
-        if (clock == 7'd39) u_x <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L14)
-        if (clock == 7'd36) u_y <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L15)
-        if (clock == 7'd50) sin_el <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L16)
-        if (clock == 7'd40) root_rho <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L17)
-        if (clock == 7'd46) n_el <= n - 6'd1;  // (L18)
-        if (clock == 7'd51) inv_s_el <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L18)
-        if (clock == 7'd58) cos_el <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L18)
-        if (clock == 7'd48) az_sq <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];  // (L29)
-        if ((clock == 7'd48 || clock == 7'd54) && !w_place[0]) az_c <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L32)
-        if ((clock == 7'd48 || clock == 7'd54) && w_place[0]) az_s <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L33)
-        if (clock == 7'd57) tilt_sq <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];  // (L30)
-        if ((clock == 7'd57 || clock == 7'd65) && !w_place[0]) tilt_c <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L34)
-        if ((clock == 7'd57 || clock == 7'd65) && w_place[0]) tilt_s <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L35)
+        if (clock == 7'd15) e_rho <= pairs;
+        if (clock == 7'd15) m_rho <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];
+        if (clock == 7'd29) inv_rho <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd17) e_s <= pairs;
+        if (clock == 7'd17) m_s <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];
+        if (clock == 7'd34) inv_s <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd30) x_n <= normal[D - 1 - (WX) +: WX + 1];
+        if (clock == 7'd26) y_n <= normal[D - 1 - (WX) +: WX + 1];
+        if (clock == 7'd35) z_n <= normal[D - 1 - (WX) +: WX + 1];
+        if (clock == 7'd39) u_x <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd36) u_y <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd50) sin_el <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd40) root_rho <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd46) n_el <= n - 6'd1;
+        if (clock == 7'd51) inv_s_el <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd58) cos_el <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd48) az_sq <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];
+        if ((clock == 7'd48 || clock == 7'd54) && !w_place[0]) az_c <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if ((clock == 7'd48 || clock == 7'd54) && w_place[0]) az_s <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd57) tilt_sq <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];
+        if ((clock == 7'd57 || clock == 7'd65) && !w_place[0]) tilt_c <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if ((clock == 7'd57 || clock == 7'd65) && w_place[0]) tilt_s <= w[D - 2 - (FRAC) +: FRAC + 2];
       end
   end
 endgenerate
@@ -168,49 +168,49 @@ generate
     reg signed [FRAC + 1:0] arm_sum;
     always @(posedge clk)
       if (go) begin
-        if (clock == 7'd19) e_far <= pairs;  // (L10)
-        if (clock == 7'd19) m_far <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];  // (L10)
-        if (clock == 7'd46) inv_far <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L10)
-        if (clock == 7'd20) e_near <= pairs;  // (L11)
-        if (clock == 7'd20) m_near <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];  // (L11)
-        if (clock == 7'd43) inv_near <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L11)
-        if (clock == 7'd14) e_1 <= pairs - 6'd1;  // (L12)
-        if (clock == 7'd14) m_1 <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];  // (L12)
-        if (clock == 7'd31) inv_1 <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L12)
-        if (clock == 7'd28) e_2 <= pairs - 6'd1;  // (L13)
-        if (clock == 7'd28) m_2 <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];  // (L13)
-        if (clock == 7'd44) inv_2 <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L13)
-        if (clock == 7'd53) root_far <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L19)
-        if (clock == 7'd49) root_near <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L20)
-        if (clock == 7'd66) inv_12_raw <= t[XW - D - 3 + D - 1 - (FRAC + 1) +: FRAC + 1 + 2];  // (L21)
-        if (clock == 7'd66) inv_12 <= w[D - 1 - (FRAC + 1) +: FRAC + 1 + 1];  // (L21)
-        if (clock == 7'd71) n_far <= n - 6'd0;  // (L22)
-        if (clock == 7'd76) inv_12_far_raw <= t[XW - D - 3 + D - 2 - (FRAC) +: FRAC + 5];  // (L22)
-        if (clock == 7'd76) inv_12_far <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L22)
-        if (clock == 7'd87) elbow_w <= p_plain[FRAC+2:1];  // (L22)
-        if (clock == 7'd82) n_near <= n - 6'd0;  // (L23)
-        if (clock == 7'd87) inv_12_near_raw <= t[XW - D - 3 + D - 2 - (FRAC) +: FRAC + 5];  // (L23)
-        if (clock == 7'd87) inv_12_near <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L23)
-        if (clock == 7'd4) elbow_i <= p_plain[FRAC+2:1];  // (L23)
-        if (clock == 7'd0) qe_w <= answer;  // (L22)
-        if (clock == 7'd5) qe_i <= answer;  // (L23)
-        if (clock == 7'd45) inv_11 <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L24)
-        if (clock == 7'd55) inv_law_raw <= t[XW - D - 3 + D - 2 - (FRAC) +: FRAC + 3];  // (L25)
-        if (clock == 7'd55) inv_law <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L25)
-        if (clock == 7'd19) n_law <= n - 6'd0;  // (L26)
-        if (clock == 7'd21) k_scaled <= normal[D - 2 - (FRAC) +: FRAC + 2];  // (L26)
-        if (clock == 7'd64) cos_a <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L26)
-        if (clock == 7'd59) root_ab <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L27)
-        if (clock == 7'd56) n_ab <= n - 6'd0;  // (L28)
-        if (clock == 7'd61) inv_law_ab_raw <= t[XW - D - 3 + D - 2 - (FRAC) +: FRAC + 5];  // (L28)
-        if (clock == 7'd61) inv_law_ab <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L28)
-        if (clock == 7'd68) sin_a <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L28)
-        if (clock == 7'd75) arm_sq <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];  // (L31)
-        if ((clock == 7'd74 || clock == 7'd75) && !w_place[0]) arm_c <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L36)
-        if ((clock == 7'd74 || clock == 7'd75) && w_place[0]) arm_s <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L37)
+        if (clock == 7'd19) e_far <= pairs;
+        if (clock == 7'd19) m_far <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];
+        if (clock == 7'd46) inv_far <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd20) e_near <= pairs;
+        if (clock == 7'd20) m_near <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];
+        if (clock == 7'd43) inv_near <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd14) e_1 <= pairs - 6'd1;
+        if (clock == 7'd14) m_1 <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];
+        if (clock == 7'd31) inv_1 <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd28) e_2 <= pairs - 6'd1;
+        if (clock == 7'd28) m_2 <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];
+        if (clock == 7'd44) inv_2 <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd53) root_far <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd49) root_near <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd66) inv_12_raw <= t[XW - D - 3 + D - 1 - (FRAC + 1) +: FRAC + 1 + 2];
+        if (clock == 7'd66) inv_12 <= w[D - 1 - (FRAC + 1) +: FRAC + 1 + 1];
+        if (clock == 7'd71) n_far <= n - 6'd0;
+        if (clock == 7'd76) inv_12_far_raw <= t[XW - D - 3 + D - 2 - (FRAC) +: FRAC + 5];
+        if (clock == 7'd76) inv_12_far <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd87) elbow_w <= p_plain[FRAC+2:1];
+        if (clock == 7'd82) n_near <= n - 6'd0;
+        if (clock == 7'd87) inv_12_near_raw <= t[XW - D - 3 + D - 2 - (FRAC) +: FRAC + 5];
+        if (clock == 7'd87) inv_12_near <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd4) elbow_i <= p_plain[FRAC+2:1];
+        if (clock == 7'd0) qe_w <= answer;  // (14)
+        if (clock == 7'd5) qe_i <= answer;  // (14)
+        if (clock == 7'd45) inv_11 <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd55) inv_law_raw <= t[XW - D - 3 + D - 2 - (FRAC) +: FRAC + 3];
+        if (clock == 7'd55) inv_law <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd19) n_law <= n - 6'd0;
+        if (clock == 7'd21) k_scaled <= normal[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd64) cos_a <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd59) root_ab <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd56) n_ab <= n - 6'd0;
+        if (clock == 7'd61) inv_law_ab_raw <= t[XW - D - 3 + D - 2 - (FRAC) +: FRAC + 5];
+        if (clock == 7'd61) inv_law_ab <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd68) sin_a <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd75) arm_sq <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];
+        if ((clock == 7'd74 || clock == 7'd75) && !w_place[0]) arm_c <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if ((clock == 7'd74 || clock == 7'd75) && w_place[0]) arm_s <= w[D - 2 - (FRAC) +: FRAC + 2];
         if (clock == 7'd65) arm_swap <= flag_nodes[8];
-        if (clock == 7'd77) arm_dif <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L52)
-        if (clock == 7'd78) arm_sum <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L53)
+        if (clock == 7'd77) arm_dif <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd78) arm_sum <= w[D - 2 - (FRAC) +: FRAC + 2];
       end
   end
 endgenerate
@@ -259,46 +259,46 @@ generate
     reg signed [W - 1:0] qs_k;
     always @(posedge clk)
       if (go) begin
-        if (clock == 7'd56) sin_h <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L38)
-        if (clock == 7'd52) cos_h <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L39)
-        if (clock == 7'd60) cc <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];  // (L40)
-        if (clock == 7'd61) ss <= p_plain[FRAC+2:1];  // (L41)
-        if (clock == 7'd67) sc <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];  // (L42)
-        if (clock == 7'd68) cs <= p_plain[FRAC+2:1];  // (L43)
-        if (clock == 7'd62) c_plus <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L44)
-        if (clock == 7'd69) s_plus <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L45)
-        if (clock == 7'd63) c_minus <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L46)
-        if (clock == 7'd70) s_minus <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L47)
-        if (clock == 7'd71) w_0 <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L48)
-        if (clock == 7'd72) i_0 <= p_plain[FRAC+2:1];  // (L49)
-        if (clock == 7'd81) j_0 <= p_plain[FRAC+2:1];  // (L50)
-        if (clock == 7'd80) k_0 <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L51)
-        if (clock == 7'd73) wi_0 <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L52)
-        if (clock == 7'd83) wi_c <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];  // (L52)
-        if (clock == 7'd84) i_dif <= p_plain[FRAC+2:1];  // (L52)
-        if (clock == 7'd85) w_1 <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L52)
-        if (clock == 7'd85) w_sum <= p_plain[FRAC+2:1];  // (L53)
-        if (clock == 7'd86) i_1 <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L53)
-        if (clock == 7'd82) kj_0 <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L54)
-        if (clock == 7'd1) kj_c <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];  // (L54)
-        if (clock == 7'd2) j_dif <= p_plain[FRAC+2:1];  // (L55)
-        if (clock == 7'd3) k_1 <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L55)
-        if (clock == 7'd3) k_sum <= p_plain[FRAC+2:1];  // (L54)
-        if (clock == 7'd4) j_1 <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L54)
-        if (clock == 7'd72) az_tilt_sq <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L56)
-        if (clock == 7'd81) length_sq <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];  // (L56)
-        if (clock == 7'd85) low <= q_low;  // (L57)
-        if (clock == 7'd83) m_q <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];  // (L57)
-        if (clock == 7'd8) inv_q <= w[D - 2 - (FRAC) +: FRAC + 2];  // (L57)
+        if (clock == 7'd56) sin_h <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd52) cos_h <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd60) cc <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd61) ss <= p_plain[FRAC+2:1];
+        if (clock == 7'd67) sc <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd68) cs <= p_plain[FRAC+2:1];
+        if (clock == 7'd62) c_plus <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd69) s_plus <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd63) c_minus <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd70) s_minus <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd71) w_0 <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd72) i_0 <= p_plain[FRAC+2:1];
+        if (clock == 7'd81) j_0 <= p_plain[FRAC+2:1];
+        if (clock == 7'd80) k_0 <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd73) wi_0 <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd83) wi_c <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd84) i_dif <= p_plain[FRAC+2:1];
+        if (clock == 7'd85) w_1 <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd85) w_sum <= p_plain[FRAC+2:1];
+        if (clock == 7'd86) i_1 <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd82) kj_0 <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd1) kj_c <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd2) j_dif <= p_plain[FRAC+2:1];
+        if (clock == 7'd3) k_1 <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd3) k_sum <= p_plain[FRAC+2:1];
+        if (clock == 7'd4) j_1 <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd72) az_tilt_sq <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd81) length_sq <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd85) low <= q_low;
+        if (clock == 7'd83) m_q <= normal[D - 1 - (ROOT_FRAC + 3) +: ROOT_FRAC + 3 + 0];
+        if (clock == 7'd8) inv_q <= w[D - 2 - (FRAC) +: FRAC + 2];
         if (clock == 7'd4) minus <= flag_nodes[9];
-        if (clock == 7'd20) w_q <= p_double[FRAC+2:1];  // (L58)
-        if (clock == 7'd21) qs_w <= answer;  // (L58)
-        if (clock == 7'd19) i_q <= p_double[FRAC+2:1];  // (L59)
-        if (clock == 7'd20) qs_i <= answer;  // (L59)
-        if (clock == 7'd15) j_q <= p_double[FRAC+2:1];  // (L60)
-        if (clock == 7'd16) qs_j <= answer;  // (L60)
-        if (clock == 7'd13) k_q <= p_double[FRAC+2:1];  // (L61)
-        if (clock == 7'd14) qs_k <= answer;  // (L61)
+        if (clock == 7'd20) w_q <= p_double[FRAC+2:1];
+        if (clock == 7'd21) qs_w <= answer;  // (18)
+        if (clock == 7'd19) i_q <= p_double[FRAC+2:1];
+        if (clock == 7'd20) qs_i <= answer;  // (18)
+        if (clock == 7'd15) j_q <= p_double[FRAC+2:1];
+        if (clock == 7'd16) qs_j <= answer;  // (18)
+        if (clock == 7'd13) k_q <= p_double[FRAC+2:1];
+        if (clock == 7'd14) qs_k <= answer;  // (18)
       end
   end
 endgenerate

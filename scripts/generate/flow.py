@@ -5,15 +5,16 @@ Pages and pictures are drawn from it. Formats and clocks do not depend on the ta
 """
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-
 from model.dataflow import fixed
-from model.dataflow.datapaths import DATAPATHS
-from model.dataflow.nodes import Format, Latency, Node
+from model.dataflow.choices import Defined
+from model.dataflow.expressions import HALF_UP, Floor, Operation, Sum, Term
+from model.dataflow.formats import Format, Latency
+from model.dataflow.nodes import Node
+from model.dataflow.shifts import Count
 
 WIDTH = 32
 
@@ -40,47 +41,35 @@ KIND_OF = {
 VECTORS = ("norm", "sincos", "trig")  # units with several results
 
 
-class _Counted(np.ndarray):
-    """Array of words that counts the + and - applied to it."""
-
-    done = 0
-
-    def __array_ufunc__(self, ufunc, method, *inputs, **kwargs):
-        _Counted.done += ufunc in (np.add, np.subtract)
-        plain = [i.view(np.ndarray) if isinstance(i, _Counted) else i for i in inputs]
-        return np.asarray(getattr(ufunc, method)(*plain, **kwargs)).view(_Counted)
-
-
-class _Counting(fixed.Bits):
-    """Dataflow run that records the number of + and - of every choice."""
-
-    def __init__(self, width: int, flow: Callable) -> None:
-        super().__init__(width)
-        self.additions: Counter = Counter()
-        flow(self, self.inputs(lambda name, fmt: np.array([1 << (width - 3)])))
-
-    def apply(self, name, operands, fmt, words):
-        before = _Counted.done
-        value = words(*(np.asarray(n.value).view(_Counted) for n in operands))
-        self.additions[name] = _Counted.done - before
-        return np.asarray(value).view(np.ndarray)
+def additions(term: Term) -> int:
+    """Return the number of + and - in an expression; a rounding that is not part of another unit counts as well."""
+    if isinstance(term, Count):
+        return len(term.terms) - 1 + (term.constant > 0)
+    root = term.expression if isinstance(term, Defined) else term
+    if not isinstance(root, Operation) or isinstance(root, Floor):  # half angles share their sums
+        return 0
+    return sum(map(additions, root.parts)) + (len(root.terms) - 1 if isinstance(root, Sum) else 0)
 
 
-def operations(flow: Callable) -> dict[str, Counter]:
+def added(node: Node) -> int:
+    """Return the number of additions of a choice."""
+    return additions(node.op) + (node.rounding == HALF_UP)
+
+
+def operations(datapath: str) -> dict[str, Counter]:
     """Return for each section the number of each unit, a kind of `Latency.TABLE`, and of ``additions``.
 
     Each + or - of a rounded or exact sum is an addition; those inside another unit, such as the rounding of a product
     or a shift count, are not. A unit with several results counts once.
     """
-    run = _Counting(WIDTH, flow)
     counts: dict[str, Counter] = {}
     counted = set()
-    for node in run.nodes.values():
+    for node in fixed.nodes(datapath, WIDTH).values():
         mine, unit = counts.setdefault(node.section, Counter()), node.latency
         if unit in ("sum2", "sum3"):
             mine["additions"] += max(int(unit[-1]), len(node.operands)) - 1
         elif unit in ("mux", "wide"):
-            mine["additions"] += run.additions[node.name]
+            mine["additions"] += added(node)
         elif unit:
             key = (unit, *(o.name for o in node.operands)) if unit in VECTORS else node.name
             mine[unit.removesuffix("_far")] += key not in counted
@@ -88,18 +77,17 @@ def operations(flow: Callable) -> dict[str, Counter]:
     return counts
 
 
-def design(datapath: str, width: int = WIDTH) -> dict[str, Node]:
-    """Return the nodes of a datapath; a selection that adds words counts as a sum."""
-    run = _Counting(width, DATAPATHS[datapath].flow)
-    return {
-        name: replace(node, op="sum") if node.latency == "mux" and run.additions[name] else node
-        for name, node in run.nodes.items()
-    }
-
-
 def kind(node: Node) -> str:
-    """Return the kind of a node's operation, a key of ``KINDS``."""
-    return {"input": "input", "sum": "add"}.get(node.op) or KIND_OF[node.latency]
+    """Return the kind of a node's operation, a key of ``KINDS``; a selection that adds words counts as a sum."""
+    if node.latency == "mux" and added(node):
+        return "add"
+    return {"input": "input", "sum": "add"}.get(node.kind) or KIND_OF[node.latency]
+
+
+class Outside(Operation):
+    """Origin of a node that is shown without its operands."""
+
+    kind, latency = "outside", None
 
 
 def start(node: Node, width: int = WIDTH) -> int:
@@ -108,8 +96,8 @@ def start(node: Node, width: int = WIDTH) -> int:
 
 
 def operands(node: Node) -> list[str]:
-    """Return the names of the operands, each once, without constants."""
-    return list(dict.fromkeys(o.name for o in node.operands if o.name))
+    """Return the names of the operands."""
+    return [operand.name for operand in node.operands]
 
 
 class Delay(NamedTuple):
@@ -139,12 +127,12 @@ def delays(nodes: Mapping[str, Node]) -> dict[str, Delay]:
 
 
 def cone(nodes: Mapping[str, Node], name: str) -> dict[str, Node]:
-    """Return a node and the nodes of its equation that it depends on; operands from outside become inputs."""
+    """Return a node and the nodes of its equation that it depends on; other operands become :class:`Outside`."""
     found, todo = {}, [name]
     while todo:
         node = nodes[todo.pop()]
         inside = node.equation == nodes[name].equation
-        found[node.name] = node if inside else replace(node, operands=(), after=None)
+        found[node.name] = node if inside or node.kind == "input" else replace(node, op=Outside(), after=None)
         todo += operands(found[node.name])
     return {n: found[n] for n in nodes if n in found}
 
@@ -166,7 +154,7 @@ def q(fmt: Format) -> str:
 
 def tip(node: Node) -> str:
     """Describe a node in one line: operation, operands, format, range, clocks."""
-    names, fmt = ", ".join(o.name or "constant" for o in node.operands), node.format
+    names, fmt = ", ".join(operands(node)), node.format
     what = f"{node.name} {node.equation}".strip() + f": {KINDS[kind(node)]}" + (f" of {names}" if names else "")
     clocks = f"clocks {start(node)} to {node.time}" if node.latency else f"clock {node.time}"
     bits = fmt.width - fmt.signed - fmt.frac

@@ -17,15 +17,17 @@ from types import SimpleNamespace
 import numpy as np
 
 from model.bounds import tolerances
+from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.fixed import FIFO_CLOCKS
-from model.dataflow.nodes import Latency, Node
+from model.dataflow.formats import Latency
+from model.dataflow.nodes import Node
 from model.io import trajectories
 from model.io.scoring import model_errors
 from model.io.stimuli import REGIONS, hand_poses, region
 from scripts import run
 from scripts.console import command, sim_option
-from scripts.generate.flow import KINDS, WIDTH, design, kind, longest_path, start
+from scripts.generate.flow import KINDS, WIDTH, kind, longest_path, start
 from scripts.generate.render import error, render, update
 from scripts.soak import hand_errors
 from tb.axi.ik_axi import BATCH, LONG
@@ -76,7 +78,7 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 
 
 def latency_page() -> str:
-    paths = {name: [node for node in longest_path(design(name)) if node.latency] for name in ("lean", "paper")}
+    paths = {name: [node for node in longest_path(fixed.nodes(name, WIDTH)) if node.latency] for name in ("lean", "paper")}
     return render("latency", paths=paths, width=WIDTH, start=start, table=Latency.TABLE, fifo=FIFO_CLOCKS)
 
 
@@ -111,7 +113,7 @@ def lanes(nodes: Iterable[Node]) -> list[list[tuple[str, int, int, list[str]]]]:
 
 def pipeline_svg(datapath: str) -> str:
     """Return pipeline-<datapath>.svg: every clock from a target's admission to its result at `ik_axis`."""
-    nodes = design(datapath).values()
+    nodes = fixed.nodes(datapath, WIDTH).values()
     ready = max(node.time for node in nodes)
     total = ready + FIFO_CLOCKS
     drawn = [

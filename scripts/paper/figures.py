@@ -13,11 +13,12 @@ import sys
 from collections.abc import Mapping
 
 from model.bounds import ranges
+from model.dataflow import fixed
 from model.dataflow.nodes import Node
 from model.dataflow.paper import SECTIONS
 from scripts.console import InputError
 from scripts.generate import flow
-from scripts.generate.flow import WIDTH, delays, design, kind, longest_path, operands, start
+from scripts.generate.flow import WIDTH, delays, kind, longest_path, operands, start
 from scripts.generate.render import render
 from tb.sim.env import GENERATED
 
@@ -98,7 +99,7 @@ def schedule(nodes: Nodes) -> str:
 
 def figures() -> dict[str, str]:
     """Return the figures of the page: file name -> graph or SVG."""
-    elbow = flow.cone(design("paper"), "p_e_x")
+    elbow = flow.cone(fixed.nodes("paper", WIDTH), "p_e_x")
     return {"graph_p_e_x.svg": graph(elbow), "schedule_p_e_x.svg": schedule(elbow)}
 
 

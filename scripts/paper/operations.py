@@ -181,7 +181,7 @@ def by_section(datapath: str) -> dict[str, Ops]:
             div=units["div"],
             trig=2 * (units["sincos"] + units["trig"]),
         )
-        for section, units in operations(DATAPATHS[datapath].flow).items()
+        for section, units in operations(datapath).items()
     }
 
 

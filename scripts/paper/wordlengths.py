@@ -8,7 +8,7 @@ import numpy as np
 from model.bounds import ranges
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
-from model.dataflow.nodes import WIDTHS
+from model.dataflow.formats import WIDTHS
 from model.io.monte_carlo import Observed, monte_carlo, shown
 from model.io.scoring import hand_errors, singular_distance
 from model.io.words import Targets, result_values, to_words

@@ -123,7 +123,7 @@ function writeNode() {
   const about = machine.table.sections.find(({ name }) => name === node.section).about;
   element("node").replaceChildren(...rows([
     ["node", `${node.name}${node.equation ? `, ${node.equation}` : ""}`],
-    ["made of", node.of],
+    ["equation", node.of],
     ["format", `${node.format}, ${node.width} bits`],
     ["valid", `${node.time} clocks after its target came in`],
     ["section", `${node.section}: ${about}`],

@@ -16,7 +16,6 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import CONFIGURATIONS
 from model.io.files import write_atomically
 from scripts.console import InputError, progress
-from scripts.follow import made_of
 from scripts.waves import place
 from tb.sim.env import CORES, ROOT
 from tb.sim.native_run import nodes_of
@@ -139,9 +138,9 @@ def table(machine: Machine) -> dict[str, Any]:
         {
             "name": node.name,
             "signal": list(place(machine.datapath, node)),
-            "section": "inputs" if node.op == "input" else node.section,
+            "section": "inputs" if node.kind == "input" else node.section,
             "equation": node.equation,
-            "of": made_of(node),
+            "of": f"{node.name} = {node.right_side}",
             "time": node.time,
             **{name: getattr(node.format, name) for name in ("width", "frac", "signed")},
             "format": f"Q{node.format.width - node.format.frac}.{node.format.frac}"

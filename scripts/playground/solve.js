@@ -3,7 +3,7 @@
 
 // -- double precision -------------------------------------------------------------------------
 
-// Returns the flags and the pose of input words by the lean equations (L1)-(L61) of model.reference.lean_equations.
+// Returns the flags and the pose of input words by the equations of model/dataflow/lean.py.
 // Flags and sums prone to cancellation are computed exactly from the words.
 function solve(words, width) {
   const [x, y, z, , d1, d2] = words.map(BigInt);

@@ -73,7 +73,7 @@ async def recurrences(dut):
     """Each divider and root of the paper datapath is of the kind that DIGIT selects."""
     bench = await started(dut, nodes=True)
     if MODELS[bench.datapath].rtl == "paper":
-        cores = [node for node in bench.scoreboard.nodes if node.op in ("div", "root")]
+        cores = [node for node in bench.scoreboard.nodes if node.kind in ("div", "root")]
         built = [hasattr(getattr(bench.module(node), f"u_{node.name}"), "g_digit") for node in cores]
         others = [node.name for node, digit in zip(cores, built, strict=True) if digit != (int(dut.DIGIT.value) == 1)]
         assert built and not others, f"{len(built)} dividers and roots; of the other kind {others}"

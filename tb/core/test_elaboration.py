@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from model.dataflow.datapaths import MODELS
-from model.dataflow.nodes import WIDTHS
+from model.dataflow.formats import WIDTHS
 from tb.sim.env import ROOT, environment, simulator
 from tb.sim.sources import header, includes, sources
 from tb.units.unit import sets_of

@@ -18,7 +18,7 @@ import numpy as np
 
 from model.bounds import tolerances
 from model.dataflow.datapaths import MODELS
-from model.dataflow.nodes import WIDTHS
+from model.dataflow.formats import WIDTHS
 from model.io.files import number
 from model.io.flags import UNREACHABLE, expected_flags
 from model.io.words import ARM_FIELDS, FIELDS, TargetError, result_values

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proofs by z3 over the reals of the lean dataflow's ranges and errors, at every width.
 
-The dataflow states a range of each node with the reason (``Within``). :class:`Rules` proves each range from the
-equations of :mod:`tb.formal.lean_exact` and the lemmas of :mod:`tb.formal.lean_lemmas`; :class:`Rounded` proves the
-errors of :mod:`model.bounds.ranges`. A test checks that range and error together fit the node's format.
+The dataflow states a range of each node with the reason (``Within``), and the facts that prove it (``Node.proof``,
+``Dataflow.lemma``). :class:`Rules` proves each range from the equations of :mod:`tb.formal.lean_exact` and these facts;
+:class:`Rounded` proves the errors of :mod:`model.bounds.ranges`. A test checks that range and error together fit the
+node's format.
 """
 
 import re
@@ -11,18 +12,48 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from model.dataflow.annotations import Limited
-from model.dataflow.nodes import FLOOR, JAM, WIDTHS, Node
+from model.dataflow.expressions import FLOOR, JAM
+from model.dataflow.formats import WIDTHS
+from model.dataflow.nodes import Node
 from tb.formal.arithmetic import Question
 from tb.formal.lean_exact import Exact, between, number
-from tb.formal.lean_lemmas import BY_WORDS, CASES, GEOMETRY, SQUARES, USES
 from tb.formal.task import digest_of, no_circle
 from tb.formal.unrolled import ask_each
 
 SOLVER = "(check-sat-using qfnra-nlsat)"
 LINEAR = "(check-sat-using (then simplify smt))"  # for sums of squares with linear facts
 LIMIT = 60  # seconds for one question and its assumptions
-REACHABLE = next(iter(CASES))
 SEEDED = "wi_0"  # the node whose claim is made too narrow
+
+BY_WORDS = ("m_q",)
+"""Nodes whose range depends on a decision taken on words: proved by :class:`Rounded`."""
+
+CLAMPED: dict[str, tuple[str, ...]] = {
+    "arm": ("case", "=arm_c", "=arm_s", "=arm_sq"),
+    "arm_sq": ("case", "=arm_sq"),
+    "arm_dif": ("case", "=arm_dif", "=arm_sq"),
+    "arm_sum": ("case", "=arm_sum", "=arm_sq"),
+    "qe_w": ("case", "=qe_w"),
+    "qe_i": ("case", "=qe_i"),
+    "|Qe|": ("case", "=qe_w", "=qe_i"),
+}
+SHOULDER = ("case", "=x_sq", "=y_sq", "=z_sq", "=rho_sq", "=s", "=m_rho", "=m_s", "=at_shoulder")
+AT_SHOULDER: dict[str, tuple[str, ...]] = {
+    "tilt": (*SHOULDER, "=tilt_c", "=tilt_s", "=tilt_sq", "=cos_el", "=root_rho"),
+    "tilt_sq": ("case", "=tilt_sq"),
+    "sin_el": (*SHOULDER, "=sin_el", "=z_n"),
+    "cos_el": (*SHOULDER, "=cos_el", "=root_rho"),
+    "n_el": (*SHOULDER, "=n_el", "=e_rho", "=e_s"),
+}
+CASES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
+    # case of the target -> assumption, and facts instead of the dataflow's
+    "reachable": ("(not clamp)", {}),
+    "clamped": ("(and clamp (not at_shoulder))", CLAMPED),
+    "at the shoulder": ("(and clamp at_shoulder)", CLAMPED | AT_SHOULDER),
+}
+"""Qs and Qe are outputs for clamped targets too; the triangle's other words are then unused."""
+
+REACHABLE = next(iter(CASES))
 
 
 class Questions:
@@ -32,7 +63,7 @@ class Questions:
         self.exact = exact
         self.case = case
         self.assumption, self.other = CASES[case]
-        self.lemmas = [name for name, (_, uses) in GEOMETRY.items() if uses]
+        self.lemmas = [name for name, (_, uses) in exact.lemmas.items() if uses]
         self.proved = self._proved()
 
     def _proved(self) -> list[str]:
@@ -40,28 +71,28 @@ class Questions:
         ranges = [name for name in self.exact.claimed if name not in BY_WORDS]
         if self.case == REACHABLE:
             return [*self.lemmas, *ranges]
-        nodes, found = self.exact.nodes, {}
+        nodes, needed = self.exact.nodes, {}
         left = ["words of Qs", "words of Qe", *(n for n in ranges if nodes[n].section in ("direction", "turn"))]
         left += [n for n in ranges if self.decided(n)]
         while left:
-            if (name := left.pop()) not in found and name in {*self.lemmas, *ranges}:
-                found[name] = True
+            if (name := left.pop()) not in needed and name in {*self.lemmas, *ranges}:
+                needed[name] = True
                 left += self.uses(name)
-        return list(found)
+        return list(needed)
 
     def decided(self, name: str) -> bool:
         """Return whether a node's word depends on the case."""
-        return "clamp" in {node.name for node in self.exact.nodes[name].operands}
+        return "clamp" in self.exact.operands(name)
 
     def uses(self, name: str) -> list[str]:
         """Return the names of the facts that a question about a range uses."""
-        for table in (self.other, USES):
-            if name in table:
-                return table[name]
-        if name in GEOMETRY:
-            return GEOMETRY[name][1]
-        operands = [node.name for node in self.exact.nodes[name].operands]
-        return [f"={name}", *(n for n in operands if n in self.exact.claimed)]
+        if name in self.other:
+            return list(self.other[name])
+        if name in self.exact.lemmas:
+            return list(self.exact.lemmas[name][1])
+        if (proof := self.exact.nodes[name].proof) is not None:
+            return list(proof)
+        return [f"={name}", *(operand for operand in self.exact.operands(name) if operand in self.exact.claimed)]
 
     def question(self, name: str) -> str:
         """Return the formula that z3 must refute."""
@@ -82,10 +113,10 @@ class Rules(Questions):
 
     def says(self, name: str) -> str:
         """Return the meaning of a question, for the full table."""
-        return GEOMETRY[name][0] if name in self.lemmas else self.exact.nodes[name].facts.within.why
+        return self.exact.lemmas[name][0] if name in self.lemmas else self.exact.within(name).why
 
     def claim(self, name: str) -> str:
-        return GEOMETRY[name][0] if name in self.lemmas else self.exact.claim(name)
+        return self.exact.lemmas[name][0] if name in self.lemmas else self.exact.claim(name)
 
     def facts(self, name: str) -> list[str]:
         return [fact for used in self.uses(name) for fact in self._fact(used)]
@@ -96,12 +127,10 @@ class Rules(Questions):
         if name[0] == "~":
             return [self.exact.near(name[1:])]
         if name[0] == "=":
-            if name[1:] in SQUARES:
-                return [f"(= {name[1:]} {SQUARES[name[1:]]})"]
             return self.exact.equations[name[1:]]
         if name == "case":
             return [self.assumption]
-        return [GEOMETRY[name][0] if name in GEOMETRY else self.exact.known(name)]
+        return [self.exact.lemmas[name][0] if name in self.exact.lemmas else self.exact.known(name)]
 
 
 class Rounded(Questions):
@@ -115,51 +144,50 @@ class Rounded(Questions):
     def names(self) -> list[str]:
         """Return the nodes to prove that are rounded; CORDICs have bounds of their own."""
         nodes = self.exact.nodes
-        names = [name for name in (*self.proved, *BY_WORDS) if name in nodes and nodes[name].op != "vector"]
-        return [name for name in names if nodes[name].format.frac and self.exact.errors[name]]
+        names = [name for name in (*self.proved, *BY_WORDS) if name in nodes and nodes[name].kind != "vector"]
+        return [name for name in names if nodes[name].frac and self.exact.errors[name]]
 
     def rounding(self, node: Node) -> tuple[float, float]:
         """Return the bounds of the rounding error in ulps: one ulp in either direction for an operation that drops
         bits, as a difference reverses the sign of an operand's rounding."""
-        return JAM if node.error == FLOOR and node.op == "choose" else node.error
+        return JAM if node.error == FLOOR and node.kind == "choose" else node.error
 
-    def _near(self, node: Node) -> list[str]:
-        """Return the proved facts of a node: its range and its word's error; an exact word equals its value."""
-        name = node.name
-        if node.op == "input":
+    def _near(self, node: Node, of: Node) -> list[str]:
+        """Return the proved facts of an operand: its range and its word's error; an exact word equals its value."""
+        name = self.exact.operand(of, node)
+        if node.kind == "input" or name != node.name:
             return [*self.exact.equations[name], self.exact.near(name)]
         if name in BY_WORDS:
             return [self.exact.near(name)]
         return [self.exact.claim(name), self.exact.near(name)] if name in self.proved else []
 
     def facts(self, name: str) -> list[str]:
-        node = self.exact.nodes[name]
-        fractions = [n for n in node.operands if n.format.frac]
-        facts = [fact for n in node.operands if n.format.frac for fact in self._near(n)]
-        facts += [self.exact.known(n.name) for n in node.operands if n.name in self.proved and not n.format.frac]
-        facts += [*self.exact.equations[name], *([self.assumption] if self.decided(name) else [])]
-        words = {n.name: f"{n.name}_w" for n in fractions}
+        node, equations = self.exact.nodes[name], self.exact.equations
+        fractions = [operand for operand in node.operands if operand.frac]
+        integers = [operand for operand in node.operands if not operand.frac]
+        facts = [fact for operand in fractions for fact in self._near(operand, node)]
+        facts += [self.exact.known(count.name) for count in integers if count.name in self.proved]
+        facts += [*equations[name], *([self.assumption] if self.decided(name) else [])]
+        operands = {self.exact.operand(node, operand) for operand in fractions}
+        words = {operand: f"{operand}_w" for operand in operands}
         lowest, highest = (number(e * node.format.ulp) for e in self.rounding(node))
-        if node.op in ("even", "trig") or (node.op == "rsqrt" and fractions[0].op == "even"):
+        if node.kind in ("even", "trig") or (node.kind == "rsqrt" and fractions[0].kind == "even"):
             # truncating a mantissa is part of the root's error
             return [*facts, f"(<= {lowest} (- {name}_w {name}) {highest})"]
         words[name] = f"{name}_f"
-        facts += [
-            re.sub(r"[a-z]\w*", lambda found: words.get(found[0], found[0]), text)
-            for text in self.exact.equations[name]
-        ]
+        facts += [re.sub(r"[a-z]\w*", lambda match: words.get(match[0], match[0]), text) for text in equations[name]]
         top = number(node.format.high * node.format.ulp)
-        held = f"(ite (< {top} {name}_f) {top} {name}_f)" if isinstance(node.facts.limited, Limited) else f"{name}_f"
+        held = f"(ite (< {top} {name}_f) {top} {name}_f)" if isinstance(node.limited, Limited) else f"{name}_f"
         facts.append(f"(<= {lowest} (- {name}_w {held}) {highest})")
-        if "low" in {n.name for n in node.operands}:  # the only decision that does not depend on signs alone
-            facts.append("(= low (< length_sq_w 0.25))")
+        # a decision that is not on a sign
+        facts += [self.exact.on_words(mask) for mask in integers if mask.kind == "choose" and not equations[mask.name]]
         if name == "inv_q":
             facts += self.facts("m_q")
         return facts
 
     def claim(self, name: str) -> str:
         """Return the error claim, and the word's range if a decision on words limits it."""
-        claim, error, within = self.exact.near(name), self.exact.errors[name], self.exact.nodes[name].facts.within
+        claim, error, within = self.exact.near(name), self.exact.errors[name], self.exact.nodes[name].within
         if name == "m_q":
             return f"(and {claim} {between(within.low - error, 'm_q_w', within.high + error)})"
         return claim
@@ -171,7 +199,7 @@ class Rounded(Questions):
 
 def _question(asked: Questions, name: str) -> Question:
     both = asked.assumed(name), asked.question(name)
-    label = f"{name}, W={asked.exact.width}" + ("" if asked.case == REACHABLE else f", {asked.case}")
+    label = f"{name}, W={asked.exact.flow.width}" + ("" if asked.case == REACHABLE else f", {asked.case}")
     solver = LINEAR if name.startswith("words of") else SOLVER
     met, said = (lambda k=k: ask_each(both, solver, LIMIT)[k] for k in range(2))
     return Question(label, asked.says(name), said, met)
@@ -203,7 +231,8 @@ def too_narrow(kind: type[Questions]) -> Iterator[Question]:
     asked = kind(Exact(max(WIDTHS)))
     exact = asked.exact
     node = exact.nodes[SEEDED]
-    within = replace(node.facts.within, low=node.facts.within.low * 5 / 6, high=node.facts.within.high * 5 / 6)
-    exact.nodes[SEEDED] = replace(node, facts=replace(node.facts, within=within))
+    within = exact.within(SEEDED)
+    narrow = replace(within, low=within.low * 5 / 6, high=within.high * 5 / 6)
+    exact.nodes[SEEDED] = replace(node, within=narrow)
     exact.errors[SEEDED] /= 2
     yield _question(asked, SEEDED)

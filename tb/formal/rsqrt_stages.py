@@ -13,8 +13,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
-from model.dataflow.nodes import WIDTHS, root_frac
-from model.dataflow.operations import TILE
+from model.dataflow.formats import WIDTHS, root_frac
+from model.dataflow.mul3 import TILE
 from model.dataflow.quadratic import INVERSE_ROOT, Form, place, polynomial, rounding, table_rows
 from tb.formal.arithmetic import Question, inside, integers, word
 from tb.formal.tools import yosys

@@ -8,7 +8,8 @@ import numpy as np
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
-from model.dataflow.nodes import Format, Limits, Node
+from model.dataflow.formats import Format
+from model.dataflow.nodes import Limits, Node
 from model.io.stimuli import arm_limits
 from model.io.words import pack
 

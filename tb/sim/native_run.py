@@ -17,7 +17,8 @@ import numpy as np
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
-from model.dataflow.nodes import WIDTHS, Limits, Node
+from model.dataflow.formats import WIDTHS
+from model.dataflow.nodes import Limits, Node
 from model.io.stimuli import arm_limits
 from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, environment

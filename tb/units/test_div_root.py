@@ -5,7 +5,7 @@ import math
 import random
 from fractions import Fraction
 
-from model.dataflow.nodes import GUARD, Latency
+from model.dataflow.formats import GUARD, Latency
 from tb.units.unit import BIT, Case, Tests, checks, corners, each, runs, sets_of, signed, some
 
 

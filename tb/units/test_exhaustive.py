@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import pytest
 
-from model.dataflow.nodes import Latency
+from model.dataflow.formats import Latency
 from model.dataflow.quadratic import INVERSE_ROOT
 from tb.sim.env import ROOT, environment
 from tb.sim.native_run import build

@@ -7,8 +7,8 @@ import random
 import numpy as np
 
 from model.dataflow import fixed
-from model.dataflow.nodes import Latency, inner_frac
-from model.dataflow.operations import TILE
+from model.dataflow.formats import Latency, inner_frac
+from model.dataflow.mul3 import TILE
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, SINE_FRACS, half_sincos, half_sincos_error, rsqrt, rsqrt_places
 from tb.units.unit import BIT, Case, Tests, checks, corners, runs, sets_of, signed, unsigned
 

@@ -5,8 +5,8 @@ import itertools
 
 import numpy as np
 
-from model.dataflow.nodes import GUARD, Latency
-from model.dataflow.operations import TILE, mul3, unseen
+from model.dataflow.formats import GUARD, Latency
+from model.dataflow.mul3 import TILE, mul3, unseen
 from tb.units.unit import Case, Tests, checks, crossed, each, halves, rounded, runs, sets_of, signed, some, wrapped
 
 

@@ -5,8 +5,8 @@ import random
 
 import numpy as np
 
-from model.dataflow.nodes import Latency, inner_frac
-from model.dataflow.operations import even
+from model.dataflow.formats import Latency, inner_frac
+from model.dataflow.shifts import even
 from tb.units.unit import Case, Tests, checks, corners, crossed, each, runs, sets_of, signed, some, unsigned, wrapped
 
 COUNTS = unsigned(6)

@@ -3,7 +3,7 @@
 
 import itertools
 
-from model.dataflow.nodes import GUARD, Latency
+from model.dataflow.formats import GUARD, Latency
 from tb.units.unit import (
     BIT,
     Case,

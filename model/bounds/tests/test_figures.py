@@ -29,8 +29,8 @@ import pytest
 
 from model.bounds import tolerances
 from model.bounds.predict import Real
-from model.dataflow import fixed, quadratic
-from model.dataflow.nodes import WIDTHS
+from model.dataflow import fixed, paper_operations, quadratic
+from model.dataflow.formats import WIDTHS
 from model.dataflow.tests.test_datapaths import Run, ulp
 from model.io.flags import UNREACHABLE, expected_flags
 from model.io.scoring import singular_distance
@@ -100,9 +100,9 @@ def sine_and_cosine(frac: int, tile: int) -> Figures:
 def cordic(width: int) -> Figures:
     phi = around(-(1 << width - 1), 1 << width - 1, 512, width)
     half = np.pi * phi / 2**width
-    pairs = zip(fixed.cordic(phi, width), (np.sin(half), np.cos(half)), strict=True)
+    pairs = zip(paper_operations.cordic(phi, width), (np.sin(half), np.cos(half)), strict=True)
     errors = np.stack([word - exact * 2.0 ** (width - 2) for word, exact in pairs])
-    return {"proved": fixed.sincos_bound(width)} | measured(error=errors)
+    return {"proved": paper_operations.sincos_bound(width)} | measured(error=errors)
 
 
 @cache
@@ -132,7 +132,7 @@ def answers(targets: Callable[[int], np.ndarray], width: int, datapath: str) -> 
         return found | {"hand median": float(np.median(run.hand)), "angle median": float(np.median(angle))}
     nodes = run.answer.bits.nodes
     inner = np.column_stack([nodes[name].value * nodes[name].format.ulp for name in INNER]) * (1, 1, 1, 1, 1, -1)
-    products = max(abs(e) for node in nodes.values() if node.op == "mul3" for e in node.error)
+    products = max(abs(e) for node in nodes.values() if node.kind == "mul3" for e in node.error)
     return found | measured(hand=run.hand, angle=angle, inner=run.off(inner)[1]) | {"products proved": products}
 
 
@@ -147,9 +147,11 @@ class Local(Real):
         self.off: dict[str, np.ndarray] = {}
         super().__init__(bits, {})
 
-    def _moved(self, name, value, fmt):
-        word = np.asarray(self.bits.nodes[name].value * fmt.ulp, np.float64)
-        self.off[name] = np.asarray(word - value, np.float64)
+    def _moved(self, node, value):
+        if not node.frac:
+            return value
+        word = np.asarray(self.word(node.name), np.float64)
+        self.off[node.name] = np.asarray(word - value, np.float64)
         return word
 
 

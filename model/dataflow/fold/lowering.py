@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lean dataflow and whole arm as steps of the fold datapath.
 
-:class:`Lowering` is a domain of the dataflow: it derives the steps of a node from its operation, and uses no node
-names except of the inputs.
+:class:`Lowering` collects the steps of each node, which its operation adds (``Operation.lower``).  It knows the names of
+inputs and results, and of the mask ``arm_swap``.
 
 Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
 places.  ``weight`` w of a word: its first bit weighs -2^w.  The product of two words has 2 ``bits`` bits, and its bit
@@ -10,15 +10,13 @@ places.  ``weight`` w of a word: its first bit weighs -2^w.  The product of two 
 """
 
 from collections import defaultdict
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from ...io.words import ARM_FIELDS, ARM_RESULT_FIELDS, ARMS, BRANCHES, FIELDS, RESULT_FIELDS
-from .. import arm, lean
-from ..nodes import Domain, Node, inner_frac, root_frac
-from ..operations import operation
+from .. import arm, lean, lean_turn
+from ..expressions import Constant, Term
+from ..formats import inner_frac, root_frac
+from ..nodes import Dataflow, Node
 from .steps import (
     ALWAYS,
     ANGLE_CLOCKS,
@@ -67,15 +65,20 @@ class Sum:
     result: str = ""
 
 
-class Lowering(Domain):
-    """Lean dataflow as steps: :meth:`build` it, then call :meth:`groups`."""
+class Lowering:
+    """Lean dataflow as steps: :meth:`build` it, then call :meth:`groups`.
+
+    Operations call the methods that bear their names, with the node and its terms.
+    """
 
     INPUTS: tuple[str, ...] = FIELDS
     SIDE: tuple[str, ...] = ()
     RESULTS: tuple[str, ...] = RESULT_FIELDS
 
     def __init__(self, width: int) -> None:
-        super().__init__(width, lean.WIDTHS)
+        self.width = width
+        self.flow = Dataflow(width, lean.WIDTHS)
+        self.nodes = self.flow.nodes
         self.inner = inner_frac(width) + 2  # bits of an inner word
         self.bits = max(self.inner, root_frac(width) + 4)  # of a memory word: an inner word, or a mantissa with a sign
         self.weight: dict[str, int] = {}
@@ -92,50 +95,61 @@ class Lowering(Domain):
         self.angle_clocks = next(of for longest, of in ANGLE_CLOCKS.items() if width <= longest)
 
     def build(self) -> None:
-        """Build the whole dataflow."""
-        inputs = self.inputs(lambda name, fmt: None, (*self.INPUTS, *self.SIDE))
+        """Build the whole dataflow, and the steps of its nodes."""
         self.weight |= dict.fromkeys(FIELDS, EXACT_WEIGHT)
-        self.flow(inputs)
+        self.make(self.flow.inputs((*self.INPUTS, *self.SIDE)))
+        for node in self.nodes.values():
+            if node.format != self.flow.bit:
+                node.op.lower(self, node)
+            elif node.operands:
+                self.made_of[node.name] = self._mask(node)
 
-    def flow(self, inputs: dict[str, Node]) -> None:
-        lean.lean(self, inputs)
+    def make(self, inputs: dict[str, Node]) -> None:
+        """Build the dataflow."""
+        lean_turn.lean(self.flow, inputs)
 
-    # ---- operations and their operands ---------------------------------------------------------------------------
+    # ---- masks ---------------------------------------------------------------------------------------------------
 
-    def op(self, name, operands, fmt, words, *rest, **named):
-        node = super().op(name, operands, fmt, words, *rest, **named)
-        kind, parameters = operation(words)
-        if fmt == self.bit:
-            self.made_of[name] = self._mask(node, kind)
-        else:
-            getattr(self, f"_{kind}")(node, *(n.name for n in node.operands), **parameters)
-        return node
-
-    def _mask(self, node: Node, kind: str) -> set[str]:
+    def _mask(self, node: Node) -> set[str]:
         """Return the registers that a mask depends on."""
-        return set().union(*(self._roots(node.name, n) for n in node.operands))
+        return node.op.mask_registers(self, node)
 
-    def _roots(self, mask: str, of: Node) -> set[str]:
+    def operand_registers(self, mask: Node, of: Node) -> set[str]:
         """Return the registers of an operand of a mask: of another mask, the sign of a word, and whether it is 0."""
-        if of.format == self.bit:
+        if of.format == self.flow.bit:
             return self.made_of[of.name]
         if of.name in POSITION:  # the sum of their squares is 0
-            return {mask}
+            return {mask.name}
         self.signs.add(of.name)
         return {of.name} | ({f"no_{of.name[1:]}"} if of.name in ARMS else set())
+
+    def wrist_registers(self) -> set[str]:
+        """Return the registers of the wrist's coordinates, which show that one of them saturates."""
+        wrists = {of.name for sums in self.sums.values() for of in sums if of.write and of.write.source == "wrist"}
+        self.signs |= wrists
+        return wrists
 
     def registers(self, selector: Selector) -> set[str]:
         """Return the registers that a selector is made of."""
         names = {selector.node, selector.unless} - {NEVER.node, ALWAYS.node, NO_COUNT.node}
         return set().union(*(self.made_of.get(name, {name}) for name in names))
 
+    # ---- sums and products ---------------------------------------------------------------------------------------
+
     def _weight(self, node: Node) -> int:
         """Return the weight of an inner word: all inner words share the last place."""
         return self.inner - 1 - node.format.frac
 
-    def _plus(self, node: Node, first: str, second: str, less: bool = False) -> None:
+    def sum(self, node: Node, terms: tuple[tuple[int, Term], ...]) -> None:
+        if len(terms) > 2 or isinstance(terms[0][1], Constant) or node.ends:
+            self._chain_of(node, terms)
+            return
+        (_, first), (sign, second) = terms
+        self._plus(node, first.name, second.name, sign < 0)
+
+    def _plus(self, node: Node, first: str, second: str, less: bool) -> None:
         name = node.name
-        if first in ARMS:  # halved: an arm is normalized from T
+        if first in ARMS:  # halved: a length is normalized from T
             window = Write(name, DOUBLE)
             half = f"{first}/2"  # not the normalized T: both would be written in the same clock
             for term, arm in ((first, first), (half, first), (second, second)):
@@ -150,68 +164,77 @@ class Lowering(Domain):
                 self.weight[name] = self._weight(node)
             self.sums[first].append(Sum(name, second, ALWAYS if less else NEVER, write=None if exact else Write(name)))
 
-    def _minus(self, node: Node, first: str, second: str) -> None:
-        self._plus(node, first, second, less=True)
+    def _chain_of(self, node: Node, terms: tuple[tuple[int, Term], ...]) -> None:
+        """Add three or more terms, of which the first may be a half."""
+        name, self.weight[node.name] = node.name, self._weight(node)
+        if isinstance(terms[0][1], Constant):
+            self.terms[HALF_ROW] = Step(HALF_ROW, ONE, HALF)
+            first, names = HALF_ROW, (f"{name}'", name)
+        else:
+            first, names = terms[0][1].name, (*(f"{name}{n}" for n in range(2, len(terms))), name)
+        rest = zip(names, terms[1:], strict=True)
+        self._chain(first, *((made, term.name, sign) for made, (sign, term) in rest), write=Write(name))
 
-    def _times(self, node: Node, a: str, b: str) -> None:
-        self.terms[node.name] = Step(node.name, a, b)
+    def wrapped_sum(self, node: Node, first: Node, second: Node) -> None:
+        self._plus(node, first.name, second.name, False)
 
-    def _square(self, node: Node, a: str) -> None:
-        self._times(node, a, a)
-
-    def _count(self, node: Node, *counts: str, factors: tuple[int, ...], constant: int = 0) -> None:
-        self.counts[node.name] = constant, tuple(zip(factors, counts, strict=True))
-
-    def _limit(self, node: Node, raw: str, top: int) -> None:
-        step = self.terms[raw]
-        assert step.write
-        self.terms[raw] = replace(step, write=replace(step.write, to=node.name, limit=True))
-        self.weight[node.name] = self.weight[raw]
-
-    def _mantissa(self, node: Node, value: str, low: str, up: int, top: int) -> None:
-        count = "e" + node.name.removeprefix("m")
-        self.norms[value] = Normal("unit", node.name, count), None
-        self.weight[node.name], self.made_of[low] = 0, {count}
-        self.signs.discard(value)  # the count decides
-
-    def _part_sum(self, node: Node, length: str, sine: str, none: str, sign: int) -> None:
-        self._further(node, length, f"{sine}/2", ALWAYS if sign < 0 else NEVER)
-
-    def _turned(self, node: Node, whole: str, part: str, swap: str) -> None:
-        self._further(node, whole, part, Selector(swap, inverted=True))
+    def _chain(self, first: str, *terms: tuple[str, str, int], write: Write | None = None, result: str = "") -> None:
+        """Add terms (sum, term, sign) to a first one, and write the last sum or make it a result."""
+        for name, term, sign in terms:
+            self.sums[first].append(Sum(name, term, NEVER if sign > 0 else ALWAYS))
+            last, first = first, name
+        self.sums[last][-1] = replace(self.sums[last][-1], write=write, result=result)
 
     def _further(self, node: Node, first: str, term: str, minus: Selector) -> None:
         self.sums[first].append(Sum(node.name, term, minus, write=Write(node.name)))
         self.weight[node.name] = self._weight(node)
 
-    def _result(self, node: Node, raw: str, negative: str, drop: int) -> None:
-        self._answer(node, raw, Selector(negative))
+    def half_sum(self, node: Node, length: Node, sine: Node, sign: int) -> None:
+        self._further(node, length.name, f"{sine.name}/2", ALWAYS if sign < 0 else NEVER)
 
-    def _elbow(self, node: Node, raw: str, clamp: str, fold: str, sign: int, **words: int) -> None:
-        self._answer(node, raw, ALWAYS if sign < 0 else NEVER)
+    def add_sub(self, node: Node, whole: Node, part: Node, add: Node) -> None:
+        self._further(node, whole.name, part.name, Selector(add.name, inverted=True))
 
-    def _answer(self, node: Node, raw: str, minus: Selector) -> None:
-        step, self.weight[node.name] = self.terms[raw], RESULT_WEIGHT
-        addend, write = step.addend.replace("half", "result"), Write(node.name, source="result")
-        self.terms[raw] = replace(step, minus=minus, result=node.name, write=write, addend=addend)
+    def exact_product(self, node: Node, a: Node, b: Node) -> None:
+        self.terms[node.name] = Step(node.name, a.name, b.name)
 
-    def _shift_up(self, node: Node, value: str, count: str, width: int, left: int = 0, right: int = 0) -> None:
+    def product(self, node: Node, a: Node, b: Node, scale: int) -> None:
+        weight = self.inner - 1 - node.format.frac
+        for word in (a, b):
+            top = word.format.width - word.format.signed - word.format.frac
+            if top != self.weight[word.name]:
+                raise ValueError(f"{node.name}: {word.name} does not begin at the first bit of a word")
+        window = self.weight[a.name] + self.weight[b.name] + scale - weight
+        kind = {PLAIN: "plain", DOUBLE: "double"}[window]
+        self.weight[node.name] = weight
+        self.terms[node.name] = Step(node.name, a.name, b.name, kind, f"half_{kind}", write=Write(node.name, window))
+
+    # ---- shifts --------------------------------------------------------------------------------------------------
+
+    def count(self, node: Node, constant: int, terms: tuple[tuple[int, Node], ...]) -> None:
+        self.counts[node.name] = constant, tuple((factor, count.name) for factor, count in terms)
+
+    def even(self, node: Node, value: Node, count: str) -> None:
+        inverse = any(of.inverse and of.name == value.name for sums in self.sums.values() for of in sums)
+        kind = "arm" if value.name in ARMS else "inverse" if inverse else "even"
+        self.norms[value.name] = Normal(kind, node.name, count), None
+        self.weight[node.name] = 0
+
+    def shift_up(self, node: Node, value: Node, count: str, power: int) -> None:
         """Shift to the left, by the normalizer, whose first bit has twice a product's weight."""
-        power = left - right + node.operands[0].format.frac - node.format.frac
-        is_word = value in self.weight
-        first = (self.weight[value] + ONE_WEIGHT if is_word else 2 * EXACT_WEIGHT) + 1
+        is_word = value.name in self.weight
+        first = (self.weight[value.name] + ONE_WEIGHT if is_word else 2 * EXACT_WEIGHT) + 1
         normal = Normal("count", node.name), self._counted(count, power + first - self._shifted(node))
         if is_word:
-            self.terms[node.name] = Step(node.name, value, ONE)
-        self.norms[node.name if is_word else value] = normal
+            self.terms[node.name] = Step(node.name, value.name, ONE)
+        self.norms[node.name if is_word else value.name] = normal
 
-    def _shift_down(self, node: Node, value: str, count: str, left: int = 0) -> None:
-        power = left + node.operands[0].format.frac - node.format.frac
-        offset = self._shifted(node) - self.weight[value] - power
+    def shift_down(self, node: Node, value: Node, count: str, power: int) -> None:
+        offset = self._shifted(node) - self.weight[value.name] - power
         window = PLAIN if offset + PLAIN >= 0 else DOUBLE
         write, counted = Write(node.name, window), self._counted(count, offset + window)
         self.terms[node.name] = Step(
-            node.name, value, POWER, "power", minus=NO_COUNT, carry="minus", write=write, count=counted
+            node.name, value.name, POWER, "power", minus=NO_COUNT, carry="minus", write=write, count=counted
         )
 
     def _shifted(self, node: Node) -> int:
@@ -220,75 +243,80 @@ class Lowering(Domain):
         return weight
 
     def _counted(self, name: str, offset: int) -> Counted:
-        """Return a count plus ``offset``; an arm is shifted one pair more than its node's count (:data:`NORMS`)."""
+        """Return a count plus ``offset``; a length is shifted one pair more than its node's count (:data:`NORMS`)."""
         constant, terms = self.counts.get(name, (0, ((1, name),)))
         arms = {normal.count for normal, _ in self.norms.values() if normal.kind == "arm"}
         further = sum(factor for factor, register in terms if register in arms)
         return Counted(constant + offset - further, terms, name, offset)
 
-    def _half_length(self, node: Node, cosine: str, mask: str = "", frac: int = 0) -> None:
-        self.signs.add(cosine)
-        self.weight[node.name] = 1
-        a: str | Pick = cosine
-        if mask:
-            a = self.picks[cosine] = Pick(cosine, Selector(mask))
-        minus = Selector(cosine, True, unless=mask)
-        self.terms[node.name] = Step(node.name, a, HALF, "word", "length", addend_by=Selector(mask), minus=minus)
+    # ---- selections ----------------------------------------------------------------------------------------------
 
-    def _half_part(
-        self, node: Node, length: str, cosine: str, sine: str, *masks: str, large: Callable, none=None, frac: int = 0
-    ) -> None:
+    def limit(self, node: Node, raw: Node) -> None:
+        step = self.terms[raw.name]
+        assert step.write
+        self.terms[raw.name] = replace(step, write=replace(step.write, to=node.name, limit=True))
+        self.weight[node.name] = self.weight[raw.name]
+
+    def mantissa(self, node: Node, value: Node, low: Node) -> None:
+        count = "e" + node.name.removeprefix("m")
+        self.norms[value.name] = Normal("unit", node.name, count), None
+        self.weight[node.name], self.made_of[low.name] = 0, {count}
+        self.signs.discard(value.name)  # the count decides
+
+    def result(self, node: Node, raw: Node, negative: Node) -> None:
+        self._answer(node, raw.name, Selector(negative.name))
+
+    def elbow(self, node: Node, raw: Node, sign: int) -> None:
+        self._answer(node, raw.name, ALWAYS if sign < 0 else NEVER)
+
+    def _answer(self, node: Node, raw: str, minus: Selector) -> None:
+        step, self.weight[node.name] = self.terms[raw], RESULT_WEIGHT
+        addend, write = step.addend.replace("half", "result"), Write(node.name, source="result")
+        self.terms[raw] = replace(step, minus=minus, result=node.name, write=write, addend=addend)
+
+    def half_length(self, node: Node, cosine: Node, mask: Node | None) -> None:
+        self.signs.add(cosine.name)
+        self.weight[node.name] = 1
+        unit = mask.name if mask else ""
+        a: str | Pick = cosine.name
+        if mask:
+            a = self.picks[cosine.name] = Pick(cosine.name, Selector(unit))
+        minus = Selector(cosine.name, True, unless=unit)
+        self.terms[node.name] = Step(node.name, a, HALF, "word", "length", addend_by=Selector(unit), minus=minus)
+
+    def half_part(self, node: Node, cosine: Node, sine: Node, large: Term, none: Node | None) -> None:
         """Record the parts of a rotation: the larger is written with the squared length, the smaller by its own step;
         both are created on the second call."""
         self.weight[node.name] = 1
         lengths = (name for name, term in self.terms.items() if term.addend == "length")
-        length = next(name for name in lengths if cosine in self.terms[name].reads)
+        length = next(name for name in lengths if cosine.name in self.terms[name].reads)
+        masks = [operand.name for operand in large.leaves if operand.format == self.flow.bit]
         if length not in self.pairs:
-            self.pairs[length] = (node.name, "")
+            self.pairs[length] = (node.name, masks[0] if masks else "")
             return
-        first, second = self.pairs[length][0], node.name
-        self.pairs[length] = first, second
-        second_larger = bool(large(np.int64(1), *(np.False_ for _ in masks)))
-        flag = Selector("arm_swap") if none else Selector(cosine, negative=True)
+        first, mask = self.pairs[length]
+        self.pairs[length] = first, node.name
+        # A positive cosine and no mask: is the second part the larger one?
+        second_larger = bool(large.words({cosine.name: 1, **dict.fromkeys(masks, False)}))
+        flag = Selector("arm_swap") if none else Selector(cosine.name, negative=True)
         self.picks[length] = Pick(first, flag, second_larger)
         self.terms[length] = replace(self.terms[length], write=Write(self.picks[length]))
-        a: str | Pick = sine
+        a: str | Pick = sine.name
         if none:
-            a = self.picks[sine] = Pick(sine, Selector(masks[0]))
-        small = Step(f"{sine}/2", a, HALF, cut="word", write=Write(Pick(first, flag, not second_larger)))
-        if masks and not none:  # both parts are 1/2
-            small = replace(small, addend="none_or_half", addend_by=Selector(masks[0]))
-        self.terms[small.name] = small
+            a = self.picks[sine.name] = Pick(sine.name, Selector(none.name))
+        name = f"{sine.name}/2"
+        small = Step(name, a, HALF, cut="word", write=Write(Pick(first, flag, not second_larger)))
+        if mask and not none:  # both parts are 1/2
+            small = replace(small, addend="none_or_half", addend_by=Selector(mask))
+        self.terms[name] = small
 
-    def _norm(self, value: str, normal: Normal) -> None:
-        self.norms[value] = normal, None
-        self.weight[normal.to] = 0
+    # ---- tables --------------------------------------------------------------------------------------------------
 
-    # ---- products, roots, sines ----------------------------------------------------------------------------------
+    def rsqrt(self, node: Node, m: Node, twice: Node | None) -> None:
+        write = Write(node.name, PLAIN, Selector(twice.name) if twice else NEVER, last="root")
+        self._table(node.name, Row("root", m.name, False), write)
 
-    def product3(self, name, a, b, fmt, scale):
-        weight = self.inner - 1 - fmt.frac
-        for word in (a, b):
-            top = word.format.width - word.format.signed - word.format.frac
-            if top != self.weight[word.name]:
-                raise ValueError(f"{name}: {word.name} does not begin at the first bit of a word")
-        window = self.weight[a.name] + self.weight[b.name] + scale - weight
-        kind = {PLAIN: "plain", DOUBLE: "double"}[window]
-        self.weight[name] = weight
-        self.terms[name] = Step(name, a.name, b.name, kind, f"half_{kind}", write=Write(name, window))
-
-    def even_mantissa(self, count, name, value, width, fmt):
-        inverse = any(of.inverse and of.name == value.name for sums in self.sums.values() for of in sums)
-        kind = "arm" if value.name in ARMS else "inverse" if inverse else "even"
-        self._norm(value.name, Normal(kind, name, count))
-        return None, None
-
-    def reciprocal_root(self, name, m, fmt, twice):
-        write = Write(name, PLAIN, Selector(twice.name) if twice else NEVER, last="root")
-        self._table(name, Row("root", m.name, False), write)
-
-    def half_sincos(self, names, phi, fmt):
-        sine, cosine = names
+    def half_angle(self, sine: str, cosine: str, phi: Node) -> None:
         angle = f"|{phi.name}|"
         self.signs.add(phi.name)
         negative = Selector(phi.name, negative=True)
@@ -297,7 +325,6 @@ class Lowering(Domain):
         self.terms[sine] = Step(sine, f"|{sine}|", ONE, minus=negative, carry="minus", write=Write(sine))
         self._table(cosine, Row("cosine", angle, False), Write(cosine, DOUBLE, last="sine"))
         self.weight |= {angle: 1, f"|{sine}|": 1, sine: 1}
-        return None, None
 
     def _table(self, name: str, row: Row, write: Write) -> None:
         """Add the steps of a quadratic: the slope in the row's segment, and the value."""
@@ -310,9 +337,6 @@ class Lowering(Domain):
         cut, value = "root" if row.function == "root" else "sine", replace(row, value=True)
         step = Step(name, slope, row.of, cut, "value", minus=falls, carry="minus", place="all", rows=(value,))
         self.terms[name] = replace(step, write=write)
-
-    def apply(self, name, operands, fmt, words):
-        return None
 
     # ---- groups --------------------------------------------------------------------------------------------------
 
@@ -365,73 +389,38 @@ class ArmLowering(Lowering):
 
     INPUTS, SIDE, RESULTS = ARM_FIELDS, BRANCHES, ARM_RESULT_FIELDS
 
-    def flow(self, inputs: dict[str, Node]) -> None:
+    def make(self, inputs: dict[str, Node]) -> None:
         self.weight |= {name: RESULT_WEIGHT for name in self.INPUTS if name not in FIELDS}
-        arm.arm(self, inputs)
+        arm.arm(self.flow, inputs)
 
-    def _mask(self, node: Node, kind: str) -> set[str]:
-        if kind == "outside":  # set after the joint's angle
-            return {node.name}
-        if kind == "outside_format":
-            wrists = {of.name for sums in self.sums.values() for of in sums if of.write and of.write.source == "wrist"}
-            self.signs |= wrists  # their registers
-            return wrists
-        return super()._mask(node, kind)
-
-    def _plus_wrapped(self, node: Node, a: str, b: str, width: int) -> None:
-        self._plus(node, a, b)
-
-    def _chosen(self, node: Node, word: str, mask: str, unit: int | None) -> None:
+    def replaced(self, node: Node, word: Node, mask: Node, constant: int) -> None:
         self.weight[node.name] = RESULT_WEIGHT
-        self.picks[node.name] = Pick(word, Selector(mask), constant=ZERO if unit is None else ONE)
+        self.picks[node.name] = Pick(word.name, Selector(mask.name), constant=ONE if constant else ZERO)
 
-    def _chain(self, first: str, *terms: tuple[str, str, int], write: Write | None = None, result: str = "") -> None:
-        """Add terms (sum, term, sign) to a first one, and write the last sum or make it a result."""
-        for name, term, sign in terms:
-            self.sums[first].append(Sum(name, term, NEVER if sign > 0 else ALWAYS))
-            last, first = first, name
-        self.sums[last][-1] = replace(self.sums[last][-1], write=write, result=result)
-
-    def _half_row(self, node: Node, a: str, b: str, signs: tuple[int, int], half: int, width: int) -> None:
-        name, self.weight[node.name] = node.name, self._weight(node)
-        if half:
-            self.terms[HALF_ROW] = Step(HALF_ROW, ONE, HALF)
-            self._chain(HALF_ROW, (f"{name}'", a, signs[0]), (name, b, signs[1]), write=Write(name))
-        else:
-            assert signs[0] > 0
-            self._chain(a, (name, b, signs[1]), write=Write(name))
-
-    def _target(self, node: Node, point: str, off: str, **shifts: int) -> None:
+    def wrist(self, node: Node, point: Node, off: Node) -> None:
         self.weight[node.name] = EXACT_WEIGHT
-        self.terms[f"{point}/2"] = Step(f"{point}/2", point, HALF, addend="result_double")
-        self._chain(f"{point}/2", (node.name, off, -1), write=Write(node.name, source="wrist"))
+        half = f"{point.name}/2"
+        self.terms[half] = Step(half, point.name, HALF, addend="result_double")
+        self._chain(half, (node.name, off.name, -1), write=Write(node.name, source="wrist"))
 
-    def _elbow(self, node: Node, raw: str, clamp: str, fold: str, sign: int, **words: int) -> None:
+    def elbow(self, node: Node, raw: Node, sign: int) -> None:
         """Keep the word, and make it a result later: from the first result to the last one there is less than a lap."""
-        super()._elbow(node, raw, clamp, fold, sign, **words)
-        self.terms[raw] = replace(self.terms[raw], result=raw)
+        super().elbow(node, raw, sign)
+        self.terms[raw.name] = replace(self.terms[raw.name], result=raw.name)
         self.terms[node.name] = Step(node.name, node.name, ONE, result=node.name)
 
-    def _four(self, node: Node, *terms: str, signs: tuple[int, ...]) -> None:
-        assert signs[0] > 0
-        self.weight[node.name] = self._weight(node)
-        names = *(f"{node.name}{n}" for n in (2, 3)), node.name
-        self._chain(terms[0], *zip(names, terms[1:], signs[1:], strict=True), write=Write(node.name))
+    def rounded_sum(self, node: Node, a: Node, b: Node, sign: int) -> None:
+        self.terms[a.name] = replace(
+            self.terms[a.name], minus=ALWAYS, addend="result_plain", write=None, term=a.name
+        )
+        self._chain(a.name, (node.name, b.name, sign), result=node.name)
 
-    def _two(self, node: Node, a: str, b: str, sign: int, drop: int) -> None:
-        self.terms[a] = replace(self.terms[a], minus=ALWAYS, addend="result_plain", write=None, term=a)
-        self._chain(a, (node.name, b, sign), result=node.name)
+    def vector(self, node: Node, length: str | None, x: Node, y: Node, sign: int) -> None:
+        words = x.name in ARM_RESULT_FIELDS
+        self.vectors[node.name] = Vector(node.name, length, x.name, y.name, sign < 0, not words)
 
-    def vector(self, length, angle, x, y, within) -> None:
-        super().vector(length, angle, x, y, within)
-        word, opposite = (y, False) if isinstance(y, Node) else (y.node, True)
-        self.vectors[angle] = Vector(angle, length, x.name, word.name, opposite, x.name not in ARM_RESULT_FIELDS)
+    def joint(self, node: Node, s: Node, d: Node, sign: int, turned: tuple[Node, ...]) -> None:
+        self.joints[node.name] = Joint(node.name, s.name, d.name, sign < 0, tuple(mask.name for mask in turned))
 
-    def polar(self, names, x, y, sign):
-        return None, None
-
-    def _joint(self, node: Node, s: str, d: str, *turned: str, sign: int, **words: int) -> None:
-        self.joints[node.name] = Joint(node.name, s, d, sign < 0, turned)
-
-    def _twice(self, node: Node, half: str, negated: str, **words: int) -> None:
-        self.joints[node.name] = Joint(node.name, half, branch=(negated,))
+    def twice(self, node: Node, half: Node, negated: Node) -> None:
+        self.joints[node.name] = Joint(node.name, half.name, branch=(negated.name,))

@@ -6,7 +6,7 @@ import pytest
 
 from model.bounds import tolerances
 from model.dataflow import fixed
-from model.dataflow.nodes import WIDTHS
+from model.dataflow.formats import WIDTHS
 from model.io.flags import BAD_HAND, SATURATED, UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, any_hands, hand_poses, region
 from model.reference.joints import NEGATED, TURNED

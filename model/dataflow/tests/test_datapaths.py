@@ -14,16 +14,16 @@ import pytest
 
 from model.bounds import predict, tolerances
 from model.dataflow import fixed
-from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS
+from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS, MODELS
 from model.dataflow.fold.program import ConflictError, codes, encode, fields, lower, program, schedule, schedules
 from model.dataflow.fold.shown import shown
-from model.dataflow.nodes import WIDTHS
+from model.dataflow.formats import WIDTHS
 from model.io.flags import AT_SHOULDER, CORE_FLAGS, UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, corners, edges, mixed, random_reachable, region, unreachable
 from model.io.words import FIELDS, RESULT_FIELDS, from_words, result_values
 from model.reference.equations import solve_clamped
 from model.reference.kinematics import angle_between, forward
-from model.reference.lean_equations import NUMBER, solve_lean
+from model.reference.lean_equations import solve_lean
 
 TESTED = (16, 18, 24, 27, 32)
 
@@ -193,31 +193,36 @@ def test_a_width_that_is_not_built_is_refused():
         fixed.run(np.zeros((1, 6), dtype=np.int64), 33)
 
 
-DECLARED = re.compile(
-    r"^\s*(?:output\s+)?(?:wire|reg)\s+(?:signed\s+)?(?:\[[^]]*\]\s*)?(?P<name>\w+)[^/\n]*(?://(?P<comment>.*))?$",
-    re.MULTILINE,
+COMMENTED = re.compile(r"^ *// (?:\(\d+\) )*(?P<name>\w+) = (?P<text>[^\n]*)$", re.MULTILINE)
+"""Equation of a node, in a line of its own above the operator."""
+
+INLINE = "choose", "input"
+"""Kinds of nodes that may be computed by a line of Verilog instead of an instance of an operator."""
+
+
+@pytest.mark.parametrize(
+    ("datapath", "section"), [(name, section) for name in ("arm", "paper") for section in MODELS[name].sections]
 )
-"""Declaration of an output, a wire or a register, and the comment after it."""
+def test_the_verilog_has_the_equation_of_each_operator(datapath, section):
+    """Every comment that is an equation equals the model's; every operator has one."""
+    path = MODELS[datapath]
+    if section == "results":
+        return
+    text = (Path(__file__).parents[3] / path.folder / f"{path.module(section)}.v").read_text(encoding="utf-8")
+    nodes = {node.name: node for node in fixed.nodes(datapath, 32).values() if node.section == section}
+    in_rtl = {match["name"]: match["text"] for match in COMMENTED.finditer(text) if match["name"] in nodes}
+    assert in_rtl == {name: nodes[name].right_side for name in in_rtl}
+    missing = [name for name, node in nodes.items() if node.kind not in INLINE and name not in in_rtl]
+    assert not missing
 
 
-def test_lean_nodes_have_the_numbers_of_the_table():
-    """Every line is the node of its name; a node without a number is a decision."""
-    nodes = fixed.nodes("lean", 32)
-    assert {name: nodes[name].equation for name in NUMBER if name in nodes} == NUMBER
-    for node in nodes.values():
-        decision = node.format.width == 1 and not node.equation
-        assert node.equation in NUMBER.values() or decision or node.op == "input", f"{node.name}: {node.equation!r}"
-
-
-@pytest.mark.parametrize("section", [name for name in DATAPATHS["lean"].sections if name != "results"])
-def test_the_verilog_has_each_number_at_the_declaration_of_a_node(section):
-    lean = DATAPATHS["lean"]
-    text = (Path(__file__).parents[3] / lean.folder / f"{lean.module(section)}.v").read_text(encoding="utf-8")
-    in_rtl = {m["name"]: re.findall(r"\(L\d+\)", m["comment"] or "") for m in DECLARED.finditer(text)}
-    nodes = fixed.nodes("lean", 32).values()
-    own = {n.name: [n.equation] if n.equation else [] for n in nodes if n.section == section and n.operands}
-    assert own == {name: in_rtl.get(name) for name in own}
-    assert not {name for name, found in in_rtl.items() if found and name not in own}, "numbers at other signals"
+@pytest.mark.parametrize("section", DATAPATHS["paper"].sections)
+def test_the_verilog_has_the_papers_number_at_each_node(section):
+    path = MODELS["paper"]
+    text = (Path(__file__).parents[3] / path.folder / f"{path.module(section)}.v").read_text(encoding="utf-8")
+    for node in fixed.nodes("paper", 32).values():
+        if node.section == section and node.equation and node.kind not in INLINE:
+            assert re.search(rf"{re.escape(node.equation)}.*\b{node.name} = ", text), node.name
 
 
 PROGRAMS = pytest.mark.parametrize("name", ["fold", "fold_arm"])

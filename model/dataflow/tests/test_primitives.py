@@ -9,9 +9,11 @@ import numpy as np
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from model.dataflow.fixed import Bits, floor_div, floor_root, round_shift
-from model.dataflow.nodes import Format, Node
-from model.dataflow.operations import TILE, cuts, mul3, mul3_error, unseen
+from model.dataflow.expressions import Sum, round_shift
+from model.dataflow.formats import Format
+from model.dataflow.mul3 import TILE, cuts, mul3, mul3_error, unseen
+from model.dataflow.nodes import Dataflow, Input, Node
+from model.dataflow.paper_operations import Mul, Total, floor_div, floor_root
 
 ROOT_LIMIT = 1 << 63  # upper bound of floor_root's arguments; none in the datapath reaches 2^62
 
@@ -38,28 +40,31 @@ W = 16  # word length of these nodes; no operation depends on it
 ENDS = [-(1 << W - 1), -1, 0, 1, (1 << W - 1) - 1]
 
 
-def node(bits: Bits, name: str, words, fmt: Format) -> Node:
-    return bits.make(name, "input", (), fmt, None, np.array(words, dtype=np.int64))
+FLOW = Dataflow(W)
 
 
-def check(bits: Bits, result: Node, exact: list[Fraction]) -> None:
+def inputs(columns, *formats: Format) -> tuple[list[Node], dict[str, np.ndarray]]:
+    """Return input nodes, and their words by name."""
+    nodes = [Node(name, "", "", Input(), fmt, None, 0, FLOW) for name, fmt in zip("abc", formats, strict=False)]
+    return nodes, {node.name: np.array(words, dtype=np.int64) for node, words in zip(nodes, columns, strict=True)}
+
+
+def check(operation, fmt: Format, values: dict[str, np.ndarray], exact: list[Fraction]) -> None:
     """Assert that a node's words are exact values, rounded half up and saturated, and that its mask has the latter."""
-    fmt = result.format
+    node = Node("q", "", "", operation, fmt, operation.latency, 0, FLOW)
     words = [half_up(value * 2**fmt.frac) for value in exact]
-    assert result.value.tolist() == [min(max(word, fmt.low), fmt.high) for word in words]
-    assert bits.overflow[result.name].tolist() == [not fmt.low <= word <= fmt.high for word in words]
+    assert node.evaluate(values).tolist() == [min(max(word, fmt.low), fmt.high) for word in words]
+    assert operation.overflow(node, values).tolist() == [not fmt.low <= word <= fmt.high for word in words]
 
 
 @given(st.lists(st.tuples(signed(W), signed(W)), min_size=1), st.integers(-1, 3), st.booleans(), st.integers(0, 1))
 @example(list(product(ENDS, repeat=2)), 0, True, 0)
 @example(list(product(ENDS, repeat=2)), -1, True, 1)
 def test_product_is_rounded_and_saturated(pairs, integer_bits, narrow, scale):
-    bits = Bits(W)
-    one, two = zip(*pairs, strict=True)
-    a, b = node(bits, "a", one, bits.word(1)), node(bits, "b", two, bits.word(0))
-    fmt = bits.word(integer_bits) if narrow else bits.wide(integer_bits)
+    (a, b), values = inputs(zip(*pairs, strict=True), FLOW.word(1), FLOW.word(0))
+    fmt = FLOW.word(integer_bits) if narrow else FLOW.wide(integer_bits)
     place = 2 ** (a.format.frac + b.format.frac - scale)
-    check(bits, bits.mul("q", a, b, fmt, scale=scale), [Fraction(p * q, place) for p, q in pairs])
+    check(Mul(a, b, scale), fmt, values, [Fraction(p * q, place) for p, q in pairs])
 
 
 @given(
@@ -68,11 +73,10 @@ def test_product_is_rounded_and_saturated(pairs, integer_bits, narrow, scale):
 @example(list(product(ENDS, repeat=3)), 0, -1, -1, True)
 @example(list(product(ENDS, repeat=3)), 2, 1, -1, True)
 def test_sum_is_rounded_and_saturated(triples, integer_bits, b_sign, c_sign, three):
-    bits = Bits(W)
-    a, b, c = (node(bits, *pair, bits.word(0)) for pair in zip("abc", zip(*triples, strict=True), strict=True))
-    terms = [a, b if b_sign > 0 else -b, c if c_sign > 0 else -c]
-    result = bits.sum("q", *terms[: 2 + three], fmt=bits.word(integer_bits))
-    check(bits, result, [Fraction(i + b_sign * j + three * c_sign * k, 1 << W - 1) for i, j, k in triples])
+    nodes, values = inputs(zip(*triples, strict=True), *[FLOW.word(0)] * 3)
+    terms = list(zip((1, b_sign, c_sign), nodes, strict=True))[: 2 + three]
+    exact = [Fraction(i + b_sign * j + three * c_sign * k, 1 << W - 1) for i, j, k in triples]
+    check(Total(Sum(*terms)), FLOW.word(integer_bits), values, exact)
 
 
 NEAR_QUOTIENTS = st.tuples(st.integers(1, (1 << 31) - 1), signed(32), st.integers(-1, 1)).map(

@@ -17,7 +17,7 @@ from model.io.stimuli import REGIONS, region
 from model.io.words import result_values
 from model.reference.kinematics import forward
 from scripts.generate import headers, pages, registers
-from scripts.generate.flow import design, start
+from scripts.generate.flow import WIDTH, start
 from tb.sim.env import ROOT, environment
 
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -47,7 +47,7 @@ def test_named_files_and_targets_exist(page):
 
 @pytest.mark.parametrize("datapath", DATAPATHS)
 def test_every_operation_is_in_one_lane_at_its_clocks(datapath):
-    nodes = design(datapath).values()
+    nodes = fixed.nodes(datapath, WIDTH).values()
     lanes = pages.lanes(nodes)
     drawn = [(name, begin, end) for lane in lanes for _, begin, end, names in lane for name in names]
     working = [(node.name, start(node), node.time) for node in nodes]

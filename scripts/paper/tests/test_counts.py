@@ -9,13 +9,15 @@ import sympy
 
 from model.bounds import ranges
 from model.bounds.tolerances import REGULAR_DISTANCE
-from model.dataflow.nodes import Domain, Format
+from model.dataflow.formats import Format
+from model.dataflow import fixed
+from model.dataflow.nodes import Dataflow
 from model.io.scoring import singular_distance
 from model.io.words import RESULT_FIELDS, to_words
 from model.reference.cga import symbol
 from scripts.console import InputError
 from scripts.generate import flow
-from scripts.generate.flow import design
+from scripts.generate.flow import WIDTH
 from scripts.generate.render import read_table
 from scripts.paper import __main__ as paper
 from scripts.paper import figures, wordlengths
@@ -100,8 +102,8 @@ def test_command_writes_the_page(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("part", ["wordlengths", "operations"])
 def test_an_operand_with_too_few_fraction_bits_is_named(part, monkeypatch, command):
-    monkeypatch.setattr(Domain, "word", lambda self, i: Format(self.width, self.width + 9, "W + 9"))
-    monkeypatch.setattr(ranges, "analyse", ranges.analyse.__wrapped__)  # without its cache
+    monkeypatch.setattr(Dataflow, "word", lambda self, i: Format(self.width, self.width + 9, "W + 9"))
+    monkeypatch.setattr(fixed, "dataflow", fixed.dataflow.__wrapped__)  # without its cache
     status, _, (error,) = command(paper.main, "--only", part)
     assert status == 1 and re.match(r"\w+: \d+ fraction bits, .* only \d+$", error), error
 
@@ -125,7 +127,7 @@ def test_figures_and_page_are_up_to_date(drawn):
 
 def test_every_node_and_operand_is_drawn(drawn):
     graph = drawn["graph_p_e_x.svg"]
-    shown = flow.cone(design("paper"), "p_e_x")
+    shown = flow.cone(fixed.nodes("paper", WIDTH), "p_e_x")
     arrows = {(o, node.name) for node in shown.values() for o in flow.operands(node)}
     assert set(re.findall(r'^  "(\w+)" -> "(\w+)"', graph, re.M)) == arrows
     assert re.findall(r'^  "(\w+)" \[label=.*', graph, re.M) == list(shown)
@@ -134,9 +136,9 @@ def test_every_node_and_operand_is_drawn(drawn):
 
 @pytest.mark.parametrize(("datapath", "width"), [("lean", 32), ("lean", 18), ("paper", 32)])
 def test_longest_path_takes_the_whole_latency(datapath, width):
-    nodes = design(datapath, width)
+    nodes = fixed.nodes(datapath, width)
     path = flow.longest_path(nodes)
-    assert path[0].op == "input" and path[0].time == 0 and path[-1].name in RESULT_FIELDS
+    assert path[0].kind == "input" and path[0].time == 0 and path[-1].name in RESULT_FIELDS
     assert path[-1].time == max(n.time for n in nodes.values())
     for before, after in zip(path, path[1:], strict=False):
         assert before.time == flow.start(after, width), after.name

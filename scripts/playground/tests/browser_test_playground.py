@@ -316,7 +316,7 @@ def test_the_vcd_holds_every_node(page, tmp_path, machine):
     nodes = nodes_of(machine.datapath, machine.width)
     found = read(tmp_path / "waves.vcd", machine.datapath, nodes)
     assert len(found.admitted) == (200 if machine.datapath == "lean" else 3)
-    inputs = {node.name: node for node in nodes if node.op == "input"}
+    inputs = {node.name: node for node in nodes if node.kind == "input"}
     last = 200 - fixed.latency(machine.datapath, machine.width)
     whole = [n for n, clock in enumerate(found.admitted) if clock < last]
     half = 1 << (machine.width - 1)

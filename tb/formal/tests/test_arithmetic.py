@@ -7,16 +7,14 @@ import numpy as np
 import pytest
 
 from model.dataflow import fixed, quadratic
-from model.dataflow.nodes import real_value
 from model.dataflow.quadratic import Form
 from model.io.stimuli import REGIONS, region
 from tb.formal import arithmetic, lean_proofs
 from tb.formal.arithmetic import Question
 from tb.formal.bugs import BUGS
 from tb.formal.floors import ROOT_DIGIT, FormulaError, floors, integer
-from tb.formal.lean_exact import Exact
-from tb.formal.lean_lemmas import BY_WORDS, CASES, GEOMETRY, SQUARES, USES
-from tb.formal.lean_proofs import Rounded, Rules
+from tb.formal.lean_exact import Exact, smt
+from tb.formal.lean_proofs import BY_WORDS, CASES, Rounded, Rules
 from tb.formal.rsqrt_stages import Stages, forms, model
 from tb.formal.tools import missing
 from tb.formal.unrolled import Answer
@@ -33,7 +31,7 @@ def test_every_range_is_asked_for(width):
     """Every claimed range and every error has a question, except those of CORDICs and of words without a limit."""
     exact = Exact(width)
     asked, rounded, nodes = Rules(exact).names(), set(Rounded(exact).names()), exact.nodes
-    fractions = {name for name, node in nodes.items() if node.format.frac and node.op != "input"}
+    fractions = {name for name, node in nodes.items() if node.frac and node.kind != "input"}
     joints = {n for n in fractions if nodes[n].section == "joints"}
     limitless = {"x", "y", "z", *(n for n in joints if nodes[n].format.signed)}
     assert fractions - limitless <= set(exact.claimed) <= {*asked, *BY_WORDS} and set(BY_WORDS) <= rounded
@@ -44,59 +42,68 @@ def test_every_range_is_asked_for(width):
 
 
 def test_questions_rest_on_what_is_asked():
-    """Every name is a node, a lemma or a sum of squares; no lemma shares a node's name."""
+    """Every name is a node, a lemma or a defined value; no lemma shares a node's name."""
     asked = Rules(Exact(FULL))
-    nodes = asked.exact.nodes
-    assert not set(GEOMETRY) & set(asked.exact.claimed) and not set(SQUARES) & set(nodes) and set(USES) <= set(nodes)
+    exact, lemmas, defined = asked.exact, asked.exact.lemmas, asked.exact.flow.definitions
+    assert not set(lemmas) & set(exact.claimed) and not set(defined) & set(exact.nodes)
     for name in asked.names():
         for used in asked.uses(name):
             plain = used.lstrip("=#~")
-            known = {*nodes, *SQUARES, "ulp"} if used != plain else {*GEOMETRY, *asked.exact.claimed} - set(BY_WORDS)
-            assert plain in known, (name, used)
-    assert [name for name, (_, uses) in GEOMETRY.items() if not uses] == ["case", "e_far of d1", "good hand"]
+            known = exact.equations if used != plain else {*lemmas, *exact.claimed} - set(BY_WORDS)
+            assert plain in known or used == "case", (name, used)
+    assert [name for name, (_, uses) in lemmas.items() if not uses] == ["good hand", "e_far of d1"]
 
 
 def test_circle_is_named(monkeypatch):
-    monkeypatch.setitem(USES, "u_x", ["sin_el", "u_y"])
-    monkeypatch.setitem(USES, "u_y", ["u_x"])
+    exact = Exact(FULL)
+    monkeypatch.setattr(exact.nodes["u_x"], "proof", ("sin_el", "u_y"))
+    monkeypatch.setattr(exact.nodes["u_y"], "proof", ("u_x",))
     with pytest.raises(RuntimeError, match="u_[xy] <- u_[xy]"):
-        Rules(Exact(FULL)).names()
+        Rules(exact).names()
 
 
 def test_power_of_two_and_word():
     """The only lemma about integers: 1/e_far, if at least one ulp, is not between d1 and the next word."""
-    claim, ulp = GEOMETRY["e_far of d1"][0], 2.0**-6
-    assert claim == "(or (< 1.0 (* ulp e_far)) (<= 1.0 (* e_far d1)) (<= (* e_far (+ d1 ulp)) 1.0))"
+    (claim, _), ulp = Exact(FULL).flow.lemmas["e_far of d1"], 2.0**-6
     for e_far in (2.0**k for k in range(8)):
         for d1 in (j * ulp for j in range(1, 128)):
-            assert ulp * e_far > 1 or e_far * d1 >= 1 or e_far * (d1 + ulp) <= 1
+            assert eval(claim, {"ulp": ulp, "e_far": e_far, "d1": d1})
 
 
 def test_decision_that_is_not_of_signs_is_free():
     exact = Exact(FULL)
-    assert exact.equations["low"] == [] and exact.equations["minus"] != []
-    assert len(exact.signs) == 5 and {"u_y", "sin_el", "k_1", "length_sq"} < exact.signs.keys()
+    assert exact.equations["low"] == [] and exact.equations["minus"] == ["(= minus neg_k_1)"]
+    assert exact.on_words(exact.nodes["low"]) == "(= low (< length_sq_w (/ 1.0 4.0)))"
+    assert exact.equations["too_far"] == ["(= too_far (and (< a_far 0.0) (not bad_length)))"]
+    assert exact.equations["arm_swap"] == ["(= arm_swap (ite clamp away neg_cos_a))"]
+
+
+def test_statements_become_formulas():
+    for text, formula in (
+        ("2*a*b**2 + c <= 1/4", "(<= (+ (* 2.0 a (* b b)) c) (/ 1.0 4.0))"),
+        ("implies(a == 0 and 0 < b, not c)", "(=> (and (= a 0.0) (< 0.0 b)) (not c))"),
+        ("x == (a - b if c else 1.5)", "(= x (ite c (- a b) (/ 3.0 2.0)))"),
+    ):
+        assert smt(text) == formula
+    with pytest.raises(SyntaxError, match="no formula for"):
+        smt("sqrt(a) < b")
 
 
 @pytest.mark.parametrize("width", [16, 24, 31, 32])
-def test_rounding_is_within_its_bounds(width, monkeypatch):
+def test_rounding_is_within_its_bounds(width):
     """Words minus the value of the operation, in ulps, stay within the rounding that the questions assume."""
-    rounded, off, apply = Rounded(Exact(width)), {}, fixed.Bits.apply
-
-    def watched(self, name, operands, fmt, function):
-        words = apply(self, name, operands, fmt, function)
-        node = rounded.exact.nodes[name]
-        if not self.decides(fmt):
-            values = [n.value * n.format.ulp if n.format.frac else n.value for n in operands]
-            exact = real_value(function, operands, values, fmt)
-            exact = np.minimum(exact, fmt.high * fmt.ulp) if node.facts.limited else exact
-            off[name] = (np.asarray(words, dtype=np.float64) * fmt.ulp - exact) / fmt.ulp
-        return words
-
-    monkeypatch.setattr(fixed.Bits, "apply", watched)
+    rounded, off = Rounded(Exact(width)), {}
     words = np.concatenate([region(name, 1000, width, 3) for name in REGIONS])
-    clamp = fixed.run(words, width, "lean").bits.nodes["clamp"].value
-    usual = ~np.asarray(clamp).astype(bool)
+    nodes = fixed.run(words, width, "lean").bits.nodes
+    usual = ~np.asarray(nodes["clamp"].value).astype(bool)
+    for name, node in nodes.items():
+        if node.decision or node.kind != "choose":
+            continue
+        operands = (nodes[operand.name] for operand in node.operands)
+        values = {o.name: o.value * o.format.ulp if o.frac else o.value for o in operands}
+        exact = node.op.real_result(node, values)
+        exact = np.minimum(exact, node.format.high * node.format.ulp) if node.limited else exact
+        off[name] = (np.asarray(node.value, dtype=np.float64) * node.format.ulp - exact) / node.format.ulp
     for name, places in off.items():
         low, high = rounded.rounding(rounded.exact.nodes[name])
         assert low - 1e-3 <= places[usual].min() and places[usual].max() <= high + 1e-3, name

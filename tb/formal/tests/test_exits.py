@@ -43,7 +43,7 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
     assert not yosys(place, "elaborate", [*lines, f"write_json {here}/design.json"])
 
     nodes = fixed.nodes(name, width)
-    at_top = [n.name for n in nodes.values() if n.op == "input" or n.section == "results"]
+    at_top = [n.name for n in nodes.values() if n.kind == "input" or n.section == "results"]
     homes = {n.name: ("" if n.name in at_top else f"u_{n.section}", n.format.width) for n in nodes.values()}
     if path.core:
         leaving = [nodes[name] for name in (*path.results, *path.flags)]

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from model.dataflow import fixed
-from model.dataflow.nodes import WIDTHS, Latency
+from model.dataflow.formats import WIDTHS, Latency
 from tb.formal import induction
 from tb.formal.induction import FORMAL, Proof, Steps
 from tb.formal.proofs import PROOFS
@@ -52,7 +52,7 @@ def test_assumptions_are_on_inputs():
 def test_every_divider_and_root_of_the_model_is_proved(op):
     nodes = fixed.nodes("paper", 32).values()
     kinds = []
-    for node in (node for node in nodes if node.op == op):
+    for node in (node for node in nodes if node.kind == op):
         n, *d = (operand.format for operand in node.operands)
         q = node.format
         shift = q.frac - n.frac + d[0].frac if d else 2 * q.frac - n.frac

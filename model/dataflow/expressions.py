@@ -1,0 +1,443 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Expressions over nodes: sums, powers of two, choices and decisions, each with all its readings.
+
+A term is a node, a constant or an expression of terms; its value is a number with ``frac`` fraction bits, or a mask.
+Python's operators build expressions: ``cc - ss``, ``(d1 <= 0) | (d2 <= 0)``.  The readings of a term:
+
+* ``words(values)``: exact integers, in units of 2^-frac, from the integers of its operands by name;
+* ``real(values)``: the same in double precision, where nothing is rounded;
+* ``formula(domain)``: SMT-LIB over the reals, in a domain of :mod:`tb.formal.lean_exact`; raises :class:`FreeError`;
+* ``text(level)``: the equation's right side, in parentheses if the context binds more tightly than ``level``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+Values = Mapping[str, Any]  # by a node's name: an array over targets
+
+CHOICE, ANY, ALL, COMPARED, ADDED, SCALED, ATOM = range(7)
+"""How tightly the operators of a text bind."""
+
+EXACT = (0.0, 0.0)
+HALF_UP = (-0.5, 0.5)
+FLOOR = (-1.0, 0.0)
+JAM = (-1.0, 1.0)
+"""Error range of each rounding rule, in ulps of the result.  JAM sets the last bit where bits are dropped: no length
+becomes 0."""
+
+
+class FreeError(Exception):
+    """A decision on rounded words that no formula states."""
+
+
+def round_shift(words, shift: int):
+    """Return words / 2^shift, rounded half up."""
+    return (words + (1 << (shift - 1))) >> shift if shift else words
+
+
+def wrap(words, width: int):
+    """Return the low ``width`` bits as a signed word."""
+    words = np.asarray(words)
+    if words.dtype == np.int64:
+        return words << 64 - width >> 64 - width
+    half = 1 << (width - 1)
+    return ((words + half) & (2 * half - 1)) - half
+
+
+def magnitude(words):
+    """Return |c| for c >= 0, and |c| - 1, the one's complement, for c < 0."""
+    return np.where(words < 0, ~words, words)
+
+
+def truth(mask):
+    """Return a mask as Booleans, which ``~`` negates."""
+    return np.asarray(mask).astype(bool)
+
+
+def number(value: float | Fraction) -> str:
+    """Return a number in SMT-LIB, exactly."""
+    exact = Fraction(value)
+    size = f"{abs(exact.numerator)}.0"
+    if exact.denominator > 1:
+        size = f"(/ {size} {exact.denominator}.0)"
+    return size if exact >= 0 else f"(- {size})"
+
+
+class Term:
+    """A node, a constant or an expression: the operators, and the readings' names."""
+
+    frac: int = 0
+    leaves: tuple = ()  # the nodes, in the order in which the term reads them
+
+    words: Callable[[Values], Any]
+    real: Callable[[Values], Any]
+    formula: Callable[[Any], str]
+    text: Callable[..., str]
+
+    def __add__(self, other) -> Sum:
+        return Sum(*_signed(self), *_signed(as_term(other)))
+
+    def __radd__(self, other) -> Sum:
+        return as_term(other) + self
+
+    def __sub__(self, other) -> Sum:
+        return Sum(*_signed(self), *((-sign, term) for sign, term in _signed(as_term(other))))
+
+    def __rsub__(self, other) -> Sum:
+        return as_term(other) - self
+
+    def __neg__(self) -> Sum:
+        return Sum((-1, self))
+
+    def __rmul__(self, factor: int) -> Scaled:
+        return Scaled(self, factor.bit_length() - 1)
+
+    def __truediv__(self, divisor: int) -> Scaled:
+        return Scaled(self, 1 - divisor.bit_length())
+
+    def __abs__(self) -> Magnitude:
+        return Magnitude(self)
+
+    def __lt__(self, other) -> Compared:
+        return Compared("<", self, as_term(other))
+
+    def __le__(self, other) -> Compared:
+        return Compared("<=", self, as_term(other))
+
+    def __gt__(self, other) -> Compared:
+        return Compared("<", as_term(other), self)
+
+    def __ge__(self, other) -> Compared:
+        return Compared("<=", as_term(other), self)
+
+    def __or__(self, other: Term) -> Or:
+        return Or(self, other)
+
+    def __and__(self, other: Term) -> And:
+        return And(self, other)
+
+    def __invert__(self) -> Term:
+        return Not(self)
+
+
+def as_term(value) -> Term:
+    """Return a term; a number becomes a constant."""
+    return value if isinstance(value, Term) else Constant(value)
+
+
+def zero(term: Term) -> Compared:
+    """Return the decision that a term is 0."""
+    return Compared("=", term, Constant(0))
+
+
+def _signed(term: Term) -> tuple[tuple[int, Term], ...]:
+    return term.terms if type(term) is Sum else ((1, term),)
+
+
+def _leaves(*terms: Term) -> tuple:
+    return tuple(dict.fromkeys(node for term in terms for node in term.leaves))
+
+
+def _aligned(values: Values, *terms: Term) -> list:
+    """Return the words of terms, all with the fraction bits of the longest fraction."""
+    frac = max(term.frac for term in terms)
+    return [term.words(values) * (1 << frac - term.frac) if term.frac < frac else term.words(values) for term in terms]
+
+
+class Operation(Term):
+    """An operation of the dataflow.  ``parts``: the terms that it is made of.
+
+    Further readings are of the node that the operation makes, its rounding and format included: ``result(node,
+    values)``, in words, ``real_result(node, values)``, and ``facts(node, domain)``, formulas.
+    """
+
+    level = ATOM
+    kind = "choose"
+    latency: str | None = "mux"  # key of :class:`.formats.Latency`
+    adds_rounding = False  # :meth:`growth` is without the operation's own rounding
+
+    def __init__(self, *parts: Term) -> None:
+        self.parts = parts
+        self.operands = self.leaves = _leaves(*parts)
+
+    def error(self, node) -> tuple[float, float]:
+        """Return the range of the rounding that the operation adds, in ulps of the node."""
+        return node.rounding
+
+    def result(self, node, values):
+        """Return the node's words."""
+        return node.narrowed(node.rounded(self.words(values)))
+
+    def real_result(self, node, values):
+        """Return the node's value in double precision."""
+        return self.real(values)
+
+    def growth(self, node, bounds) -> float:
+        """Return the largest error of the node's word, from the bounds of its operands by name."""
+        return node.grows([bounds[operand.name].error for operand in self.operands if operand.frac], node.format.ulp)
+
+    def facts(self, node, domain) -> list[str]:
+        """Return formulas that the node's value meets."""
+        return [f"(= {node.name} {self.formula(domain)})"]
+
+    def lower(self, to, node) -> None:
+        """Add the steps of a node of this operation to the folded program, a :class:`.fold.lowering.Lowering`."""
+        raise NotImplementedError(f"{node.name}: the folded program has no {type(self).__name__}")
+
+    def mask_registers(self, to, node) -> set[str]:
+        """Return the registers of the folded datapath that a mask of this operation depends on."""
+        return set().union(*(to.operand_registers(node, operand) for operand in self.operands))
+
+    def enclosed(self, text: str, level: int) -> str:
+        return f"({text})" if level > self.level else text
+
+
+class Constant(Term):
+    """An exact number, a multiple of a power of two."""
+
+    def __init__(self, value: float | Fraction) -> None:
+        self.value = Fraction(value)
+        self.frac = self.value.denominator.bit_length() - 1
+
+    def words(self, values):
+        return self.value.numerator
+
+    def real(self, values):
+        return float(self.value)
+
+    def formula(self, domain):
+        return number(self.value)
+
+    def text(self, level=0):
+        power = self.frac if self.frac > 3 else 0
+        return f"{self.value.numerator} / 2^{power}" if power else str(self.value)
+
+
+class Sum(Operation):
+    """Sum of terms with signs."""
+
+    level = ADDED
+
+    def __init__(self, *terms: tuple[int, Term]) -> None:
+        super().__init__(*(term for _, term in terms))
+        self.terms = terms
+        self.frac = max(term.frac for term in self.parts)
+
+    def words(self, values):
+        return sum(sign * word for (sign, _), word in zip(self.terms, _aligned(values, *self.parts), strict=True))
+
+    def real(self, values):
+        return sum(sign * term.real(values) for sign, term in self.terms)
+
+    def formula(self, domain):
+        signs = tuple(sign for sign, _ in self.terms)
+        texts = [term.formula(domain) for term in self.parts]
+        if len(texts) < 3 and signs[0] > 0 or signs == (-1,):
+            return f"({'+' if signs[-1] > 0 else '-'} {' '.join(texts)})"
+        return f"(+ {' '.join(f'(* {number(s)} {t})' for s, t in zip(signs, texts, strict=True))})"
+
+    def text(self, level=0):
+        terms = [(s, t) for s, t in self.terms if not (isinstance(t, Constant) and t.value == 0)]
+        first, *others = ((sign, term.text(ADDED + (sign < 0))) for sign, term in terms)
+        signed = "".join(f" {'+' if sign > 0 else '-'} {text}" for sign, text in others)
+        return self.enclosed(f"{'-' if first[0] < 0 else ''}{first[1]}{signed}", level)
+
+    def lower(self, to, node):
+        to.sum(node, self.terms)
+
+
+class Scaled(Operation):
+    """A term times 2^power."""
+
+    level = SCALED
+
+    def __init__(self, term: Term, power: int) -> None:
+        super().__init__(term)
+        self.power, self.frac = power, term.frac - power
+
+    def words(self, values):
+        return self.parts[0].words(values)
+
+    def real(self, values):
+        return self.parts[0].real(values) * 2.0**self.power
+
+    def formula(self, domain):
+        term = self.parts[0].formula(domain)
+        return f"(* {number(2**self.power)} {term})" if self.power > 0 else f"(/ {term} {number(2**-self.power)})"
+
+    def text(self, level=0):
+        term = self.parts[0].text(SCALED)
+        return self.enclosed(f"{2**self.power} * {term}" if self.power > 0 else f"{term} / {2**-self.power}", level)
+
+
+class Magnitude(Operation):
+    """|c|; of a negative word the one's complement, one ulp less."""
+
+    def __init__(self, term: Term) -> None:
+        super().__init__(term)
+        self.frac = term.frac
+
+    def words(self, values):
+        return magnitude(self.parts[0].words(values))
+
+    def real(self, values):
+        return np.abs(self.parts[0].real(values))
+
+    def formula(self, domain):
+        term = self.parts[0].formula(domain)
+        return f"(ite (< {term} 0.0) (- {term}) {term})"
+
+    def text(self, level=0):
+        return f"|{self.parts[0].text()}|"
+
+
+class Absolute(Magnitude):
+    """|c|, exactly."""
+
+    def words(self, values):
+        return np.abs(self.parts[0].words(values))
+
+
+class Clipped(Operation):
+    """A term, limited to 0 and 1."""
+
+    def __init__(self, term: Term) -> None:
+        super().__init__(term)
+        self.frac = term.frac
+
+    def words(self, values):
+        return np.clip(self.parts[0].words(values), 0, 1 << self.frac)
+
+    def real(self, values):
+        return np.clip(self.parts[0].real(values), 0, 1)
+
+    def text(self, level=0):
+        return f"min(max({self.parts[0].text()}, 0), 1)"
+
+
+class Floor(Operation):
+    """A term with its bits below ``frac`` dropped."""
+
+    def __init__(self, term: Term, frac: int) -> None:
+        super().__init__(term)
+        self.frac, self.drop = frac, term.frac - frac
+
+    def words(self, values):
+        return self.parts[0].words(values) >> self.drop
+
+    def real(self, values):
+        return self.parts[0].real(values)
+
+    def formula(self, domain):
+        return self.parts[0].formula(domain)
+
+    def text(self, level=0):
+        return self.parts[0].text(level)
+
+
+class Select(Operation):
+    """The first term where the mask is set, else the second."""
+
+    level = CHOICE
+
+    def __init__(self, mask: Term, yes, no) -> None:
+        self.mask, self.yes, self.no = mask, as_term(yes), as_term(no)
+        super().__init__(self.yes, self.no, self.mask)
+        self.frac = max(self.yes.frac, self.no.frac)
+
+    def words(self, values):
+        return np.where(truth(self.mask.words(values)), *_aligned(values, self.yes, self.no))
+
+    def real(self, values):
+        return np.where(truth(self.mask.real(values)), self.yes.real(values), self.no.real(values))
+
+    def formula(self, domain):
+        return f"(ite {' '.join(part.formula(domain) for part in (self.mask, self.yes, self.no))})"
+
+    def text(self, level=0):
+        return self.enclosed(f"{self.mask.text(COMPARED)} ? {self.yes.text(CHOICE + 1)} : {self.no.text()}", level)
+
+
+# -- decisions -------------------------------------------------------------------------------------------------------
+
+
+class Compared(Operation):
+    """Whether two terms are in a relation: ``<``, ``<=`` or ``=``."""
+
+    level = COMPARED
+    RELATIONS: Mapping[str, Callable] = {"<": np.less, "<=": np.less_equal, "=": np.equal}
+
+    def __init__(self, relation: str, left: Term, right: Term) -> None:
+        super().__init__(left, right)
+        self.relation = relation
+
+    def words(self, values):
+        return truth(self.RELATIONS[self.relation](*_aligned(values, *self.parts)))
+
+    def real(self, values):
+        return self.RELATIONS[self.relation](*(part.real(values) for part in self.parts))
+
+    def formula(self, domain):
+        return domain.compared(self)
+
+    def text(self, level=0):
+        left, right = (part.text(ADDED) for part in self.parts)
+        if isinstance(self.parts[0], Constant):  # 0 <= a, as it was written
+            left, right = right, left
+            return self.enclosed(f"{left} {self.relation.replace('<', '>')} {right}", level)
+        return self.enclosed(f"{left} {self.relation} {right}", level)
+
+
+class _Logic(Operation):
+    word: str
+    ufunc: Callable
+
+    def words(self, values):
+        return self.ufunc.reduce([truth(part.words(values)) for part in self.parts])
+
+    def real(self, values):
+        return self.ufunc.reduce([truth(part.real(values)) for part in self.parts])
+
+    def formula(self, domain):
+        return f"({self.word} {' '.join(part.formula(domain) for part in self.parts)})"
+
+    def text(self, level=0):
+        return self.enclosed(f" {self.word} ".join(part.text(self.level) for part in self.parts), level)
+
+
+class Or(_Logic):
+    """Whether one of the masks is set."""
+
+    level, word, ufunc = ANY, "or", np.logical_or
+
+
+class And(_Logic):
+    """Whether all masks are set."""
+
+    level, word, ufunc = ALL, "and", np.logical_and
+
+
+class Xor(_Logic):
+    """Whether an odd number of the masks is set."""
+
+    level, word, ufunc = ANY, "xor", np.logical_xor
+
+
+class Not(_Logic):
+    """Whether the mask is not set."""
+
+    level, word = ATOM, "not"
+
+    def words(self, values):
+        return ~truth(self.parts[0].words(values))
+
+    def real(self, values):
+        return ~truth(self.parts[0].real(values))
+
+    def text(self, level=0):
+        return f"not {self.parts[0].text(COMPARED)}"

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Word lengths, formats of nodes, and latencies of operations.
+
+A node is a two's complement word of ``W`` bits with ``i`` integer bits: range [-2^i, 2^i), ``W-1-i`` fraction bits.
+Products of the paper's datapath that feed a sum, and sums of such products that feed a root or a division, have
+``GUARD`` more fraction bits (``wide``).
+"""
+
+from dataclasses import dataclass
+
+from .angles import iterations
+from .mul3 import TILE
+from .quadratic import INVERSE_ROOT, SINE
+
+GUARD = 8  # extra fraction bits of a product that feeds a sum
+
+WIDTHS = range(16, 33)  # word lengths supported by the datapaths
+
+INNER_FRAC = 33
+"""Maximum fraction bits of an inner word of the lean datapath: with two integer bits it fits two tiles of 18 bits."""
+
+ROOT_FRACS = 22, 31
+"""Fraction bits of the lean roots: for words of up to 18 bits, where the short form suffices, and the maximum."""
+
+
+def effective_width(width: int) -> int:
+    """Return the word length that sets the lean formats: the shorter words of the exhaustive test use the minimum."""
+    return max(width, WIDTHS[0])
+
+
+def inner_frac(width: int) -> int:
+    """Return F, the fraction bits of an inner word of the lean datapath at word length ``width``."""
+    return max(min(effective_width(width) + 5, INNER_FRAC), ROOT_FRACS[0])
+
+
+def root_frac(width: int) -> int:
+    """Return the fraction bits of the lean datapath's roots at word length ``width``."""
+    short, most = ROOT_FRACS
+    return short if width <= 18 else min(inner_frac(width), most)
+
+
+@dataclass(frozen=True)
+class Latency:
+    """Clocks of each kind of operation at word length ``width``; the Verilog names are ``LAT_<KIND>``."""
+
+    width: int
+    tile: int = TILE
+
+    # kind -> (clocks per bit of the word, fixed clocks, description)
+    TABLE = {
+        "mul": (0, 4, "operands, tile products, tile sums, rounding"),
+        "sum2": (0, 2, "add, round and saturate"),
+        "sum3": (0, 3, "add, add, round and saturate"),
+        "norm": (0, 3, "magnitudes, leading-zero count, shift"),
+        "lzc": (0, 2, "magnitudes, leading-zero count"),
+        "shift": (0, 2, "barrel shift: by eights, by ones"),
+        "mux": (0, 1, "an exact addition, a choice, a sign change or a comparison"),
+        "div": (1, 2, "pipelined radix-2 divider: magnitude, one row a quotient bit, sign"),
+        "root": (1, 0, "pipelined radix-2 square root: one row a result bit, output"),
+        "sincos": (1, 1, "CORDIC: one iteration a bit, rounding"),
+        "mul3": (0, 3, "three tile products, tile sums, rounded sum"),
+        "mul3_far": (0, 4, "operands, three tile products, tile sums, rounded sum"),
+        "product": (0, 4, "operands, tile products, tile sums, sum"),
+        "square": (0, 3, "operands, tile products, sum"),
+        "wide": (0, 1, "an exact addition of long words"),
+        "even": (0, 3, "zero pairs in groups, shift by groups, shift by pairs"),
+        "shift3": (0, 3, "barrel shift: by sixteens, by fours, by ones"),
+        "rsqrt": (0, 0, "a table and u times a slope; in the long form in tiles, the slope by another product"),
+        "rsqrt_far": (0, 0, "the table's address, and the same"),
+        "vector": (0, 0, "CORDIC: one iteration a clock, output"),
+        "vector_x": (0, 0, "the iterations that change its length, output"),
+        "vector_y": (0, 0, "the other iterations"),
+        "trig": (0, 0, "magnitude, a table and u times a slope, as for rsqrt, sign"),
+    }
+
+    # kind -> clocks as a Verilog expression, see :func:`model.dataflow.angles.iterations`
+    VECTORS = {
+        "vector": "(W + 1) / 2 + ((W < 28) ? W / 2 + 2 : 16)",
+        "vector_x": "(W + 1) / 2",
+        "vector_y": "(W < 28) ? W / 2 + 2 : 16",
+    }
+
+    # kind -> (fraction bits that select the form, table, further clocks)
+    FORMS = {
+        "rsqrt": ("ROOT_FRAC", INVERSE_ROOT, 0),
+        "rsqrt_far": ("ROOT_FRAC", INVERSE_ROOT, 1),
+        "trig": ("FRAC", SINE, 0),
+    }
+
+    def __getitem__(self, kind: str) -> int:
+        """Return the clocks of operation ``kind``."""
+        if kind in self.FORMS:
+            frac, table, more = self.FORMS[kind]
+            bits = root_frac(self.width) if frac == "ROOT_FRAC" else inner_frac(self.width)
+            return table.clocks(bits, self.tile) + more
+        if kind in self.VECTORS:
+            head, last = iterations(self.width)
+            return {"vector": last + 1, "vector_x": head + 1, "vector_y": last - head}[kind]
+        bits, besides, _ = self.TABLE[kind]
+        return bits * self.width + besides
+
+    @classmethod
+    def expression(cls, kind: str) -> str:
+        """Return the clocks as a Verilog expression; the small form takes as long as the long one."""
+        if kind in cls.FORMS:
+            frac, table, more = cls.FORMS[kind]
+            short, long = (table.clocks(table.short_frac + longer) + more for longer in (0, 1))
+            return f"(TILE < {TILE} || {frac} > {table.short_frac}) ? {long} : {short}"
+        if kind in cls.VECTORS:
+            return cls.VECTORS[kind]
+        bits, besides, _ = cls.TABLE[kind]
+        return " + ".join(["W"] * bits + [str(besides)] * (besides > 0 or not bits))
+
+
+@dataclass(frozen=True)
+class Format:
+    """Fixed-point format: ``width`` bits of which ``frac`` are fraction bits.
+
+    ``frac_expr`` is the same fraction length as a Verilog expression of ``W`` (and ``GUARD``).
+    """
+
+    width: int
+    frac: int
+    frac_expr: str
+    signed: bool = True
+
+    @property
+    def low(self) -> int:
+        """Smallest word."""
+        return -(1 << (self.width - 1)) if self.signed else 0
+
+    @property
+    def high(self) -> int:
+        """Largest word."""
+        return (1 << (self.width - (1 if self.signed else 0))) - 1
+
+    @property
+    def ulp(self) -> float:
+        """Value of the LSB."""
+        return 2.0**-self.frac

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Section "turn" of the lean dataflow, and the lean dataflow as a whole."""
+
+from .annotations import Limited, Within
+from .choices import AddSub, Mantissa, Signed
+from .expressions import HALF_UP, Constant
+from .lean import CIRCLE, FOURFOLD, PAIR, SUM, UPPER_HALF, Lean, direction, equations, guard, norm, triangle
+from .mul3 import Mul3
+from .nodes import SATURATE, Dataflow, Node
+from .quadratic import HalfAngle, Rsqrt
+
+PART = Within(-1.0, 1.0, "parts of quaternions no longer than 1")
+LENGTH_INVERSE = Within(0.0, 1.5, "1/(2 sqrt L) with L >= 1/8")
+MOST = Limited("1 and more becomes the largest mantissa")
+
+
+def lean(d: Dataflow, target: dict[str, Node]) -> None:
+    """Build the whole datapath, from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to the
+    results.
+
+    Every node is stored in ``d.nodes`` under its name, which is also its signal name in the RTL.
+    """
+    guard(d, target)
+    sections(d, target["phi"])
+
+
+def sections(d: Dataflow, phi: Node) -> None:
+    """Build everything after :func:`.lean.guard`, whose nodes are in ``d.nodes``."""
+    formats = Lean(d.width)
+    direction(d, formats)
+    triangle(d, formats)
+    turn(d, formats, phi)
+
+
+def turn(d: Dataflow, f: Lean, phi: Node) -> None:
+    """Build Qs: the four rotations multiplied, by azimuth and 90 degrees, tilt, swivel and -a, and normalized."""
+    n = d.nodes
+    az_c, az_s, tilt_c, tilt_s = (n[name] for name in ("az_c", "az_s", "tilt_c", "tilt_s"))
+    d.at("turn")
+    d.half_angle = "sin_h", "cos_h"
+    d.lemma("phi", f"{norm('sin_h', 'cos_h')} == 1", "=sin_h")
+    sin_h = d.node("sin_h", HalfAngle(phi, "sin"), f.inner, within=CIRCLE, proof=("phi",))
+    cos_h = d.node("cos_h", HalfAngle(phi, "cos"), f.inner, within=UPPER_HALF, proof=("phi", "=cos_h"))
+    cc = d.node("cc", Mul3(az_c, cos_h), f.inner, within=PART)
+    ss = d.node("ss", Mul3(az_s, sin_h), f.inner, within=PART)
+    sc = d.node("sc", Mul3(az_s, cos_h), f.inner, within=PART)
+    cs = d.node("cs", Mul3(az_c, sin_h), f.inner, within=PART)
+    # half the sum and half the difference of azimuth and swivel
+    plus = {"within": PART, "grows": SUM, "proof": ("az + phi", "az_sq")}
+    minus = plus | {"proof": ("az - phi", "az_sq")}
+    c_plus = d.node("c_plus", cc - ss, f.inner, **plus)
+    s_plus = d.node("s_plus", sc + cs, f.inner, **plus)
+    c_minus = d.node("c_minus", cc + ss, f.inner, **minus)
+    s_minus = d.node("s_minus", sc - cs, f.inner, **minus)
+    for sign, name in (("+", "plus"), ("-", "minus")):
+        uses = equations(f"c_{name}", f"s_{name}", "cc", "ss", "sc", "cs")
+        d.lemma(f"az {sign} phi", f"{norm(f'c_{name}', f's_{name}')} <= az_sq", *uses, "az", "phi")
+    w_0 = d.node("w_0", Mul3(tilt_c, c_plus), f.inner, "mul3_far", within=PART)
+    i_0 = d.node("i_0", Mul3(tilt_s, c_minus), f.inner, "mul3_far", within=PART)
+    j_0 = d.node("j_0", Mul3(tilt_s, s_minus), f.inner, "mul3_far", within=PART)
+    k_0 = d.node("k_0", Mul3(tilt_c, s_plus), f.inner, "mul3_far", within=PART)
+    last_rotation(d, f, (w_0, i_0), (k_0, j_0))
+
+    # The squared length lies in [1/8, 1]: the last root does not wait for the product.
+    within = Within(0.25, 1.0, "a product of such")
+    az_tilt_sq = d.node("az_tilt_sq", Mul3(n["az_sq"], n["tilt_sq"]), f.inner, within=within)
+    within = Within(0.125, 1.0, "a product of such")
+    length_sq = d.node("length_sq", Mul3(az_tilt_sq, n["arm_sq"]), f.inner, within=within)
+    low = d.mask("low", length_sq < Constant(0.25), None)
+    # The mantissa is of four times the length below 1/4; the root is doubled there.
+    facts = {"within": Within(0.25, 1.0, "mantissa"), "grows": FOURFOLD, "limited": MOST}
+    m_q = d.node("m_q", Mantissa(length_sq, low), f.mantissa, ends=SATURATE, **facts)
+    proof = ("1/|q|", "length_sq", "=inv_q")
+    inv_q = d.node("inv_q", Rsqrt(m_q, twice=low), f.inner, within=LENGTH_INVERSE, proof=proof)
+    uses = equations("w_0", "i_0", "j_0", "k_0", "az_tilt_sq")
+    statement = f"{norm('w_0', 'i_0', 'j_0', 'k_0')} <= az_tilt_sq"
+    d.lemma("q_0", statement, *uses, "az + phi", "az - phi", "tilt", "az_sq")
+    d.lemma("1/|q|", "4*length_sq*inv_q*inv_q == 1", "=inv_q", "=m_q", "length_sq")
+    length_lemmas(d)
+
+    # The k part is nonnegative.
+    k_minus = d.mask("minus", n["k_1"] < 0, None)
+    for unit in "wijk":
+        proof = (f"={unit}_q", "q_1", "=wi_1_len", "=kj_1_len", "1/|q|", "length_sq")
+        product = Mul3(n[f"{unit}_1"], inv_q, scale=1)
+        unrounded = d.node(f"{unit}_q", product, f.inner, "mul3_far", within=PART, proof=proof)
+        d.at(equation="(18)")
+        d.node(f"qs_{unit}", Signed(unrounded, k_minus), f.result, rounding=HALF_UP, within=PART)
+        d.at()
+
+
+def last_rotation(d: Dataflow, f: Lean, *pairs: tuple[Node, Node]) -> None:
+    """Build w_1 .. k_1, each pair with three products: w c + i s = (w + i) c - i (c - s), and
+    i c - w s = (w + i) c - w (c + s)."""
+    n = d.nodes
+    part = {"within": PART, "grows": SUM, "proof": ("q_1", "=wi_1_len", "=kj_1_len", "length_sq")}
+    for first, second in pairs:
+        one, two = first.name[0], second.name[0]
+        both, proof = one + two, (f"={one}{two}_0", "q_0", "az_tilt_sq")
+        total = d.node(f"{both}_0", first + second, f.inner, within=PAIR, grows=SUM, proof=proof)
+        far = {"latency": "mul3_far", "within": PAIR}
+        whole = d.node(f"{both}_c", Mul3(total, n["arm_c"]), f.inner, **far)
+        dif = d.node(f"{two}_dif", Mul3(second, n["arm_dif"]), f.inner, after=total, **far)
+        # The larger part minus the smaller is s - c where they are swapped.
+        d.node(f"{one}_1", AddSub(whole, dif, n["arm_swap"]), f.inner, **part)
+        plus = d.node(f"{one}_sum", Mul3(first, n["arm_sum"]), f.inner, after=total, **far)
+        d.node(f"{two}_1", whole - plus, f.inner, **part)
+        for unit, other, sign, uses in ((one, two, "+", f"{two}_dif"), (two, one, "-", f"{one}_sum")):
+            statement = f"{unit}_1 == {unit}_0*arm_c {sign} {other}_0*arm_s"
+            d.lemma(f"{unit} turned", statement, *equations(f"{unit}_1", f"{both}_c", uses, f"{both}_0"), "swap")
+
+
+def length_lemmas(d: Dataflow) -> None:
+    """State the lemmas on the product's length, in sums of squares that proofs treat as one number each."""
+    for name in ("wi", "kj"):
+        d.define(f"{name}_len", norm(*(f"{part}_0" for part in name)))
+        d.define(f"{name}_1_len", norm(*(f"{part}_1" for part in name)))
+    d.define("arm_len", norm("arm_c", "arm_s"))
+    for one, two in ("wi", "kj"):
+        uses = equations(f"{one}{two}_1_len", f"{one}{two}_len", "arm_len")
+        statement = f"{one}{two}_1_len == {one}{two}_len*arm_len"
+        d.lemma(f"|{one}{two}_1|", statement, f"{one} turned", f"{two} turned", *uses)
+    statement = "0 <= wi_len and 0 <= kj_len and wi_len + kj_len <= az_tilt_sq"
+    d.lemma("|q_0|", statement, "q_0", "=wi_len", "=kj_len")
+    d.lemma("|arm|", "0 <= arm_len and arm_len <= arm_sq", "arm", "=arm_len")
+    uses = ("|q_0|", "|arm|", "=length_sq", "az_tilt_sq", "arm_sq")
+    d.lemma("|q_0| |arm|", "(wi_len + kj_len)*arm_len <= length_sq", *uses)
+    d.lemma("q_1", "wi_1_len + kj_1_len <= length_sq", "|wi_1|", "|kj_1|", "|q_0| |arm|")

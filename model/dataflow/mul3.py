@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Products from three tiles, as ``ik_mul3`` computes them."""
+
+from .expressions import SCALED, Operation, Term, number, wrap
+
+TILE = 18
+"""Default tile: bits of the longer operand of the multipliers into which products are split."""
+
+
+def cuts(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
+    """Return the bits below the cut of either operand of :func:`mul3`: ``tile`` bits of a lie above it, and
+    at most 18 bits of b."""
+    return max(a_width - tile, 0), max(b_width - min(tile, 18), 0)
+
+
+def unseen(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
+    """Return the number of low bits of either operand beyond two signed tiles, which :func:`mul3` ignores."""
+    return max(a_width - 2 * tile + 1, 0), max(b_width - 2 * min(tile, 18) + 1, 0)
+
+
+def mul3(a, b, shift: int, a_width: int, b_width: int, tile: int = TILE):
+    """Compute ``ik_mul3``: a b / 2^shift from three tiles, rounded half up; the tile of the low parts is only
+    estimated.
+
+    Each tile is truncated two bits below the result's ulp; the rounding constant enters as a carry into each of the two
+    sums.  Where the LSB of the highest tile lies above these two bits, the product of the two highest bits of both low
+    parts fills the gap.  Errors: :func:`mul3_error`.
+    """
+    a_unseen, b_unseen = unseen(a_width, b_width, tile)
+    a, b, shift = a >> a_unseen, b >> b_unseen, shift - a_unseen - b_unseen
+    a_bits, b_bits = cuts(a_width - a_unseen, b_width - b_unseen, tile)
+    a_hi, a_lo = a >> a_bits, a & ((1 << a_bits) - 1)
+    b_hi, b_lo = b >> b_bits, b & ((1 << b_bits) - 1)
+    drop = shift - 2
+    mid = (a_hi * b_lo >> drop - a_bits) + (a_lo * b_hi >> drop - b_bits) + 1
+    up = a_bits + b_bits - drop
+    if up > 0:
+        guess = (4 * a_lo >> a_bits) * (4 * b_lo >> b_bits)
+        outer = (a_hi * b_hi << up) + (guess << up >> 4)
+    else:
+        outer = a_hi * b_hi >> -up
+    return outer + mid + 1 >> 2
+
+
+def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tuple[float, float]:
+    """Return the least and greatest error of :func:`mul3`, in ulps of the result.
+
+    The omitted tile is nonnegative and less than 2^(cuts - shift) ulps, of which the estimate leaves 7/16; each mixed
+    tile loses less than a quarter.  All other truncated bits lie below the words of the sum and belong to the rounding,
+    which is half up.  Ignored bits contribute at most one of their places times the other word.
+    """
+    out = unseen(a_width, b_width, tile)
+    aside = sum(2.0 ** (bits + other - 1 - shift) for bits, other in zip(out, (b_width, a_width), strict=True) if bits)
+    low = cuts(a_width - out[0], b_width - out[1], tile)
+    up = sum(low) - shift + sum(out) + 2
+    left_out = 2.0 ** (up - 2) * (7 / 16 if up > 0 else 1) if all(low) else 0.0
+    return -left_out - 1 - aside, 0.5 + aside
+
+
+class Mul3(Operation):
+    """a * b * 2^scale from three tiles; bits beyond the node's format are dropped, of clamped targets only."""
+
+    kind, latency, level, adds_rounding = "mul3", "mul3", SCALED, True
+
+    def __init__(self, a: Term, b: Term, scale: int = 0) -> None:
+        super().__init__(a, b)
+        self.scale = scale
+
+    def _cut(self, node) -> tuple[int, int, int]:
+        """Return the number of fraction bits dropped, and the operands' widths as signed words."""
+        a, b = (part.format for part in self.parts)
+        shift = a.frac + b.frac - self.scale - node.format.frac
+        return shift, a.width + (not a.signed), b.width + (not b.signed)
+
+    def error(self, node):
+        return mul3_error(*self._cut(node), node.flow.tile)
+
+    def result(self, node, values):
+        a, b = (part.words(values) for part in self.parts)
+        return wrap(mul3(a, b, *self._cut(node), node.flow.tile), node.format.width)
+
+    def real(self, values):
+        a, b = (part.real(values) for part in self.parts)
+        return a * b * 2.0**self.scale
+
+    def growth(self, node, bounds):
+        p, q = (bounds[part.name] for part in self.parts)
+        return ((p.size + p.error) * q.error + (q.size + q.error) * p.error) * 2.0**self.scale
+
+    def formula(self, domain):
+        a, b = (part.formula(domain) for part in self.parts)
+        return f"(* {number(2.0**self.scale)} {a} {b})"
+
+    def text(self, level=0):
+        a, b = (part.text(SCALED) for part in self.parts)
+        return f"{2**self.scale} * " * (self.scale > 0) + (f"{a}^2" if a == b else f"{a} * {b}")
+
+    def lower(self, to, node):
+        to.product(node, *self.parts, self.scale)

@@ -1,0 +1,329 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Operations of the paper's dataflow: rounded products and sums, division, root, CORDIC, normalization.
+
+``interval(node, bounds)`` returns low and high in exact arithmetic, the error of the word, and the range of the word.
+"""
+
+import math
+from functools import cache
+
+import mpmath
+import numpy as np
+
+from .angles import TABLE_BITS, atan_table
+from .expressions import ADDED, EXACT, FLOOR, HALF_UP, SCALED, Operation, Sum, Term, round_shift
+from .annotations import Given, RangeError, leading
+from .formats import Format
+from .nodes import Dataflow, FormatError, Node
+from .shifts import room
+
+SINCOS_GUARD = 6
+"""Guard bits of the CORDIC: each of its W iterations drops less than one ulp of the guarded word."""
+
+CORDIC = (-2.0, 2.0)
+"""Error range of the CORDIC in ulps: W iterations drop less than one of 2^6 guarded ulps each in both coordinates, the
+residual angle is below one ulp, and the result is rounded."""
+
+
+@cache
+def cordic_gain() -> int:
+    """Return round(2^TABLE_BITS prod_i 1/sqrt(1 + 4^-i)), which compensates the gain of the rotations in advance."""
+    with mpmath.workprec(200):
+        gain = mpmath.fprod(1 / mpmath.sqrt(1 + mpmath.mpf(4) ** -i) for i in range(100))
+        return int(mpmath.nint(gain * 2**TABLE_BITS))
+
+
+def floor_div(n, d, shift: int, fmt: Format):
+    """Compute ``ik_div``: floor(n 2^shift / d) saturated to ``fmt``; by the sign of n where d <= 0.
+
+    Returns the quotient and a mask of saturated quotients.
+    """
+    positive = d > 0
+    q = (n << shift) // np.where(positive, d, 1)
+    q = np.where(positive, q, np.where(n < 0, fmt.low, fmt.high))
+    fits = positive & (q >= fmt.low) & (q <= fmt.high)
+    return np.clip(q, fmt.low, fmt.high), ~fits
+
+
+def floor_root(n, shift: int):
+    """Compute ``ik_root``: floor(sqrt(n 2^shift)), 0 where n < 0.  n 2^shift must stay below 2^63."""
+    v = np.maximum(n, 0) << shift
+    r = np.sqrt(v.astype(np.float64)).astype(np.int64)
+    # The float of v has a relative error of at most 2^-53, its root at most half an ulp: at most 1 too large, never too
+    # small.
+    return r - (r * r > v)
+
+
+def cordic(phi, width: int):
+    """Compute ``ik_sincos``: (sin, cos) of phi/2 in words with one integer bit; one turn of phi = 2^width."""
+    drop = TABLE_BITS - (width + SINCOS_GUARD)
+    inner = width + SINCOS_GUARD - 2  # internal fraction bits
+    angles = [round_shift(a, drop) for a in atan_table()]
+    z = phi << SINCOS_GUARD
+    x = np.full_like(z, round_shift(cordic_gain(), TABLE_BITS - inner))
+    y = np.zeros_like(z)
+    for i in range(width):
+        left = z >= 0
+        x, y = np.where(left, x - (y >> i), x + (y >> i)), np.where(left, y + (x >> i), y - (x >> i))
+        z = np.where(left, z - angles[i], z + angles[i])
+    return round_shift(y, SINCOS_GUARD), round_shift(x, SINCOS_GUARD)
+
+
+def sincos_bound(width: int) -> float:
+    """Return the largest error of ``ik_sincos`` in ulps, 2^-(width-2).
+
+    With G guard bits, in units g = 2^-G ulp:
+
+    * x and y lose less than 1 g in each iteration i >= 1 (the shift of iteration 0 is exact), a vector of less than
+      sqrt(2) g; later iterations stretch it by the product of their sqrt(1 + 4^-j);
+    * the error of the rounded gain word is stretched by K = 1.6468;
+    * the angle: one ulp of z is pi/4 g as an arc.  After n = width iterations the residual is at most the last angle,
+      atan(2^-(n-1)).  The rounding of each table angle counts twice: once in the angle turned, and once in the
+      residual, because the remaining rounded angles may fall short by that much;
+    * rounding the result: half an ulp.
+    """
+    inner = width + SINCOS_GUARD
+    stretch = [math.prod(math.sqrt(1 + 4.0**-j) for j in range(i + 1, width)) for i in range(width)]
+    lost = math.sqrt(2) * sum(stretch[1:])
+    with mpmath.workprec(200):
+        exact = mpmath.fprod(1 / mpmath.sqrt(1 + mpmath.mpf(4) ** -i) for i in range(100))
+        off = float(abs(round_shift(cordic_gain(), TABLE_BITS - inner + 2) - exact * 2 ** (inner - 2)))
+        angles = (mpmath.atan(mpmath.mpf(2) ** -i) / mpmath.pi * 2**inner for i in range(width))
+        words = (round_shift(word, TABLE_BITS - inner) for word in atan_table())
+        table = float(sum(abs(word - angle) for word, angle in zip(words, angles, strict=False)))
+    gain = off * stretch[0] * math.sqrt(2)
+    angle = math.atan(2.0 ** (1 - width)) * 2.0 ** (inner - 2) + 2 * table * math.pi / 4
+    return 0.5 + (lost + gain + angle) / 2**SINCOS_GUARD
+
+
+class Rounded(Operation):
+    """Operation that rounds half up and saturates."""
+
+    what: str
+
+    def error(self, node):
+        if self.frac < node.frac:
+            raise FormatError(f"{node.name}: {node.frac} fraction bits, {self.what} only {self.frac}")
+        return HALF_UP if self.frac > node.frac else EXACT
+
+    def unlimited(self, node, values):
+        """Return the words before they saturate."""
+        return round_shift(self.words(values), self.frac - node.frac)
+
+    def result(self, node, values):
+        return np.clip(self.unlimited(node, values), node.format.low, node.format.high)
+
+    def overflow(self, node, values):
+        """Return a mask of the words that saturate."""
+        words = self.unlimited(node, values)
+        return (words < node.format.low) | (words > node.format.high)
+
+
+class Mul(Rounded):
+    """a * b * 2^scale, rounded half up."""
+
+    kind, latency, level, what = "mul", "mul", SCALED, "the product has"
+
+    def __init__(self, a: Term, b: Term, scale: int = 0) -> None:
+        super().__init__(a, b)
+        self.a, self.b, self.scale = a, b, scale
+        self.frac = a.frac + b.frac - scale
+
+    def words(self, values):
+        return self.a.words(values) * self.b.words(values)
+
+    def real(self, values):
+        return self.a.real(values) * self.b.real(values) * 2.0**self.scale
+
+    def interval(self, node, bounds):
+        p, q = bounds(self.a), bounds(self.b)
+        square = self.a is self.b
+        ends = [u * v * 2.0**self.scale for u in (p.low, p.high) for v in (q.low, q.high)]
+        low = 0.0 if square and p.low <= 0 <= p.high else min(p.low**2, p.high**2) if square else min(ends)
+        error = (p.size * q.error + q.size * p.error + p.error * q.error) * 2.0**self.scale
+        rounding = 0.5 * node.format.ulp if self.frac > node.frac else 0.0
+        words = [u * v * 2.0**self.scale for u in p.word for v in q.word]
+        least = 0.0 if square else min(words) - rounding  # rounding half up preserves the sign
+        return low, max(ends), error + rounding, (least, max(words) + rounding)
+
+    def text(self, level=0):
+        a, b = self.a.text(SCALED), self.b.text(SCALED)
+        return f"{2**self.scale} * " * (self.scale > 0) + (f"{a}^2" if a == b else f"{a} * {b}")
+
+
+class Total(Rounded, Sum):
+    """Sum of two or three terms of one format, rounded half up and saturated."""
+
+    kind, what = "sum", "its terms have"
+
+    def __init__(self, total: Sum) -> None:
+        super().__init__(*total.terms)
+        self.latency = f"sum{len(self.terms)}"
+
+    def error(self, node):
+        if len({term.frac for term in self.operands}) != 1:
+            terms = [(term.name, term.frac) for term in self.operands]
+            raise FormatError(f"{node.name}: terms are not aligned: {terms}")
+        return super().error(node)
+
+    def interval(self, node, bounds):
+        terms = [(sign, bounds(term)) for sign, term in self.terms]
+        low = sum(bound.low if sign > 0 else -bound.high for sign, bound in terms)
+        high = sum(bound.high if sign > 0 else -bound.low for sign, bound in terms)
+        rounding = 0.5 * node.format.ulp if self.frac > node.frac else 0.0
+        words = [bound.word if sign > 0 else (-bound.word[1], -bound.word[0]) for sign, bound in terms]
+        least = sum(word[0] for word in words)
+        word = least - (rounding if least < 0 else min(rounding, least)), sum(word[1] for word in words) + rounding
+        return low, high, sum(bound.error for _, bound in terms) + rounding, word
+
+
+class Div(Operation):
+    """floor(n / d), saturated; saturates by the sign of n where d <= 0."""
+
+    kind, latency = "div", "div"
+
+    def __init__(self, n: Term, d: Term) -> None:
+        super().__init__(n, d)
+        self.n, self.d = n, d
+
+    def error(self, node):
+        return FLOOR
+
+    def quotient(self, node, values):
+        """Return the words, and a mask of those that saturate."""
+        shift = node.frac - self.n.frac + self.d.frac
+        return floor_div(self.n.words(values), self.d.words(values), shift, node.format)
+
+    def result(self, node, values):
+        return self.quotient(node, values)[0]
+
+    def overflow(self, node, values):
+        return self.quotient(node, values)[1]
+
+    def real_result(self, node, values):
+        fmt, d = node.format, self.d.real(values)
+        return np.clip(self.n.real(values) / np.where(d > 0, d, fmt.ulp), fmt.low * fmt.ulp, fmt.high * fmt.ulp)
+
+    def interval(self, node, bounds):
+        p, q, fmt = bounds(self.n), bounds(self.d), node.format
+        least = q.word[0]
+        if q.low <= 0 or least <= 0:
+            problem = f"[{q.low:.9g}, {q.high:.9g}] +- {q.error:.3g}"
+            raise RangeError(f"{node.name}: its divisor {self.d.text()} may be 0: {problem}")
+        ends = [u / v for u in (p.low, p.high) for v in (q.low, q.high)]
+        size = min(max(map(abs, ends)), bounds.limit(node))
+        words = [u / v for u in p.word for v in q.word]
+        word = min(words) - fmt.ulp, max(words)
+        return min(ends), max(ends), (p.error + size * q.error) / least + fmt.ulp, word
+
+    def text(self, level=0):
+        return f"{self.n.text(SCALED)} / {self.d.text(SCALED)}"
+
+
+class Root(Operation):
+    """floor(sqrt(n)); 0 where n < 0."""
+
+    kind, latency = "root", "root"
+
+    def error(self, node):
+        return FLOOR
+
+    def result(self, node, values):
+        return floor_root(self.parts[0].words(values), 2 * node.frac - self.parts[0].frac)
+
+    def real(self, values):
+        return np.sqrt(np.maximum(self.parts[0].real(values), 0))
+
+    def interval(self, node, bounds):
+        v, ulp = bounds(self.parts[0]), node.format.ulp
+        low, high = math.sqrt(max(v.low, 0)), math.sqrt(max(v.high, 0))
+        # |sqrt a - sqrt b| = |a - b| / (sqrt a + sqrt b), at most sqrt |a - b|; below 0 both roots are 0.
+        ends = low + math.sqrt(max(v.word[0], 0))
+        error = math.sqrt(v.error) if ends == 0 else min(v.error / ends, math.sqrt(v.error))
+        word = tuple(math.sqrt(max(w, 0)) for w in v.word)
+        return low, high, error + ulp, (max(word[0] - ulp, 0.0), word[1])
+
+    def text(self, level=0):
+        return f"sqrt {self.parts[0].text(SCALED)}"
+
+
+class SineCosine(Operation):
+    """Sine or cosine of phi/2 by the CORDIC."""
+
+    kind, latency = "sincos", "sincos"
+
+    def __init__(self, phi: Term, function: str) -> None:
+        super().__init__(phi)
+        self.function = function
+
+    def error(self, node):
+        return CORDIC
+
+    def result(self, node, values):
+        key = "half angle", self.operands[0].name
+        if key not in values:
+            values[key] = cordic(self.operands[0].words(values), node.flow.width)
+        return values[key][self.function == "cos"]
+
+    def real(self, values):
+        half = self.operands[0].real(values) * (np.pi / 2)  # phi's word has its sign in the MSB: half a turn is 1
+        return np.sin(half) if self.function == "sin" else np.cos(half)
+
+    def interval(self, node, bounds):
+        return -1.0, 1.0, CORDIC[1] * node.format.ulp, (-math.inf, math.inf)
+
+    def text(self, level=0):
+        return f"{self.function}({self.operands[0].name} / 2)"
+
+
+class LeadingBits(Operation):
+    """Shift that brings the largest of some words to the full width; 0 for the all-zero vector."""
+
+    latency = "norm"
+
+    def words(self, values):
+        words = [part.words(values) for part in self.parts]
+        width = self.operands[0].format.width
+        return np.where(np.any(words, axis=0), np.minimum.reduce([room(word, width) for word in words]), 0)
+
+    def text(self, level=0):
+        return f"leading_sign_bits({', '.join(part.text() for part in self.parts)})"
+
+
+class Normalized(Operation):
+    """One of some words, shifted left as :class:`LeadingBits` says; the all-zero vector becomes (1/2, 0, ..)."""
+
+    kind, latency = "normalize", "norm"
+
+    def __init__(self, count: Term, words: tuple[Term, ...], index: int) -> None:
+        super().__init__(*words)
+        self.count, self.index = count, index
+
+    def result(self, node, values):
+        words = [word.words(values) for word in self.operands]
+        empty, half = np.logical_and.reduce([word == 0 for word in words]), 1 << node.format.width - 2
+        return np.where(empty, 0 if self.index else half, words[self.index] << self.count.words(values))
+
+    def real_result(self, node, values):
+        word = self.operands[self.index]
+        empty = np.logical_and.reduce([values.word(name.name) == 0 for name in self.operands])
+        scaled = word.real(values) * 2.0 ** (self.count.real(values) - (word.format.width - 1 - word.frac))
+        return np.where(empty, 0.0 if self.index else 0.5, scaled)
+
+    def interval(self, node, bounds):
+        return None  # exact: a shift changes the unit, not the vector; bounds downstream refer to the actual words
+
+    def text(self, level=0):
+        return f"{self.operands[self.index].name} << {self.count.text()}"
+
+
+def normalize(d: Dataflow, names: tuple[str, ...], words: tuple[Node, ...], count: str, within: Given) -> Node:
+    """Shift words left together until the largest fills its word; the all-zero vector becomes (1/2, 0, ..).
+
+    Creates the shift count (returned) and the shifted nodes, mantissas in [-1, 1): the scale is free.
+    """
+    bits = words[0].format.width - 1
+    counts = d.node(count, LeadingBits(*words), d.count, within=leading(bits))
+    for index, name in enumerate(names):
+        d.node(name, Normalized(counts, words, index), d.word(0), within=within)
+    return counts

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Shifts by counts: normalization by an even shift (``ik_even``), sums of counts, and shifts by them.
+
+In a formula a count n stands for 2^n, so that a shift is a product.
+"""
+
+import numpy as np
+
+from .expressions import FLOOR, Operation, Term, magnitude, number, wrap
+
+
+def room(words, width: int):
+    """Return the left shift that ``width``-bit words allow without overflow; ``width - 1`` for 0 and -1."""
+    # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
+    return width - 1 - np.frexp(magnitude(words).astype(np.float64))[1].astype(np.int64)
+
+def bit_length(words):
+    """Return the bits of unsigned words of up to 64 bits, 0 for 0."""
+    high = words >> np.uint64(32)
+    # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
+    _, bits = np.frexp(np.where(high, high, words).astype(np.float64))
+    return bits + 32 * (high > 0)
+
+
+def even(value, width: int, mantissa_bits: int):
+    """Compute ``ik_even``: (k, m), leading zero pairs of a word and floor(value 4^k / 2^(width-mantissa_bits)).
+
+    As a fraction, m lies in [1/4, 1); 0 gives k = width/2 - 1 and m = 0.  ``width`` is even, and at most 64.
+    """
+    value = np.asarray(value).astype(np.uint64)
+    k = (width - np.maximum(bit_length(value), 1)).astype(np.int64) // 2
+    right = width - mantissa_bits - 2 * k
+    down, up = (np.maximum(n, 0).astype(np.uint64) for n in (right, -right))
+    return k, ((value >> down) << up).astype(np.int64)
+
+class Even(Operation):
+    """Mantissa of the low ``width`` bits of a word, shifted left by pairs until the first pair is not 0."""
+
+    kind, latency = "even", "even"
+
+    def __init__(self, value: Term, width: int) -> None:
+        super().__init__(value)
+        self.value, self.width = value, width
+
+    def error(self, node):
+        return FLOOR
+
+    def pair(self, node, values):
+        """Return shift count and mantissa."""
+        if self not in values:
+            word = self.value.words(values)
+            whole = word.dtype == np.int64 and self.width > 63
+            values[self] = even(word if whole else word & (1 << self.width) - 1, self.width, node.format.width)
+        return values[self]
+
+    def result(self, node, values):
+        return self.pair(node, values)[1]
+
+    def real_result(self, node, values):
+        exact = self.value.real(values) * 2.0 ** (2 * self.count.real(values) + self.value.frac - self.width)
+        return np.where(values.word(node.name) == 0, 0.0, exact)
+
+    def growth(self, node, bounds):
+        return node.format.ulp
+
+    def facts(self, node, domain):
+        """State value 4^e 2^(frac - width), in [1/4, 1); 0 and the largest e for a value of 0."""
+        m, value, count = node.name, self.value.formula(domain), self.count.name
+        scale = number(2.0 ** (self.value.frac - self.width))
+        most = number(2.0 ** (self.width // 2 - 1))
+        return [
+            f"(= {m} (* {scale} {value} {count} {count}))",
+            f"(=> (< 0.0 {value}) (and (<= 0.25 {m}) (< {m} 1.0)))",
+            f"(=> (= {value} 0.0) (and (= {m} 0.0) (= {count} {most})))",
+        ]
+
+    def text(self, level=0):
+        return f"{self.value.text()} << 2 * {self.count.name}"
+
+    def lower(self, to, node):
+        to.even(node, self.value, self.count.name)
+
+
+class EvenCount(Operation):
+    """Number of pairs by which :class:`Even` shifts."""
+
+    kind, latency = "even", "even"
+
+    def __init__(self, shifted: Even) -> None:
+        super().__init__(shifted.value)
+        self.shifted = shifted
+
+    @property
+    def most(self) -> float:
+        """Largest count."""
+        return self.shifted.width / 2 - 1
+
+    def result(self, node, values):
+        return self.shifted.pair(self.shifted.mantissa, values)[0]
+
+    def facts(self, node, domain):
+        most = number(2.0 ** (self.shifted.width // 2 - 1))
+        return [f"(and (<= 1.0 {node.name}) (<= {node.name} {most}))"]
+
+    def text(self, level=0):
+        return f"clz({self.shifted.value.text()}) / 2"
+
+    def lower(self, to, node):
+        pass  # made by the mantissa's step
+
+
+class Count(Operation):
+    """Shift count of six bits: other counts times factors, and a constant."""
+
+    def __init__(self, *terms: tuple[int, Term], constant: int = 0) -> None:
+        super().__init__(*(count for _, count in terms))
+        self.terms, self.constant = terms, constant
+
+    def words(self, values):
+        return sum(factor * count.words(values) for factor, count in self.terms) + self.constant & 63
+
+    def facts(self, node, domain):
+        up = [count.name for factor, count in self.terms for _ in range(max(factor, 0))]
+        down = [count.name for factor, count in self.terms for _ in range(max(-factor, 0))]
+        total = " ".join([number(2.0**self.constant), *up])
+        return [f"(= (* {' '.join([node.name, *down, '1.0'])}) (* {total} 1.0))", f"(< 0.0 {node.name})"]
+
+    def text(self, level=0):
+        first, *others = self.terms
+        names = [f"{'' if first[0] == 1 else f'{first[0]} * '}{first[1].name}"]
+        names += [f"{'+' if f > 0 else '-'} {f'{abs(f)} * ' * (abs(f) > 1)}{count.name}" for f, count in others]
+        return " ".join(names) + f" + {self.constant}" * (self.constant > 0)
+
+    def lower(self, to, node):
+        to.count(node, self.constant, self.terms)
+
+
+class ShiftUp(Operation):
+    """v 2^(power + n), truncated; bits above the format are dropped, of clamped targets only."""
+
+    def __init__(self, value: Term, count: Term, power: int = 0) -> None:
+        super().__init__(value, count)
+        self.value, self.count, self.power = value, count, power
+
+    def result(self, node, values):
+        up = self.power + node.format.frac - self.value.frac
+        count, word = self.count.words(values), self.value.words(values)
+        shifted = word << np.maximum(up + count, 0)
+        if up < 0:
+            shifted = shifted >> np.maximum(-up - count, 0)
+        return wrap(shifted, node.format.width).astype(np.int64)
+
+    def real(self, values):
+        return self.value.real(values) * 2.0 ** (self.power + self.count.real(values))
+
+    def formula(self, domain):
+        return f"(* {number(2.0**self.power)} {self.value.formula(domain)} {self.count.name})"
+
+    def text(self, level=0):
+        return f"{self.value.text()} * {_power(self.count, 1, self.power)}"
+
+    def lower(self, to, node):
+        to.shift_up(node, self.value, self.count.name, self.power)
+
+
+class ShiftDown(Operation):
+    """v 2^(power - n), truncated."""
+
+    def __init__(self, value: Term, count: Term, power: int = 0) -> None:
+        super().__init__(value, count)
+        self.value, self.count, self.power = value, count, power
+
+    def result(self, node, values):
+        up = self.power + node.format.frac - self.value.frac
+        return self.value.words(values) << up >> self.count.words(values)
+
+    def real(self, values):
+        return self.value.real(values) * 2.0 ** (self.power - self.count.real(values))
+
+    def facts(self, node, domain):
+        return [f"(= (* {node.name} {self.count.name}) (* {number(2.0**self.power)} {self.value.formula(domain)}))"]
+
+    def text(self, level=0):
+        return f"{self.value.text()} * {_power(self.count, -1, self.power)}"
+
+    def lower(self, to, node):
+        to.shift_down(node, self.value, self.count.name, self.power)
+
+
+def _power(count: Term, sign: int, constant: int) -> str:
+    """Return 2^(sign count + constant) as text."""
+    if sign < 0 < constant:
+        return f"2^({constant} - {count.name})"
+    text = f"{'-' * (sign < 0)}{count.name}" + (f" {'+' if constant > 0 else '-'} {abs(constant)}" if constant else "")
+    return f"2^{text}" if text.isidentifier() else f"2^({text})"
