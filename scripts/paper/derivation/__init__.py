@@ -4,7 +4,7 @@
 import sys
 from collections.abc import Mapping
 
-from model.reference.lean_equations import HALF, LEAN, NUMBER
+from model.dataflow.lean import SECTIONS
 from scripts.generate.render import render
 from scripts.paper.derivation import lean, paper
 from scripts.paper.derivation.proofs import Step, aligned, derive, failures, tex
@@ -17,11 +17,14 @@ def page(name: str, steps: Mapping[str, Step]) -> str:
     """Return docs/generated/<name>.md."""
     halves = {
         rf"h(c, s) \text{{ for }} {branch}".replace(">=", r"\ge"): rf"\left({tex(c)},\ {tex(s)}\right)"
-        for branch, (c, s) in HALF.items()
+        for branch, (c, s) in lean.HALF.items()
     }
     proofs = {step: done.block() for step, done in steps.items()}
-    lines = {group: [(NUMBER[n], n, tex(f"{n} = {t}")) for n, t in table.items()] for group, table in LEAN.items()}
-    return render(name, proofs=proofs, lines=lines, halves=aligned(halves))
+    sections = {title: [] for title in SECTIONS.values()}
+    for node in lean.NODES.values():
+        if node.kind != "input":
+            sections[SECTIONS[node.section]].append(f"{node.name} = {node.right_side}")
+    return render(name, proofs=proofs, sections=sections, halves=aligned(halves))
 
 
 def write() -> int:

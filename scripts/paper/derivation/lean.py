@@ -1,18 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """Derivation of the lean dataflow from the paper's equations (10)-(18).
 
-The lean side is the table of model/reference/lean_equations.py, the paper's side is the corrected print. Steps and
-their statements appear in docs/generated/lean.md.
+The lean side is the dataflow of model/dataflow/lean.py itself, evaluated on symbols (:func:`evaluate`); the paper's side
+is the corrected print. Steps and their statements appear in docs/generated/lean.md.
 """
 
 import itertools
 from collections.abc import Iterable, Mapping
+from typing import Any
 
+import numpy as np
 import sympy as sp
 
+from model.dataflow import fixed
+from model.dataflow.choices import HalfPart
+from model.dataflow.nodes import Node
 from model.reference import cga
 from model.reference.cga import symbol
-from model.reference.lean_equations import HALF, LEAN
 from scripts.paper.derivation.paper import normal, of_axes
 from scripts.paper.derivation.proofs import COS_H, HALF_CIRCLE, PRINTED, SIN_H, Step, corrected, parse, symbols
 
@@ -29,26 +33,59 @@ SQUARES = (
     "sqrt_1**2 = d1",
     "sqrt_2**2 = d2",
 )
-ROOTS = {"rho_sq": "rho", "s": "dist", "a_far": "sqrt_a", "b_near": "sqrt_b", "d1": "sqrt_1", "d2": "sqrt_2"}
-"""Argument of a root -> name of the root."""
+ROOTS = {"rho": "rho", "s": "dist", "far": "sqrt_a", "near": "sqrt_b", "1": "sqrt_1", "2": "sqrt_2"}
+"""Root of the dataflow -> name of its argument's root."""
+
+HALF = {"c >= 0": ("(1 + c)/2", "s/2"), "c < 0": ("s/2", "(1 - c)/2")}
+"""Parts of the quaternion h(c, s) by branch, as :class:`model.dataflow.choices.HalfPart` has them."""
+
+NODES = fixed.nodes("lean", 32)
+
+REACHABLE = dict.fromkeys(("clamp", "fold", "away", "at_shoulder", "minus", "low"), False)
+"""Masks of a target in reach, with k_1 >= 0; the sign of Qs is free."""
 
 
-def run(lines_: Mapping[str, str], values: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
-    """Return `values` and the lines evaluated in order; given names keep their value, others are symbols."""
-    values = dict(values)
-    for name, text in lines_.items():
-        if name not in values:
-            values[name] = parse(text, values)
+def symbolic(node: Node) -> bool:
+    """Return whether a node is computed without a root, a sine, or a choice by a sign."""
+    return node.kind in ("choose", "mul3") and not isinstance(node.op, HalfPart)
+
+
+def evaluate(section: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `values` and the nodes of a section that follow from them.
+
+    A node is its operation in real numbers, as in :class:`model.bounds.predict.Real`. Counts of a root's even shifts are
+    0, since any count cancels.
+    """
+    values = {"e_rho": 0} | REACHABLE | dict(values)
+    for name, node in NODES.items():
+        known = values.keys() >= {operand.name for operand in node.operands}
+        if node.section != section or name in values or not known or not symbolic(node):
+            continue
+        if node.format == node.flow.count:
+            values[name] = node.op.words(values)
+        elif node.frac:
+            value = node.op.real_result(node, values)
+            value = value.item() if isinstance(value, np.ndarray) else value
+            values[name] = sp.nsimplify(value, rational=True)  # powers of two, which are exact as doubles
     return values
 
 
+def sums() -> dict[str, sp.Expr]:
+    """Return the sums of the inputs."""
+    return evaluate("guard", {name: symbol(name) for name in ("x", "y", "z", "d1", "d2")})
+
+
 def to_triangle(step: Step) -> None:
-    """Set the lines down to the triangle in x, y, z, d1, d2 and six roots."""
-    step.values |= run(LEAN["Sums of the inputs"], {})
+    """Set the nodes down to the triangle in x, y, z, d1, d2 and six roots."""
+    step.values |= sums()
     step.suppose(*SQUARES)
-    rsqrt = {"rsqrt": lambda argument: 1 / symbol(ROOTS[str(argument)])}
-    step.values |= {name: parse(text, rsqrt) for name, text in LEAN["Roots, first level"].items()}
-    step.values = run(LEAN["Directions"] | LEAN["Triangle"], step.values)
+    for name, root in ROOTS.items():
+        even = NODES[f"m_{name}"].op
+        unit = 2 ** (even.width - even.value.frac)
+        mantissa = step.values[even.value.name] / unit
+        inverse = sp.sqrt(unit) / (2 * symbol(root))  # 1/(2 sqrt m)
+        step.values |= {f"e_{name}": 0, f"m_{name}": mantissa, f"inv_{name}": inverse}
+    step.values = evaluate("triangle", evaluate("direction", step.values))
 
 
 def frame(step: Step) -> None:
@@ -96,8 +133,7 @@ def swivel(step: Step) -> None:
 
 def elbow(step: Step) -> None:
     frame(step)
-    sums = run(LEAN["Sums of the inputs"], {})
-    step.prove("k_law = s + d1**2 - d2**2", "4*d1**2*s - k_law**2 = a_far*b_near", **sums)
+    step.prove("k_law = s + d1**2 - d2**2", "4*d1**2*s - k_law**2 = a_far*b_near", **sums())
     step.values["rho"] = symbol("dist") * symbol("cos_el")
     step.values |= of_axes("pi_swivel", step.values["rho"] * step.values["n"])
     for name in PRINTED["(12)"]:
@@ -126,8 +162,7 @@ def elbow_quaternion(step: Step) -> None:
     step.values |= {"c4": step.value("(d1 - k_law/(2*d1))/d2")}  # |p| cos a = K/(2 d1) by step 1
     step.prove("(1 + c4)/2 = a_far/(4*d1*d2)", "(1 - c4)/2 = b_near/(4*d1*d2)")
     step.roots = {root: root**2 for root in (step.value(f"sqrt_{x}/(2*sqrt_1*sqrt_2)") for x in "ab")}
-    for name in ("qe_w", "qe_i"):
-        text = LEAN["Triangle"][name]
+    for name, text in (("qe_w", "elbow_w"), ("qe_i", "-elbow_i")):
         step.prove(f"{name} = {text}", **{name: step.value(corrected("(14)", name))})
     step.prove("qe_w**2 + qe_i**2 = 1")
 
@@ -208,9 +243,14 @@ def half(step: Step) -> None:
     step.prove("second = sigma*first", label=label, first=first, second=second)
 
 
-def product_lines() -> list[sp.Expr]:
-    """Return the lean quaternion before its division, in the half angle quaternions."""
-    values = run(LEAN["Product"], {"cos_h": COS_H, "sin_h": SIN_H})
+def product_lines(swap: bool = False) -> list[sp.Expr]:
+    """Return the lean quaternion before its division, in the half angle quaternions; ``swap``: arm_s is the larger
+    part of its quaternion."""
+    names = "az_c az_s tilt_c tilt_s arm_c arm_s"
+    values = dict(zip(names.split(), symbols(names), strict=True)) | {"cos_h": COS_H, "sin_h": SIN_H}
+    larger, smaller = ("arm_s", "arm_c") if swap else ("arm_c", "arm_s")
+    values |= {"arm_sq": values[larger], "sin_a": 2 * values[smaller], "arm_swap": swap}
+    values = evaluate("turn", evaluate("triangle", values))
     return [values[f"{name}_1"] for name in "wijk"]
 
 
@@ -220,9 +260,11 @@ def product(step: Step) -> None:
     whole = cga.scalar(1)
     for factor in factors_:
         whole *= cga.quaternion(*factor)
-    quaternion, algebra = sp.Matrix(product_lines()), sp.Matrix(cga.quaternion_coefficients(whole))
-    label = r"(w_1, i_1, j_1, k_1) = \mathrm{az}\,\mathrm{tilt}\,h_\phi\,\widetilde{\mathrm{arm}}"
-    step.prove("lean = algebra", label=label, lean=quaternion, algebra=algebra)
+    algebra = sp.Matrix(cga.quaternion_coefficients(whole))
+    for swap, branch in ((False, r"\ge"), (True, "<")):
+        label = r"(w_1, i_1, j_1, k_1) = \mathrm{az}\,\mathrm{tilt}\,h_\phi\,\widetilde{\mathrm{arm}}"
+        label += rf"\text{{ for }}\cos a {branch} 0"
+        step.prove("lean = algebra", label=label, lean=sp.Matrix(product_lines(swap)), algebra=algebra)
     step.suppose("s**2 = 1 - c**2", HALF_CIRCLE)
     c, s = symbols("c s")
     for (axis, unit), branch in itertools.product((("z", "k"), ("x", "i")), HALF):
@@ -245,16 +287,16 @@ def length(step: Step) -> None:
     step.suppose(*(f"{name}_s**2 = {name}_sq - {name}_c**2" for name in ("az", "tilt", "arm")), HALF_CIRCLE)
     quaternion = product_lines()
     step.values |= dict(zip(("w_1", "i_1", "j_1", "k_1"), quaternion, strict=True))
-    last = LEAN["Root, second level"]
-    step.values["length_sq"] = parse(last["length_sq"])
+    squares = {f"{name}_sq": symbol(f"{name}_sq") for name in ("az", "tilt", "arm")}
+    step.values["length_sq"] = evaluate("turn", squares)["length_sq"]
     step.prove("w_1**2 + i_1**2 + j_1**2 + k_1**2 = length_sq")
-    squares = LEAN["Lengths of the half angle quaternions, squared"]
-    whole = parse(last["length_sq"], {name: parse(text) for name, text in squares.items()})
+    cosines = {name: symbol(name) for name in ("u_y", "sin_el", "cos_a")}
+    squares = evaluate("triangle", evaluate("direction", cosines))
+    whole = evaluate("turn", squares)["length_sq"]
     step.prove("length_sq = (1 + Abs(u_y))*(1 + Abs(sin_el))*(1 + Abs(cos_a))/8", length_sq=whole)
-    step.values = {name: parse(last[name]) for name in last if name.startswith("qs_")} | {
-        "inv_q": parse(last["inv_q"], {"rsqrt": lambda argument: 1 / {symbol("length_sq"): symbol("length")}[argument]})
-    }
-    q_s = sp.Matrix([step.value(last[f"qs_{part}"]) for part in "wijk"])
+    unscaled = {f"{part}_1": symbol(f"{part}_1") for part in "wijk"} | {"inv_q": 1 / (2 * symbol("length"))}
+    values = evaluate("turn", unscaled)
+    q_s = sp.Matrix([values[f"qs_{part}"] for part in "wijk"])
     step.prove("q_s = q/length", label="Q_s = q/|q|", q_s=q_s, q=sp.Matrix(symbols("w_1 i_1 j_1 k_1")))
 
 
