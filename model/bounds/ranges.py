@@ -235,7 +235,8 @@ class LeanRanges(Intervals):
         super().__init__(datapath, width, formats)
         self.errors: dict[str, float] = {}
         for node in self.flow.nodes.values():
-            exact = {name: Bound(*on_grid(self.bounds[name].word, self.flow.nodes[name].format)) for name in node.as_words}
+            taken = (self.flow.nodes[name] for name in node.as_words)
+            exact = {operand.name: Bound(*on_grid(self.bounds[operand.name].word, operand.format)) for operand in taken}
             self.bounds[node.name] = bound = self._bound(node, self.bounds | exact)
             self.errors[node.name] = bound.error
             self._check(node, bound)

@@ -107,19 +107,20 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
     d.lemma("|Qh|", f"implies(not bad_hand, qh_len <= {MOST_H})", "=qh_len", *sums)
     d.lemma("|h|", f"0 <= h_len and h_len <= {MOST_H}", "=h_len", "=qh_len", "|Qh|", *equations(*parts("h_")))
 
-    rows = {}
-    for axis, first, second, signs in (("x", "ik", "wj", (1, 1)), ("y", "jk", "wi", (1, -1)), ("z", "ii", "jj", (-1, -1))):
-        terms = []
-        for sign, (a, b) in zip(signs, (first, second), strict=True):
-            product, facts = Mul3(target[f"qh_{a}"], target[f"qh_{b}"]), {"within": GOOD, "proof": (f"=h_{a}{b}", *good)}
-            terms.append((sign, d.node(f"h_{a}{b}", product, f.inner, **facts)))
-        facts = {"ends": WRAP, "within": ROW, "grows": SUM, "proof": equations(f"r_{axis}", f"h_{first}", f"h_{second}")}
-        facts["proof"] += good
-        row = Sum((1, Constant(0.5)), *terms) if axis == "z" else Sum(*terms)
-        rows[axis] = d.node(f"r_{axis}", row, f.inner, **facts)
+    def product(a: str, b: str) -> Node:
+        proof = (f"=h_{a}{b}", *good)
+        operands = target[f"qh_{a}"], target[f"qh_{b}"]
+        return d.node(f"h_{a}{b}", Mul3(*operands), f.inner, within=GOOD, proof=proof)
+
+    def row(axis: str, total: Sum) -> Node:
+        proof = (f"=r_{axis}", *equations(*(node.name for node in total.operands)), *good)
+        return d.node(f"r_{axis}", total, f.inner, ends=WRAP, within=ROW, grows=SUM, proof=proof)
+
+    rows = {"x": row("x", product("i", "k") + product("w", "j")), "y": row("y", product("j", "k") - product("w", "i"))}
+    rows["z"] = row("z", Constant(0.5) - product("i", "i") - product("j", "j"))
     wrist = []
-    for axis, row in rows.items():
-        off = d.node(f"off_{axis}", Mul3(row, tool_h), f.inner, "mul3_far", within=OFFSET)  # half the offset
+    for axis, half in rows.items():
+        off = d.node(f"off_{axis}", Mul3(half, tool_h), f.inner, "mul3_far", within=OFFSET)  # half the offset
         facts = {"ends": SATURATE, "within": POINT, "grows": Growth((1.0, 2.0)), "limited": WRIST}
         point = Wrist(target[f"hand_{axis}"], off)
         wrist.append(d.node(axis, point, f.result, "sum2", rounding=HALF_UP, **facts))
@@ -210,9 +211,9 @@ def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
     between = angle(d, f"{q}_b", Angle(both["s"].length, both["d"].length))
     facts = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": ROUNDED_SUM}
     pair = n[f"{q}_s"], n[f"{q}_d"]
-    first, third = (Joint(*pair, sign, tuple(n[bit] for bit in TURNED[th])) for th, sign in ((names[0], 1), (names[2], -1)))
-    d.node(names[0], first, d.word(0), "sum2", **facts)
-    d.node(names[2], third, d.word(0), "sum2", **facts)
+    for name, sign in ((names[0], 1), (names[2], -1)):
+        joint = Joint(*pair, sign, tuple(n[bit] for bit in TURNED[name]))
+        d.node(name, joint, d.word(0), "sum2", **facts)
     _twice(d, names[1], between)
 
 

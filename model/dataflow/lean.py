@@ -21,9 +21,9 @@ root has at most 31 fraction bits, and 22 up to W = 18; its argument, a mantissa
 Rounding.  ``Mul3`` omits the product of the two low parts and rounds half up.  Roots are faithful, shifts floor,
 the results are rounded half up to W - 2 fraction bits.
 
-Proofs.  Each range has its reason and, as ``proof``, the facts from which z3 derives it (:mod:`tb.formal.lean_proofs`):
-``=node`` is a node's equation, ``node`` its range, ``#node`` that an exact word is 0, one ulp, or at least two, ``~node``
-that the node's word is within its error; other names are lemmas, stated after the nodes that they are about.  Without
+Proofs.  Each range has its reason and, as ``proof``, the facts from which z3 derives it (:mod:`tb.formal.lean_proofs`).
+``=node`` is a node's equation, ``node`` its range, ``~node`` that its word is within its error, ``#node`` that an exact
+word is 0, one ulp, or at least two.  Other names are lemmas, stated after the nodes that they are about.  Without
 ``proof`` a range follows from the node's equation and its operands' ranges.
 """
 
@@ -255,7 +255,8 @@ def triangle(d: Dataflow, f: Lean) -> None:
     for side, count, exact, root_of, half in (("far", e_far, "a_far", "A", "w"), ("near", e_near, "b_near", "B", "i")):
         sizes = mantissas(side, "1", "2")
         shorter, steps = f"{root_of} <= 4 d1 d2", Count((1, count), (-1, e_1), (-1, e_2), constant=2 + f.odd)
-        within, proof = not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)"), (f"=n_{side}", shorter, exact, *LENGTHS, *sizes)
+        within = not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)")
+        proof = (f"=n_{side}", shorter, exact, *LENGTHS, *sizes)
         steps = d.node(f"n_{side}", steps, d.count, within=within, proof=proof)
         raw, name = f"inv_12_{side}_raw", f"inv_12_{side}"
         proof = (f"={raw}", f"=n_{side}", f"n_{side}", "inv_12", f"=elbow_{half}", f"={name}", f"elbow_{half}")

@@ -159,17 +159,16 @@ class Input(Operation):
 
 
 class Dataflow:
-    """A dataflow at one word length: its nodes in order, and what is stated between them.
+    """A dataflow at one word length: its nodes in order, and the statements between them.
 
-    ``limits``: lower and upper limit of each of the whole arm's joints, words of a turn.  ``learned``: by the number of
-    nodes before it, a fact that tightens a :class:`.annotations.Case`; ``restarts``: likewise names of nodes whose words
-    are exact for all later nodes.  ``lemmas``: name -> a statement, and the facts that prove it, if it is not assumed;
-    ``definitions``: name -> the value that it has in them.
+    * ``limits``: lower and upper limit of each of the whole arm's joints, words of a turn;
+    * ``learned``: number of nodes before it -> a fact that tightens a :class:`.annotations.Case`;
+    * ``restarts``: likewise names of nodes whose words are exact for all later nodes;
+    * ``lemmas``: name -> a statement, and the facts that prove it, or none if it is assumed;
+    * ``definitions``: name -> its value in lemmas.
     """
 
-    def __init__(
-        self, width: int, widths: range = WIDTHS, tile: int = TILE, limits: Limits | None = None
-    ) -> None:
+    def __init__(self, width: int, widths: range = WIDTHS, tile: int = TILE, limits: Limits | None = None) -> None:
         if width not in widths:
             raise ValueError(f"width {width}: the datapath is built for {widths[0]} to {widths[-1]}")
         self.width, self.tile, self.limits = width, tile, limits

@@ -11,8 +11,8 @@ import mpmath
 import numpy as np
 
 from .angles import TABLE_BITS, atan_table
-from .expressions import ADDED, EXACT, FLOOR, HALF_UP, SCALED, Operation, Sum, Term, round_shift
 from .annotations import Given, RangeError, leading
+from .expressions import EXACT, FLOOR, HALF_UP, SCALED, Operation, Sum, Term, round_shift
 from .formats import Format
 from .nodes import Dataflow, FormatError, Node
 from .shifts import room

@@ -14,6 +14,7 @@ def room(words, width: int):
     # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
     return width - 1 - np.frexp(magnitude(words).astype(np.float64))[1].astype(np.int64)
 
+
 def bit_length(words):
     """Return the bits of unsigned words of up to 64 bits, 0 for 0."""
     high = words >> np.uint64(32)
@@ -32,6 +33,7 @@ def even(value, width: int, mantissa_bits: int):
     right = width - mantissa_bits - 2 * k
     down, up = (np.maximum(n, 0).astype(np.uint64) for n in (right, -right))
     return k, ((value >> down) << up).astype(np.int64)
+
 
 class Even(Operation):
     """Mantissa of the low ``width`` bits of a word, shifted left by pairs until the first pair is not 0."""

@@ -28,9 +28,9 @@ import numpy as np
 
 from ..bounds import tolerances
 from ..dataflow import fixed
+from ..dataflow.choices import outside
 from ..dataflow.datapaths import MODELS
 from ..dataflow.nodes import Limits
-from ..dataflow.choices import outside
 from ..reference.equations import solve_clamped
 from ..reference.joints import reached
 from ..reference.kinematics import angle_between, continuous, forward, rotate

@@ -10,16 +10,16 @@ from itertools import groupby
 from pathlib import Path
 
 from model.dataflow import angles
-from model.dataflow.datapaths import MODELS
 from model.dataflow.angles import TABLE_BITS, atan_table
+from model.dataflow.datapaths import MODELS
 from model.dataflow.fixed import nodes
-from model.dataflow.paper_operations import SINCOS_GUARD, cordic_gain
 from model.dataflow.fold import steps as timing
 from model.dataflow.fold.program import PROGRAMS, SCHEDULES, Program, codes, fields, program, schedules
 from model.dataflow.fold.shown import shown
 from model.dataflow.fold.steps import Operand, Pick, Selector
 from model.dataflow.formats import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, inner_frac
 from model.dataflow.nodes import Node
+from model.dataflow.paper_operations import SINCOS_GUARD, cordic_gain
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, Form, Table, table_rows
 from scripts.generate.render import TEMPLATES, update
 from tb.sim.env import ROOT

@@ -78,7 +78,9 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 
 
 def latency_page() -> str:
-    paths = {name: [node for node in longest_path(fixed.nodes(name, WIDTH)) if node.latency] for name in ("lean", "paper")}
+    paths = {
+        name: [node for node in longest_path(fixed.nodes(name, WIDTH)) if node.latency] for name in ("lean", "paper")
+    }
     return render("latency", paths=paths, width=WIDTH, start=start, table=Latency.TABLE, fifo=FIFO_CLOCKS)
 
 

@@ -18,7 +18,6 @@ from typing import Any, NamedTuple
 
 import sympy
 
-from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.fixed import latency
 from model.dataflow.paper import SECTIONS
 from model.reference.cga import symbol

@@ -78,7 +78,7 @@ def marker(save_file):
 
 @pytest.mark.parametrize("datapath", ["lean", "paper"])
 def test_every_node_stands_in_its_line(command, files, simulator, datapath):
-    """Lines are in dataflow order: clock, the paper's equation, both words, both values, equation. No file is written."""
+    """Lines are in dataflow order: clock, the paper's number, both words, both values, equation. No file is written."""
     status, out, err = command(follow.main, "--target", "42", "--datapath", datapath)
     nodes = nodes_of(reach(), datapath)
     assert (status, err, files()) == (0, [], [])

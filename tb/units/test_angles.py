@@ -10,8 +10,8 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
 from model.dataflow import angles
-from model.dataflow.formats import Latency
 from model.dataflow.expressions import round_shift
+from model.dataflow.formats import Latency
 from tb.units.unit import BIT, EVERY, Case, Tests, Vector, checks, each, runs, sets_of, signed, some, unsigned
 
 

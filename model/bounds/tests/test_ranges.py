@@ -9,7 +9,7 @@ import pytest
 
 from model.bounds import ranges
 from model.bounds.predict import Real
-from model.dataflow import fixed, lean, paper, paper_turns
+from model.dataflow import fixed, paper, paper_turns
 from model.dataflow.annotations import Within
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.formats import WIDTHS as ALL_WIDTHS

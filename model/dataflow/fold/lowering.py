@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lean dataflow and whole arm as steps of the fold datapath.
 
-:class:`Lowering` collects the steps of each node, which its operation adds (``Operation.lower``).  It knows the names of
+:class:`Lowering` collects the steps of each node, which its operation adds (``Operation.lower``).  It uses the names of
 inputs and results, and of the mask ``arm_swap``.
 
 Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
@@ -410,9 +410,7 @@ class ArmLowering(Lowering):
         self.terms[node.name] = Step(node.name, node.name, ONE, result=node.name)
 
     def rounded_sum(self, node: Node, a: Node, b: Node, sign: int) -> None:
-        self.terms[a.name] = replace(
-            self.terms[a.name], minus=ALWAYS, addend="result_plain", write=None, term=a.name
-        )
+        self.terms[a.name] = replace(self.terms[a.name], minus=ALWAYS, addend="result_plain", write=None, term=a.name)
         self._chain(a.name, (node.name, b.name, sign), result=node.name)
 
     def vector(self, node: Node, length: str | None, x: Node, y: Node, sign: int) -> None:

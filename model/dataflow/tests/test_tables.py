@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from model.dataflow import angles, quadratic
-from model.dataflow.formats import inner_frac
 from model.dataflow.expressions import round_shift, wrap
+from model.dataflow.formats import inner_frac
 from model.dataflow.mul3 import TILE
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, SINE_FRACS, SMALL_FRAC
 

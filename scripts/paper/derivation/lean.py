@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Derivation of the lean dataflow from the paper's equations (10)-(18).
 
-The lean side is the dataflow of model/dataflow/lean.py itself, evaluated on symbols (:func:`evaluate`); the paper's side
-is the corrected print. Steps and their statements appear in docs/generated/lean.md.
+The lean side is the dataflow of model/dataflow/lean.py, evaluated on symbols (:func:`evaluate`); the paper's side is the
+corrected print. Steps and their statements appear in docs/generated/lean.md.
 """
 
 import itertools
@@ -53,8 +53,8 @@ def symbolic(node: Node) -> bool:
 def evaluate(section: str, values: Mapping[str, Any]) -> dict[str, Any]:
     """Return `values` and the nodes of a section that follow from them.
 
-    A node is its operation in real numbers, as in :class:`model.bounds.predict.Real`. Counts of a root's even shifts are
-    0, since any count cancels.
+    A node is its operation in real numbers, as in :class:`model.bounds.predict.Real`. A root's shift count is 0, since
+    any count cancels.
     """
     values = {"e_rho": 0} | REACHABLE | dict(values)
     for name, node in NODES.items():

@@ -7,10 +7,9 @@ from xml.etree import ElementTree
 import pytest
 import sympy
 
-from model.bounds import ranges
 from model.bounds.tolerances import REGULAR_DISTANCE
-from model.dataflow.formats import Format
 from model.dataflow import fixed
+from model.dataflow.formats import Format
 from model.dataflow.nodes import Dataflow
 from model.io.scoring import singular_distance
 from model.io.words import RESULT_FIELDS, to_words
