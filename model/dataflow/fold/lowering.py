@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lean dataflow and whole arm as steps of the fold datapath.
 
-:class:`Lowering` is a domain of the dataflow: it derives the steps of a node from its operation, and uses no node
-names except of the inputs.
+:class:`Lowering` is a domain of the dataflow: it derives the steps of a node from its operation.  It knows by name only
+the inputs, ``arm_swap``, and of a mantissa ``m...`` the count ``e...``.
 
 Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
 places.  ``weight`` w of a word: its first bit weighs -2^w.  The product of two words has 2 ``bits`` bits, and its bit
