@@ -10,7 +10,7 @@ import numpy as np
 
 
 class Flag(IntFlag):
-    """Why a pose is not the target's own, or by convention; `meaning` is one line for the user."""
+    """Reasons why a pose is clamped, or by convention; `meaning` is one line for the user."""
 
     meaning: str
 
@@ -19,16 +19,13 @@ class Flag(IntFlag):
         flag._value_, flag.meaning = bit, meaning
         return flag
 
-    TOO_FAR = 1, "|p| > d1+d2: straight arm toward the target"
-    TOO_NEAR = 2, "|p| < |d1-d2|: folded arm toward the target"
+    TOO_FAR = 1, "|p| > d1+d2, lengths positive: straight arm toward the target"
+    TOO_NEAR = 2, "|p| < |d1-d2|, lengths positive: closed elbow, wrist toward the target"
     ON_AXIS = 4, "target on the z axis: azimuth 0 is taken"
-    AT_SHOULDER = 8, "target at the shoulder: it has no direction"
-    BAD_LENGTH = 16, "d1 or d2 is not positive"
-    SATURATED = (
-        32,
-        "the wrist of a hand pose is outside the format: its nearest edge is taken; always 0 for a wrist target",
-    )
-    BAD_HAND = 256, "the hand's quaternion is not of length 1: no rotation and no tool are taken"
+    AT_SHOULDER = 8, "target at the shoulder: direction +z is taken"
+    BAD_LENGTH = 16, "d1 or d2 is not positive: straight arm"
+    SATURATED = 32, "hand pose: wrist outside the format, clamped to it"
+    BAD_HAND = 256, "hand pose: length of the quaternion outside [1 - 2^-8, 1 + 2^-8): no rotation, no tool"
 
 
 TOO_FAR, TOO_NEAR, ON_AXIS, AT_SHOULDER, BAD_LENGTH, SATURATED, BAD_HAND = map(int, Flag)
@@ -42,10 +39,11 @@ UNREACHABLE = TOO_FAR | TOO_NEAR | BAD_LENGTH
 FLAGS = {name.lower(): flag for name, flag in Flag.__members__.items() if flag < 1 << FLAG_BITS}
 """The flags by the names of the dataflow's nodes."""
 
-CORE_FLAGS = {name: flag for name, flag in FLAGS.items() if flag != SATURATED}  # flags of the core
+CORE_FLAGS = {name: flag for name, flag in FLAGS.items() if flag != SATURATED}
+"""Flags of a wrist target; bit 5 is 0."""
 
 ARM_FLAGS = {**FLAGS, "bad_hand": BAD_HAND, **{f"over_{k}": BAD_HAND << k for k in range(1, 8)}}
-"""Flags of the whole arm: a wrist target outside the format is saturated; a joint is over its limits."""
+"""Flags of a hand pose: also `saturated`, `bad_hand`, and for each joint whether it is outside its limits."""
 
 ARM_FLAG_BITS = 16
 
@@ -59,9 +57,9 @@ def names(flags: int) -> str:
 
 
 def expected_flags(words: np.ndarray, width: int) -> np.ndarray:
-    """Return the exact flags of input words (N, 6) of `width` bits; (N,) int64.
+    """Return the exact flags of wrist targets, input words (N, 6) of `width` bits; (N,) int64.
 
-    `SATURATED` is reserved. Raises ValueError for a word that does not fit `width` bits.
+    Raises ValueError for a word that does not fit `width` bits.
     """
     words = np.asarray(words, dtype=np.int64)
     half = 2 ** (width - 1)
