@@ -338,7 +338,7 @@ def _outcome(passed: bool, bar: float | None, error: float) -> str:
 
 
 def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
-    """Report flags that differ from the expected ones."""
+    """Report flags that differ from the expected ones; `saturated` is reserved, and never expected."""
     wrong = flags != expected
     if not wrong.any():
         return []
