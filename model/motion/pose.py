@@ -74,7 +74,7 @@ class Pose:
     """N poses.
 
     * qs, qe (N, 4): shoulder and elbow quaternion, in ``order``; in words of ``width`` bits their values are exact
-    * flags (N,): int64, bits of :class:`Flag`
+    * flags (N,): int64, bits of :class:`Flag`; 0 where the hand is at the target
     * elbow, wrist (N, 3): positions from forward kinematics, in the unit of the targets
     * phi (N,): the requested swivel angle, rad
     """
