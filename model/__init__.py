@@ -32,4 +32,4 @@ __all__ = [
     "swivel_toward",
 ]
 
-__version__ = "1.0.0"
+__version__ = "2.0.0"

@@ -44,7 +44,7 @@ typedef struct {
     ik_real qs[4], qe[2];
     uint32_t tag;
     uint8_t flags;
-    uint16_t over_limit; // bit k: th[k] is outside its limits; bit 8: the hand's quaternion is not of length 1
+    uint16_t over_limit; // bit k: th[k] is outside its limits; bit 8: length of the quaternion outside [1 - 2^-8, 1 + 2^-8)
 } ik_joints;
 
 // 0, a hardware code IK_CODE_* of ik_regs.h, or a driver code.

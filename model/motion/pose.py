@@ -169,7 +169,7 @@ def solve(
     * d1, d2: upper arm and forearm; they and phi are numbers or (N,)
     * axis: the reference axis, a name ("z", "-z", "x", ...) or a vector of three; th1 turns about it
     * width: None is double precision; 16 to 32 gives the words of the core, bit for bit
-    * datapath: "lean", "paper", or "lean25", which is lean with products cut for 25x18-bit multipliers
+    * datapath: "lean", "paper", or lean with products cut for other multipliers: "lean25" (25x18 bits), "lean16"
     * nan: "pass" returns nan and flags 0 for rows with a nan; "raise" raises ValueError
     * hand (N, 4) or (4,): orientation of the hand, unit quaternions; in words, with datapath "lean" only
     * tool: distance from the wrist to the hand's point, along the hand's z axis; a number or (N,)

@@ -26,7 +26,7 @@ import click
 from model.dataflow.datapaths import MODELS
 from model.dataflow.fixed import latency
 from model.io.scoring import model_errors
-from model.io.stimuli import region
+from model.io.stimuli import hand_poses, region
 from scripts import parallel
 from scripts.console import WORD_LENGTH, InputError, command, option, progress, switch
 from scripts.fpga import designs, page
@@ -34,6 +34,7 @@ from scripts.fpga.designs import Design
 from scripts.fpga.netlist import HOLDS
 from scripts.fpga.runs import TOOLS, Run, attempts, commands, version
 from scripts.generate.pages import TARGETS
+from scripts.soak import hand_errors
 from tb.sim.env import ROOT
 
 FULL = 0.97
@@ -56,14 +57,17 @@ def commit() -> str:
 
 
 def describe(design: Design) -> dict:
-    """Return commit and digest of the code; latency and, of a core for targets, largest hand error of the model."""
+    """Return commit and digest of the code; of a core, latency and the largest wrist error of the model, or hand error
+    of the whole arm."""
     facts = {"rtl": designs.code(design), "commit": commit()}
     if design.datapath not in MODELS:
         return facts
+    words = region("anywhere", TARGETS, design.width, 1)
     if MODELS[design.datapath].side:
-        return {"latency": latency(design.datapath, design.width), **facts}
-    hand, _ = model_errors(region("anywhere", TARGETS, design.width, 1), design.width, design.datapath)
-    return {"latency": latency(design.datapath, design.width), "hand": float(f"{hand.max():.2g}"), **facts}
+        errors, _ = hand_errors(hand_poses(words, design.width, 1), design.width, design.datapath)[0]
+    else:
+        errors, _ = model_errors(words, design.width, design.datapath)
+    return {"latency": latency(design.datapath, design.width), "hand": float(f"{errors.max():.2g}"), **facts}
 
 
 class Measurement:

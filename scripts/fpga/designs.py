@@ -20,7 +20,7 @@ PAGE = GENERATED / "fpga.md"
 class Design:
     """Top module with parameters, and the families for which it is synthesized or placed.
 
-    parameters: all but W. aims: family -> MHz at which no further placement seed is tried; clocks vary by a tenth
+    parameters: all but W. aims: family -> MHz at which no further placement seed is tried; clocks vary by up to a fifth
     between seeds. within: parameters of `ik_axis`, if it is placed instead of the top.
     """
 

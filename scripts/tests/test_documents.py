@@ -131,7 +131,17 @@ def test_fusesoc_has_files_and_version_of_the_project():
     names = [f"cga-ik:cga:{module}:{__version__}" for module in ("ik_axis", "ik_axi", "ik_arm")]
     assert [core["name"] for core in cores] == names
     assert [core["filesets"]["rtl"]["depend"] for core in cores[1:]] == [names[2:], names[:1]]
-    assert re.search(r"^## \[(\d.*)\] - \d{4}-\d\d-\d\d$", read("CHANGELOG.md"), re.M)[1] == __version__
+    assert newest_version()[0] == __version__
+
+
+def newest_version():
+    """Return number and date, or "unreleased", of the newest version in the changelog."""
+    return re.search(r"^## \[(\d.*)\] - (\d{4}-\d\d-\d\d|unreleased)$", read("CHANGELOG.md"), re.M).groups()
+
+
+@pytest.mark.release
+def test_the_version_has_a_date():
+    assert newest_version()[1] != "unreleased"
 
 
 DEPENDENT = """CAPI=2:

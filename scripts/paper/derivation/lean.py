@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Derivation of the lean dataflow from the paper's equations (10)-(18).
 
-The lean side is the dataflow of model/dataflow/lean.py, evaluated on symbols (:func:`evaluate`); the paper's side is the
-corrected print. Steps and their statements appear in docs/generated/lean.md.
+The lean side is the dataflow of model/dataflow/lean.py, evaluated on symbols (:func:`evaluate`). The paper's side is
+the corrected print. Steps and their statements appear in docs/generated/lean.md.
 """
 
 import itertools
