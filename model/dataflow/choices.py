@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Selections, sign changes and sums of the lean dataflow and the whole arm; the folded program has steps for them.
+
 The quaternion h(c, s) is along half the angle with cosine c and sine s, but not normalized: (1 + c, s)/2, or
 (s, 1 - c)/2 where c < 0.  The larger of its parts, (1 + |c|)/2, is its squared length.
 """

@@ -125,7 +125,7 @@ def test_aligned_vcd(command, simulator):
     assert status == 1 and out[-4:] == [f"wrote {name}" for name in written]
     admitted = admissions(100)
     check_aligned(Path("o/aligned.vcd"), nodes_of(reach()), admitted, simulator.wrong)
-    label = f"w_1 (L52) +{TIMES['w_1']}"
+    label = f"w_1 +{TIMES['w_1']}"
     assert marker(Path("o/waves.gtkw")) == ((admitted[3] + TIMES["w_1"]) * 10_000, [label])
     assert marker(Path("o/aligned.gtkw")) == ((admitted[3] + max(TIMES.values())) * 10_000, [label])
     known = {signal.name for signal in Signals(Path("o/aligned.vcd")).values()}
@@ -196,7 +196,7 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
     assert ran.first_mismatch.splitlines()[0] == f"first difference: {found[0]}"
     check_aligned(Path("o/aligned.vcd"), nodes, read.admitted, {(each.node.name, each.target) for each in found})
     at, red = marker(Path("o/aligned.gtkw"))
-    assert at == (read.admitted[0] + max(node.time for node in nodes)) * 10_000 and red[0].startswith("i_1 (L53) +")
+    assert at == (read.admitted[0] + max(node.time for node in nodes)) * 10_000 and red[0].startswith("i_1 +")
     assert marker(Path("o/waves.gtkw"))[0] == found[0].clock * 10_000
 
 

@@ -2,7 +2,7 @@
 //
 // Equations of one target in reach: (x, y, z, phi, d1, d2) to (qs_w, qs_i, qs_j, qs_k, qe_w, qe_i), and functions that
 // solve many targets. Options of the compiler set REAL, the type, and SOLVE, the set of equations: lean or paper.
-// Equation numbers as in model/reference: (10)-(18) the paper's, (L1)-(L61) the lean ones. Branch-free, so that
+// Equation numbers are the paper's, (10)-(18). The lean equations' names are those of model/dataflow/lean.py. Branch-free, so that
 // a compiler can vectorize it. With long double, sine and cosine are accurate to 5e-17, the rest to 64 bits.
 #include <tgmath.h>
 
@@ -39,32 +39,32 @@ INLINE void half(REAL c, REAL s, REAL *half_c, REAL *half_s) {
 }
 
 INLINE POSE lean(REAL x, REAL y, REAL z, REAL phi, REAL d1, REAL d2) {
-  REAL d_sum = d1 + d2, d_dif = d1 - d2;                                     // (L1) (L2)
-  REAL rho_sq = x * x + y * y, s = rho_sq + z * z;                           // (L3) (L4)
-  REAL a_far = positive(d_sum * d_sum - s);                                  // (L5)
-  REAL b_near = positive(s - d_dif * d_dif);                                 // (L6)
-  REAL k_law = s + d_sum * d_dif;                                            // (L7)
-  REAL inv_rho = 1 / sqrt(rho_sq), inv_s = 1 / sqrt(s);                      // (L8) (L9)
-  REAL root_far = sqrt(a_far), root_near = sqrt(b_near);                     // (L19) (L20)
-  REAL u_x = x * inv_rho, u_y = y * inv_rho;                                 // (L14) (L15)
-  REAL sin_el = z * inv_s, cos_el = rho_sq * inv_rho * inv_s;                // (L16)-(L18)
-  REAL inv_12 = 1 / (2 * sqrt(d1 * d2)), inv_law = inv_s / (2 * d1);         // (L21) (L25)
-  REAL qe_w = root_far * inv_12;                                             // (L22)
-  REAL qe_i = -root_near * inv_12;                                           // (L23)
-  REAL cos_a = k_law * inv_law, sin_a = root_far * root_near * inv_law;      // (L26)-(L28)
+  REAL d_sum = d1 + d2, d_dif = d1 - d2;
+  REAL rho_sq = x * x + y * y, s = rho_sq + z * z;
+  REAL a_far = positive(d_sum * d_sum - s);
+  REAL b_near = positive(s - d_dif * d_dif);
+  REAL k_law = s + d_sum * d_dif;
+  REAL inv_rho = 1 / sqrt(rho_sq), inv_s = 1 / sqrt(s);
+  REAL root_far = sqrt(a_far), root_near = sqrt(b_near);
+  REAL u_x = x * inv_rho, u_y = y * inv_rho;
+  REAL sin_el = z * inv_s, cos_el = rho_sq * inv_rho * inv_s;
+  REAL inv_12 = 1 / (2 * sqrt(d1 * d2)), inv_law = inv_s / (2 * d1);
+  REAL qe_w = root_far * inv_12;
+  REAL qe_i = -root_near * inv_12;
+  REAL cos_a = k_law * inv_law, sin_a = root_far * root_near * inv_law;
 
   REAL az_c, az_s, tilt_c, tilt_s, arm_c, arm_s, sin_h, cos_h;
-  half(-u_y, u_x, &az_c, &az_s);                                             // (L32) (L33)
-  half(sin_el, cos_el, &tilt_c, &tilt_s);                                    // (L34) (L35)
-  half(cos_a, sin_a, &arm_c, &arm_s);                                        // (L36) (L37)
-  sin_cos(phi / 2, &sin_h, &cos_h);                                          // (L38) (L39)
-  REAL cc = az_c * cos_h, ss = az_s * sin_h, sc = az_s * cos_h, cs = az_c * sin_h;                     // (L40)-(L43)
-  REAL w_0 = tilt_c * (cc - ss), i_0 = tilt_s * (cc + ss), j_0 = tilt_s * (sc - cs), k_0 = tilt_c * (sc + cs);  // -(L51)
-  REAL w_1 = w_0 * arm_c + i_0 * arm_s, i_1 = i_0 * arm_c - w_0 * arm_s;     // (L52) (L53)
-  REAL j_1 = j_0 * arm_c - k_0 * arm_s, k_1 = k_0 * arm_c + j_0 * arm_s;     // (L54) (L55)
-  REAL length_sq = (1 + fabs(u_y)) * (1 + fabs(sin_el)) * (1 + fabs(cos_a)) / 8;                       // (L56)
-  REAL inv_q = (k_1 < 0 ? (REAL)-1 : (REAL)1) / sqrt(length_sq);             // (L57)
-  return (POSE){w_1 * inv_q, i_1 * inv_q, j_1 * inv_q, k_1 * inv_q, qe_w, qe_i};                       // (L58)-(L61)
+  half(-u_y, u_x, &az_c, &az_s);
+  half(sin_el, cos_el, &tilt_c, &tilt_s);
+  half(cos_a, sin_a, &arm_c, &arm_s);
+  sin_cos(phi / 2, &sin_h, &cos_h);
+  REAL cc = az_c * cos_h, ss = az_s * sin_h, sc = az_s * cos_h, cs = az_c * sin_h;
+  REAL w_0 = tilt_c * (cc - ss), i_0 = tilt_s * (cc + ss), j_0 = tilt_s * (sc - cs), k_0 = tilt_c * (sc + cs);
+  REAL w_1 = w_0 * arm_c + i_0 * arm_s, i_1 = i_0 * arm_c - w_0 * arm_s;
+  REAL j_1 = j_0 * arm_c - k_0 * arm_s, k_1 = k_0 * arm_c + j_0 * arm_s;
+  REAL length_sq = (1 + fabs(u_y)) * (1 + fabs(sin_el)) * (1 + fabs(cos_a)) / 8;
+  REAL inv_q = (k_1 < 0 ? (REAL)-1 : (REAL)1) / sqrt(length_sq);
+  return (POSE){w_1 * inv_q, i_1 * inv_q, j_1 * inv_q, k_1 * inv_q, qe_w, qe_i};
 }
 
 INLINE POSE paper(REAL x, REAL y, REAL z, REAL phi, REAL d1, REAL d2) {

@@ -298,7 +298,7 @@ def test_a_target_is_followed_through_its_nodes(page):
     })()""")
     page.drag((x, y), (x, y))
     text = page.run("document.getElementById('node').innerText")
-    assert "k_law, (L7)" in text and "Q" in text and "guard" in text
+    assert "k_law = s + sum_dif" in text and "Q" in text and "guard" in text
     assert page.run("playground.ui.watched.at(-1)").endswith("k_law")
     word = int(page.run("document.querySelectorAll('#node dd')[5].textContent"), 16)
     assert [word] == bits(model["k_law"])
