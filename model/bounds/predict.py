@@ -36,13 +36,15 @@ class Real:
         if node.kind == "input" or node.section == "guard":
             return np.asarray(self.word(node.name), float)
         self._as_words = node.as_words
-        return node.op.real_result(node, self)
+        return node.op.real_result(node, self) * node.format.ulp
 
     def _moved(self, node: Node, value):
         return value + self.moves[node.name] * node.format.ulp if node.name in self.moves else value
 
     def __getitem__(self, name: str):
-        return self.word(name) if name in self._as_words else self.values[name]
+        """Return an operand of the node in evaluation, in ulps."""
+        value = self.word(name) if name in self._as_words else self.values[name]
+        return value / self.bits.nodes[name].format.ulp
 
     def word(self, name: str):
         """Return the value of a node's word."""

@@ -150,7 +150,7 @@ class Ranges(Intervals):
         word = min(ends) * fmt.ulp, max(ends) * fmt.ulp
         if node.decision:
             return self._rule(node, *word, 0.0)
-        exact = np.atleast_1d(node.op.real_result(node, _grid(node, self._ends)))
+        exact = np.atleast_1d(node.op.real_result(node, _grid(node, self._ends))) * fmt.ulp
         error = node.op.growth(node, self.bounds)
         return self._rule(node, float(np.min(exact)), float(np.max(exact)), error, word)
 
@@ -160,8 +160,8 @@ class Ranges(Intervals):
         return sorted({low, high, *(v for v in (-1, 0, 1) if low <= v <= high)})
 
     def _ends(self, node: Node) -> list[float]:
-        bound = self.bounds[node.name]
-        return sorted({bound.low, bound.high, min(max(0.0, bound.low), bound.high)})
+        bound, ulp = self.bounds[node.name], node.format.ulp
+        return sorted({bound.low / ulp, bound.high / ulp, min(max(0.0, bound.low), bound.high) / ulp})
 
 
 def _grid(node: Node, corners) -> dict[str, np.ndarray]:

@@ -155,8 +155,8 @@ class Angle(Operation):
     def result(self, node, values):
         return self.pair(node, values)[1]
 
-    def real(self, values):
-        return np.arctan2(self.sign * self.y.real(values), self.x.real(values)) / np.pi
+    def real_result(self, node, values):
+        return np.arctan2(self.sign * self.y.words(values), self.x.words(values)) / (np.pi * node.format.ulp)
 
     def growth(self, node, bounds):
         # The error has no bound but half a turn: it grows as the vector gets shorter.
@@ -185,7 +185,8 @@ class Gained(Operation):
         return self.angle.pair(node, values)[0]
 
     def real_result(self, node, values):
-        return gain(node.flow.width) * np.hypot(self.angle.x.real(values), self.angle.y.real(values))
+        length = np.hypot(self.angle.x.words(values), self.angle.y.words(values)) * self.angle.x.format.ulp
+        return gain(node.flow.width) * length / node.format.ulp
 
     def growth(self, node, bounds):
         width = node.flow.width

@@ -23,9 +23,10 @@ turn or negate them, as in :mod:`model.reference.joints`.  over_k: th_k is outsi
 """
 
 from ..io.words import BRANCHES, JOINTS, RESULT_FIELDS
+from . import choices
 from .angles import Angle, Gained
 from .annotations import SAME, Growth, Limited, Within
-from .choices import Joint, Outside, OutsideFormat, Replaced, RoundedSum, Twice, WrappedSum, Wrist, square
+from .choices import Outside, OutsideFormat, WrappedSum, replaced, rounded_sum, square, twice
 from .expressions import HALF_UP, Constant, Sum
 from .formats import Format
 from .lean import SECTIONS as CORE_SECTIONS
@@ -98,9 +99,9 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
     bad_hand = d.mask("bad_hand", (total < least) | (total >= most))
     for c in "wijk":
         facts = {"within": GOOD, "grows": SAME, "proof": ("=h_len", "|h|")}
-        d.node(f"h_{c}", Replaced(target[f"qh_{c}"], bad_hand, int(c == "w")), f.result, **facts)
+        d.node(f"h_{c}", replaced(target[f"qh_{c}"], bad_hand, int(c == "w")), f.result, **facts)
     facts = {"within": POINT, "grows": SAME, "proof": ("=tool_h", "=tool")}
-    tool_h = d.node("tool_h", Replaced(target["tool"], bad_hand, 0), f.result, **facts)
+    tool_h = d.node("tool_h", replaced(target["tool"], bad_hand, 0), f.result, **facts)
     d.define("qh_len", norm(*parts("qh_")))
     d.define("h_len", norm(*parts("h_")))
     d.lemma("good hand", "not bad_hand")  # by assumption, of the hand's products only
@@ -122,7 +123,7 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
     for axis, half in rows.items():
         off = d.node(f"off_{axis}", Mul3(half, tool_h), f.inner, "mul3_far", within=OFFSET)  # half the offset
         facts = {"ends": SATURATE, "within": POINT, "grows": Growth((1.0, 2.0)), "limited": WRIST}
-        point = Wrist(target[f"hand_{axis}"], off)
+        point = choices.wrist(target[f"hand_{axis}"], off)
         wrist.append(d.node(axis, point, f.result, "sum2", rounding=HALF_UP, **facts))
     d.mask("saturated", OutsideFormat(*wrist), "sum2")
     d.words("x", "y", "z")
@@ -153,7 +154,7 @@ def frame(d: Dataflow) -> None:
             products.append(d.node(name, product, f.inner, "mul3_far", **facts))
             turned.append(name)
         facts = {"rounding": HALF_UP, "within": PART, "grows": ROUNDED_SUM, "proof": ("=qw_len", "|Qw|")}
-        d.node(f"qw_{c}", RoundedSum(*products, sign), f.result, "sum2", **facts)
+        d.node(f"qw_{c}", rounded_sum(*products, sign), f.result, "sum2", **facts)
     frame_lemmas(d, turned)
 
 
@@ -212,7 +213,7 @@ def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
     facts = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": ROUNDED_SUM}
     pair = n[f"{q}_s"], n[f"{q}_d"]
     for name, sign in ((names[0], 1), (names[2], -1)):
-        joint = Joint(*pair, sign, tuple(n[bit] for bit in TURNED[name]))
+        joint = choices.joint(*pair, sign, tuple(n[bit] for bit in TURNED[name]))
         d.node(name, joint, d.word(0), "sum2", **facts)
     _twice(d, names[1], between)
 
@@ -226,4 +227,4 @@ def angle(d: Dataflow, name: str, of: Angle) -> Node:
 
 def _twice(d: Dataflow, name: str, half: Node) -> None:
     facts = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": Growth((2.0,))}
-    d.node(name, Twice(half, d.nodes[NEGATED[name]]), d.word(0), **facts)
+    d.node(name, twice(half, d.nodes[NEGATED[name]]), d.word(0), **facts)

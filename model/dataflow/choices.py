@@ -5,29 +5,10 @@ The quaternion h(c, s) is along half the angle with cosine c and sine s, but not
 (s, 1 - c)/2 where c < 0.  The larger of its parts, (1 + |c|)/2, is its squared length.
 """
 
+from collections.abc import Callable
 from fractions import Fraction
 
 from .expressions import SCALED, Constant, Floor, Operation, Scaled, Select, Sum, Term, Xor, number
-
-
-class Defined(Operation):
-    """An operation that an expression defines."""
-
-    def __init__(self, expression: Term) -> None:
-        super().__init__(*expression.leaves)
-        self.expression, self.frac = expression, expression.frac
-
-    def words(self, values):
-        return self.expression.words(values)
-
-    def real(self, values):
-        return self.expression.real(values)
-
-    def formula(self, domain):
-        return self.expression.formula(domain)
-
-    def text(self, level=0):
-        return self.expression.text(level)
 
 
 class Product(Operation):
@@ -39,10 +20,6 @@ class Product(Operation):
 
     def words(self, values):
         a, b = (part.words(values) for part in self.parts)
-        return a * b
-
-    def real(self, values):
-        a, b = (part.real(values) for part in self.parts)
         return a * b
 
     def formula(self, domain):
@@ -61,11 +38,121 @@ def square(a: Term) -> Product:
     return Product(a, a)
 
 
-class WrappedSum(Defined):
+class Choice(Operation):
+    """An expression with steps of its own in the folded program, which ``lower(to, node)`` adds."""
+
+    def __init__(self, expression: Operation, lower: Callable, operands: tuple = ()) -> None:
+        super().__init__(*(operands or expression.operands))
+        self.expression, self.frac, self._lower = expression, expression.frac, lower
+
+    def words(self, values):
+        return self.expression.words(values)
+
+    def formula(self, domain):
+        return self.expression.formula(domain)
+
+    def text(self, level=0):
+        return self.expression.text(level)
+
+    def lower(self, to, node):
+        self._lower(to, node)
+
+
+class Free(Choice):
+    """A choice whose words saturate or wrap by design: no formula states it."""
+
+    def facts(self, node, domain):
+        return []
+
+
+class AtMost(Operation):
+    """A term, at most the largest word of the node's format, which real values do not reach."""
+
+    def __init__(self, term: Term, lower: Callable) -> None:
+        super().__init__(term)
+        self.frac, self._lower = term.frac, lower
+
+    def words(self, values):
+        return self.parts[0].words(values)
+
+    def formula(self, domain):
+        return self.parts[0].formula(domain)
+
+    def text(self, level=0):
+        return f"min({self.parts[0].text()}, most)"
+
+    def lower(self, to, node):
+        self._lower(to, node)
+
+
+def limited(raw: Term) -> AtMost:
+    """Return a word, limited."""
+    return AtMost(raw, lambda to, node: to.limit(node, raw))
+
+
+def mantissa(value: Term, low: Term) -> AtMost:
+    """Return a word, times 4 where the mask is set, limited."""
+    return AtMost(Select(low, 4 * value, value), lambda to, node: to.mantissa(node, value, low))
+
+
+def signed(value: Term, negative: Term) -> Choice:
+    """Return a result, negated where the mask is set."""
+    return Choice(Select(negative, -value, value), lambda to, node: to.result(node, value, negative))
+
+
+def elbow(value: Term, clamp: Term, fold: Term, sign: int, closed: int, straight: int) -> Choice:
+    """Return a word times a sign; where the elbow is clamped, 1, 0 or -1."""
+    part = Select(clamp, Select(fold, closed, straight), value if sign > 0 else -value)
+    return Choice(part, lambda to, node: to.elbow(node, value, sign))
+
+
+# -- half angles -----------------------------------------------------------------------------------------------------
+
+
+def _half_length(c: Term) -> Floor:
+    return Floor((1 + abs(c)) / 2, c.frac)
+
+
+def _halved(s: Term, none: Term | None = None) -> Term:
+    half = Floor(s / 2, s.frac)
+    return Select(none, 0, half) if none else half
+
+
+def half_length(c: Term, unit: Term | None = None) -> Choice:
+    """Return the squared length (1 + |c|)/2; 1 where the mask is set."""
+    length = Select(unit, 1, _half_length(c)) if unit else _half_length(c)
+    return Choice(length, lambda to, node: to.half_length(node, c, unit))
+
+
+def half_part(c: Term, s: Term, large: Term, length: Term | None = None, none: Term | None = None) -> Choice:
+    """Return a part of h: the squared length where ``large`` holds, else half the sine, or 0 where ``none`` is set.
+
+    Without ``length`` the part does not wait for the squared length.
+    """
+    part = Select(large, length or _half_length(c), _halved(s, none))
+    return Choice(part, lambda to, node: to.half_part(node, c, s, large, none))
+
+
+def half_sum(length: Term, s: Term, none: Term, sign: int) -> Choice:
+    """Return the squared length plus or minus half the sine, or plus 0 where the mask is set."""
+    total = Sum((1, length), (sign, _halved(s, none)))
+    return Choice(total, lambda to, node: to.half_sum(node, length, s, sign))
+
+
+def add_sub(whole: Term, part: Term, add: Term) -> Choice:
+    """Return the first term minus the second; their sum where the mask is set."""
+    total = Select(add, whole + part, whole - part)
+    return Choice(total, lambda to, node: to.add_sub(node, whole, part, add))
+
+
+# -- the whole arm ---------------------------------------------------------------------------------------------------
+
+
+class WrappedSum(Sum):
     """a + b without the bits above the format."""
 
     def __init__(self, a: Term, b: Term) -> None:
-        super().__init__(a + b)
+        super().__init__((1, a), (1, b))
 
     def facts(self, node, domain):
         total = self.formula(domain)
@@ -74,195 +161,34 @@ class WrappedSum(Defined):
         return [f"(= {node.name} (ite (<= {end} {total}) (- {total} {turn}) {wrapped}))"]
 
     def lower(self, to, node):
-        to.wrapped_sum(node, *self.operands)
+        to.wrapped_sum(node, *self.parts)
 
 
-class AtMost(Defined):
-    """A word, at most the largest of the node's format, which real values do not reach."""
+def replaced(word: Term, mask: Term, constant: int) -> Choice:
+    """Return a word; where the mask is set, a constant, 0 or 1."""
+    return Choice(Select(mask, constant, word), lambda to, node: to.replaced(node, word, mask, constant))
 
-    def __init__(self, raw: Term) -> None:
-        super().__init__(raw)
 
-    def text(self, level=0):
-        return f"min({self.expression.text()}, most)"
+def wrist(point: Term, off: Term) -> Free:
+    """Return a coordinate of the wrist: of the hand's point, less twice half the tool's offset; saturated."""
+    return Free(point - 2 * off, lambda to, node: to.wrist(node, point, off))
 
-    def lower(self, to, node):
-        to.limit(node, self.expression)
 
+def rounded_sum(a: Term, b: Term, sign: int) -> Choice:
+    """Return a result that is the sum of two products: -a, plus or minus b."""
+    return Choice(Sum((sign, b), (-1, a)), lambda to, node: to.rounded_sum(node, a, b, sign), operands=(a, b))
 
-class Mantissa(Defined):
-    """A word times 4 where the mask is set, at most the largest of the node's format."""
 
-    def __init__(self, value: Term, low: Term) -> None:
-        super().__init__(Select(low, 4 * value, value))
-        self.value, self.low = value, low
+def joint(s: Term, d: Term, sign: int, turned: tuple[Term, ...]) -> Free:
+    """Return the sum or difference of two angles, with half a turn more where an odd number of the masks is set."""
+    total = Sum((1, s), (sign, d), (1, Select(Xor(*turned), Constant(-1), 0)))
+    return Free(total, lambda to, node: to.joint(node, s, d, sign, turned))
 
-    def text(self, level=0):
-        return f"min({self.expression.text()}, most)"
 
-    def lower(self, to, node):
-        to.mantissa(node, self.value, self.low)
-
-
-class Signed(Defined):
-    """A word times a power of two, negated where the mask is set."""
-
-    def __init__(self, value: Term, negative: Term, power: int = 0) -> None:
-        term = Scaled(value, power) if power else value
-        super().__init__(Select(negative, -term, term))
-        self.value, self.negative, self.power = value, negative, power
-
-    def lower(self, to, node):
-        to.result(node, self.value, self.negative)
-
-
-class Elbow(Defined):
-    """A word times a sign; 1, 0 or -1 where the elbow is clamped: ``closed`` or ``straight``."""
-
-    def __init__(self, value: Term, clamp: Term, fold: Term, sign: int, closed: int, straight: int) -> None:
-        super().__init__(Select(clamp, Select(fold, closed, straight), value if sign > 0 else -value))
-        self.value, self.sign = value, sign
-
-    def lower(self, to, node):
-        to.elbow(node, self.value, self.sign)
-
-
-# -- half angles -----------------------------------------------------------------------------------------------------
-
-
-def half_length(c: Term) -> Floor:
-    """Return (1 + |c|)/2."""
-    return Floor((1 + abs(c)) / 2, c.frac)
-
-
-def halved(s: Term) -> Floor:
-    """Return half a sine."""
-    return Floor(s / 2, s.frac)
-
-
-class HalfLength(Defined):
-    """Squared length (1 + |c|)/2; 1 where the mask is set."""
-
-    def __init__(self, c: Term, unit: Term | None = None) -> None:
-        super().__init__(Select(unit, 1, half_length(c)) if unit else half_length(c))
-        self.c, self.unit = c, unit
-
-    def lower(self, to, node):
-        to.half_length(node, self.c, self.unit)
-
-
-class HalfPart(Defined):
-    """Part of h: the squared length where ``large`` holds, else half the sine, or 0 where ``none`` is set.
-
-    Without ``length`` the part does not wait for the squared length.
-    """
-
-    def __init__(self, c: Term, s: Term, large: Term, length: Term | None = None, none: Term | None = None) -> None:
-        small: Term = Select(none, 0, halved(s)) if none else halved(s)
-        super().__init__(Select(large, length or half_length(c), small))
-        self.c, self.s, self.large, self.none = c, s, large, none
-
-    def lower(self, to, node):
-        to.half_part(node, self.c, self.s, self.large, self.none)
-
-
-class HalfSum(Defined):
-    """Squared length plus or minus half the sine, or plus 0 where the mask is set."""
-
-    def __init__(self, length: Term, s: Term, none: Term, sign: int) -> None:
-        super().__init__(Sum((1, length), (sign, Select(none, 0, halved(s)))))
-        self.length, self.s, self.sign = length, s, sign
-
-    def lower(self, to, node):
-        to.half_sum(node, self.length, self.s, self.sign)
-
-
-class AddSub(Defined):
-    """The first term minus the second; their sum where the mask is set."""
-
-    def __init__(self, whole: Term, part: Term, add: Term) -> None:
-        super().__init__(Select(add, whole + part, whole - part))
-        self.whole, self.part, self.add = whole, part, add
-
-    def lower(self, to, node):
-        to.add_sub(node, self.whole, self.part, self.add)
-
-
-# -- the whole arm ---------------------------------------------------------------------------------------------------
-
-
-class Replaced(Defined):
-    """A word; where the mask is set, a constant, 0 or 1."""
-
-    def __init__(self, word: Term, mask: Term, constant: int) -> None:
-        super().__init__(Select(mask, constant, word))
-        self.word, self.mask, self.constant = word, mask, constant
-
-    def lower(self, to, node):
-        to.replaced(node, self.word, self.mask, self.constant)
-
-
-class Free(Defined):
-    """An expression whose words saturate or wrap by design: no formula states it."""
-
-    def facts(self, node, domain):
-        return []
-
-
-class Wrist(Free):
-    """Coordinate of the wrist: of the hand's point, less twice half the tool's offset; saturated."""
-
-    def __init__(self, point: Term, off: Term) -> None:
-        super().__init__(point - 2 * off)
-        self.point, self.off = point, off
-
-    def lower(self, to, node):
-        to.wrist(node, self.point, self.off)
-
-
-class RoundedSum(Defined):
-    """Sum of two products that becomes a result: -a, plus or minus b."""
-
-    def __init__(self, a: Term, b: Term, sign: int) -> None:
-        super().__init__(Sum((sign, b), (-1, a)))
-        self.operands = self.leaves = (a, b)
-        self.a, self.b, self.sign = a, b, sign
-
-    def formula(self, domain):
-        return f"(- (* {number(self.sign)} {self.b.formula(domain)}) {self.a.formula(domain)})"
-
-    def lower(self, to, node):
-        to.rounded_sum(node, self.a, self.b, self.sign)
-
-
-class Joint(Free):
-    """Sum or difference of two angles, with half a turn more where an odd number of the masks is set."""
-
-    def __init__(self, s: Term, d: Term, sign: int, turned: tuple[Term, ...]) -> None:
-        half = Select(Xor(*turned), Constant(-1), 0)
-        super().__init__(Sum((1, s), (sign, d), (1, half)))
-        self.s, self.d, self.sign, self.turned = s, d, sign, turned
-
-    def text(self, level=0):
-        masks = " xor ".join(mask.text() for mask in self.turned)
-        turn = f"half_turn * {masks if len(self.turned) == 1 else f'({masks})'}"
-        return f"{self.s.text()} {'+' if self.sign > 0 else '-'} {self.d.text()} + {turn}"
-
-    def lower(self, to, node):
-        to.joint(node, self.s, self.d, self.sign, self.turned)
-
-
-class Twice(Signed):
-    """Twice an angle, negated where the mask is set."""
-
-    def __init__(self, half: Term, negated: Term) -> None:
-        super().__init__(half, negated, power=1)
-
-    def facts(self, node, domain):
-        return []
-
-    def lower(self, to, node):
-        to.twice(node, self.value, self.negative)
+def twice(half: Term, negated: Term) -> Free:
+    """Return twice an angle, negated where the mask is set."""
+    term = Scaled(half, 1)
+    return Free(Select(negated, -term, term), lambda to, node: to.twice(node, half, negated))
 
 
 def outside(angle, low: int, high: int, width: int):

@@ -4,8 +4,8 @@
 A term is a node, a constant or an expression of terms; its value is a number with ``frac`` fraction bits, or a mask.
 Python's operators build expressions: ``cc - ss``, ``(d1 <= 0) | (d2 <= 0)``.  The readings of a term:
 
-* ``words(values)``: exact integers, in units of 2^-frac, from the integers of its operands by name;
-* ``real(values)``: the same in double precision, where nothing is rounded;
+* ``words(values)``: in units of 2^-frac, from its operands' words by name; integers are exact, and real numbers, which
+  have no last bit, are not rounded;
 * ``formula(domain)``: SMT-LIB over the reals, in a domain of :mod:`tb.formal.lean_exact`; raises :class:`FreeError`;
 * ``text(level)``: the equation's right side, in parentheses if the context binds more tightly than ``level``.
 """
@@ -49,9 +49,14 @@ def wrap(words, width: int):
     return ((words + half) & (2 * half - 1)) - half
 
 
+def integral(words) -> bool:
+    """Return whether words are integers of up to 64 bits."""
+    return np.asarray(words).dtype.kind == "i"
+
+
 def magnitude(words):
-    """Return |c| for c >= 0, and |c| - 1, the one's complement, for c < 0."""
-    return np.where(words < 0, ~words, words)
+    """Return |c|; of a negative integer |c| - 1, its one's complement."""
+    return np.where(words < 0, ~words, words) if integral(words) else np.abs(words)
 
 
 def truth(mask):
@@ -75,7 +80,6 @@ class Term:
     leaves: tuple = ()  # the nodes, in the order in which the term reads them
 
     words: Callable[[Values], Any]
-    real: Callable[[Values], Any]
     formula: Callable[[Any], str]
     text: Callable[..., str]
 
@@ -153,7 +157,7 @@ class Operation(Term):
     """An operation of the dataflow.  ``parts``: the terms that it is made of.
 
     Further readings are of the node that the operation makes, its rounding and format included: ``result(node,
-    values)``, in words, ``real_result(node, values)``, and ``facts(node, domain)``, formulas.
+    values)``, its words, ``real_result(node, values)``, in real ulps, and ``facts(node, domain)``, formulas.
     """
 
     level = ATOM
@@ -174,8 +178,8 @@ class Operation(Term):
         return node.narrowed(node.rounded(self.words(values)))
 
     def real_result(self, node, values):
-        """Return the node's value in double precision."""
-        return self.real(values)
+        """Return the node's value in ulps, not rounded, from real numbers."""
+        return self.words(values) * 2.0 ** (node.frac - self.frac)
 
     def growth(self, node, bounds) -> float:
         """Return the largest error of the node's word, from the bounds of its operands by name."""
@@ -207,9 +211,6 @@ class Constant(Term):
     def words(self, values):
         return self.value.numerator
 
-    def real(self, values):
-        return float(self.value)
-
     def formula(self, domain):
         return number(self.value)
 
@@ -230,9 +231,6 @@ class Sum(Operation):
 
     def words(self, values):
         return sum(sign * word for (sign, _), word in zip(self.terms, _aligned(values, *self.parts), strict=True))
-
-    def real(self, values):
-        return sum(sign * term.real(values) for sign, term in self.terms)
 
     def formula(self, domain):
         signs = tuple(sign for sign, _ in self.terms)
@@ -263,9 +261,6 @@ class Scaled(Operation):
     def words(self, values):
         return self.parts[0].words(values)
 
-    def real(self, values):
-        return self.parts[0].real(values) * 2.0**self.power
-
     def formula(self, domain):
         term = self.parts[0].formula(domain)
         return f"(* {number(2**self.power)} {term})" if self.power > 0 else f"(/ {term} {number(2**-self.power)})"
@@ -284,9 +279,6 @@ class Magnitude(Operation):
 
     def words(self, values):
         return magnitude(self.parts[0].words(values))
-
-    def real(self, values):
-        return np.abs(self.parts[0].real(values))
 
     def formula(self, domain):
         term = self.parts[0].formula(domain)
@@ -313,9 +305,6 @@ class Clipped(Operation):
     def words(self, values):
         return np.clip(self.parts[0].words(values), 0, 1 << self.frac)
 
-    def real(self, values):
-        return np.clip(self.parts[0].real(values), 0, 1)
-
     def text(self, level=0):
         return f"min(max({self.parts[0].text()}, 0), 1)"
 
@@ -328,10 +317,8 @@ class Floor(Operation):
         self.frac, self.drop = frac, term.frac - frac
 
     def words(self, values):
-        return self.parts[0].words(values) >> self.drop
-
-    def real(self, values):
-        return self.parts[0].real(values)
+        words = self.parts[0].words(values)
+        return words >> self.drop if integral(words) else words / (1 << self.drop)
 
     def formula(self, domain):
         return self.parts[0].formula(domain)
@@ -352,9 +339,6 @@ class Select(Operation):
 
     def words(self, values):
         return np.where(truth(self.mask.words(values)), *_aligned(values, self.yes, self.no))
-
-    def real(self, values):
-        return np.where(truth(self.mask.real(values)), self.yes.real(values), self.no.real(values))
 
     def formula(self, domain):
         return f"(ite {' '.join(part.formula(domain) for part in (self.mask, self.yes, self.no))})"
@@ -379,9 +363,6 @@ class Compared(Operation):
     def words(self, values):
         return truth(self.RELATIONS[self.relation](*_aligned(values, *self.parts)))
 
-    def real(self, values):
-        return self.RELATIONS[self.relation](*(part.real(values) for part in self.parts))
-
     def formula(self, domain):
         return domain.compared(self)
 
@@ -399,9 +380,6 @@ class _Logic(Operation):
 
     def words(self, values):
         return self.ufunc.reduce([truth(part.words(values)) for part in self.parts])
-
-    def real(self, values):
-        return self.ufunc.reduce([truth(part.real(values)) for part in self.parts])
 
     def formula(self, domain):
         return f"({self.word} {' '.join(part.formula(domain) for part in self.parts)})"
@@ -435,9 +413,6 @@ class Not(_Logic):
 
     def words(self, values):
         return ~truth(self.parts[0].words(values))
-
-    def real(self, values):
-        return ~truth(self.parts[0].real(values))
 
     def text(self, level=0):
         return f"not {self.parts[0].text(COMPARED)}"

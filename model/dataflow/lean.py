@@ -27,8 +27,9 @@ word is 0, one ulp, or at least two.  Other names are lemmas, stated after the n
 ``proof`` a range follows from the node's equation and its operands' ranges.
 """
 
+from . import choices
 from .annotations import Growth, Limited, Within
-from .choices import AtMost, Elbow, HalfLength, HalfPart, HalfSum, Product, square
+from .choices import Choice, Product, half_length, half_part, half_sum, square
 from .expressions import FLOOR, HALF_UP, Not, Select, zero
 from .formats import Format, effective_width, inner_frac, root_frac
 from .mul3 import Mul3
@@ -211,16 +212,16 @@ def direction(d: Dataflow, f: Lean) -> None:
 
     # The first rotation turns by the azimuth and 90 degrees: cosine -u_y, sine u_x.  On the z axis, where both are 0,
     # the azimuth is 0: (1, 1)/2.  Its parts do not wait for the squared length.
-    squared_length(d, f, "az_sq", HalfLength(u_y))
+    squared_length(d, f, "az_sq", half_length(u_y))
     az = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("az", "az_sq")}
-    d.node("az_c", HalfPart(u_y, u_x, (u_y < 0) | n["on_axis"]), f.inner, **az)
-    d.node("az_s", HalfPart(u_y, u_x, u_y >= 0), f.inner, **az)
+    d.node("az_c", half_part(u_y, u_x, (u_y < 0) | n["on_axis"]), f.inner, **az)
+    d.node("az_s", half_part(u_y, u_x, u_y >= 0), f.inner, **az)
     # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, the direction is +z:
     # (1, 0).
-    tilt_sq = squared_length(d, f, "tilt_sq", HalfLength(sin_el, n["at_shoulder"]), (*CASE, "=tilt_sq", "sin_el"))
+    tilt_sq = squared_length(d, f, "tilt_sq", half_length(sin_el, n["at_shoulder"]), (*CASE, "=tilt_sq", "sin_el"))
     tilt = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("tilt", "tilt_sq")}
-    d.node("tilt_c", HalfPart(sin_el, cos_el, sin_el >= 0, tilt_sq), f.inner, **tilt)
-    d.node("tilt_s", HalfPart(sin_el, cos_el, sin_el < 0, tilt_sq), f.inner, **tilt)
+    d.node("tilt_c", half_part(sin_el, cos_el, sin_el >= 0, tilt_sq), f.inner, **tilt)
+    d.node("tilt_s", half_part(sin_el, cos_el, sin_el < 0, tilt_sq), f.inner, **tilt)
     uses = equations("az_c", "az_s", "az_sq")
     d.lemma("az", f"{norm('az_c', 'az_s')} <= az_sq", *uses, "|u| <= 1", "=on_axis", "=u_y", "=y_n")
     uses = (*CASE, "=tilt_c", "=tilt_s", "=tilt_sq", "|el| = 1")
@@ -276,7 +277,7 @@ def triangle(d: Dataflow, f: Lean) -> None:
     d.at(equation="(14)")
     for half, sign, closed, straight, within in (("w", 1, 1, 0, ELBOW_W), ("i", -1, 0, -1, ELBOW_I)):
         facts = {"rounding": HALF_UP, "within": within, "proof": ("case", f"=qe_{half}", f"elbow_{half}")}
-        d.node(f"qe_{half}", Elbow(elbow[half], clamp, fold, sign, closed, straight), f.result, **facts)
+        d.node(f"qe_{half}", choices.elbow(elbow[half], clamp, fold, sign, closed, straight), f.result, **facts)
     d.at()
 
     # 1/(4 d1 |p|) in the units of d1 and |p|, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
@@ -309,16 +310,16 @@ def triangle(d: Dataflow, f: Lean) -> None:
     triangle_lemmas(d)
 
     # The last rotation turns by -a.  A clamped arm lies along the line to the target, (1, 0), or away from it, (0, 1).
-    arm_sq = squared_length(d, f, "arm_sq", HalfLength(cos_a, clamp), ("case", "=arm_sq", "cos_a"))
+    arm_sq = squared_length(d, f, "arm_sq", half_length(cos_a, clamp), ("case", "=arm_sq", "cos_a"))
     toward = Select(clamp, Not(away), cos_a >= 0)
     facts = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("arm", "arm_sq")}
-    d.node("arm_c", HalfPart(cos_a, sin_a, toward, arm_sq, clamp), f.inner, **facts)
-    d.node("arm_s", HalfPart(cos_a, sin_a, Not(toward), arm_sq, clamp), f.inner, **facts)
+    d.node("arm_c", half_part(cos_a, sin_a, toward, arm_sq, clamp), f.inner, **facts)
+    d.node("arm_s", half_part(cos_a, sin_a, Not(toward), arm_sq, clamp), f.inner, **facts)
     # Operands for three products instead of four: c + s, and the larger part minus the smaller.
     d.mask("arm_swap", Select(clamp, away, cos_a < 0))
     for name, sign in (("arm_dif", -1), ("arm_sum", 1)):
         facts = {"rounding": FLOOR, "within": PAIR, "grows": SUM, "proof": ("case", f"={name}", "arm_sq", "sin_a")}
-        d.node(name, HalfSum(arm_sq, sin_a, clamp, sign), f.inner, **facts)
+        d.node(name, half_sum(arm_sq, sin_a, clamp, sign), f.inner, **facts)
     uses = ("case", "=arm_c", "=arm_s", "=arm_sq", "|a| = 1")
     d.lemma("arm", f"{norm('arm_c', 'arm_s')} <= arm_sq", *uses)
     swapped = "arm_sum == arm_c + arm_s and arm_dif == (arm_s - arm_c if arm_swap else arm_c - arm_s)"
@@ -371,9 +372,9 @@ def root(d: Dataflow, f: Lean, name: str, value: Node, width: int) -> tuple[Node
 def limited(d: Dataflow, name: str, within: Within, fmt: Format, why: Limited = TWO) -> Node:
     """Build ``name`` from ``name``_raw: 2, possible for powers of two, becomes the largest inner word, or 1 the largest
     of another format."""
-    return d.node(name, AtMost(d.nodes[f"{name}_raw"]), fmt, ends=SATURATE, within=within, limited=why)
+    return d.node(name, choices.limited(d.nodes[f"{name}_raw"]), fmt, ends=SATURATE, within=within, limited=why)
 
 
-def squared_length(d: Dataflow, f: Lean, name: str, length: HalfLength, proof: tuple[str, ...] | None = None) -> Node:
+def squared_length(d: Dataflow, f: Lean, name: str, length: Choice, proof: tuple[str, ...] | None = None) -> Node:
     """Build a squared length, (1 + |c|)/2."""
     return d.node(name, length, f.inner, rounding=FLOOR, within=HALF_LENGTH, proof=proof)

@@ -2,7 +2,7 @@
 """Section "turn" of the lean dataflow, and the lean dataflow as a whole."""
 
 from .annotations import Limited, Within
-from .choices import AddSub, Mantissa, Signed
+from .choices import add_sub, mantissa, signed
 from .expressions import HALF_UP, Constant
 from .lean import CIRCLE, FOURFOLD, PAIR, SUM, UPPER_HALF, Lean, direction, equations, guard, norm, triangle
 from .mul3 import Mul3
@@ -69,7 +69,7 @@ def turn(d: Dataflow, f: Lean, phi: Node) -> None:
     low = d.mask("low", length_sq < Constant(0.25), None)
     # The mantissa is of four times the length below 1/4; the root is doubled there.
     facts = {"within": Within(0.25, 1.0, "mantissa"), "grows": FOURFOLD, "limited": MOST}
-    m_q = d.node("m_q", Mantissa(length_sq, low), f.mantissa, ends=SATURATE, **facts)
+    m_q = d.node("m_q", mantissa(length_sq, low), f.mantissa, ends=SATURATE, **facts)
     proof = ("1/|q|", "length_sq", "=inv_q")
     inv_q = d.node("inv_q", Rsqrt(m_q, twice=low), f.inner, within=LENGTH_INVERSE, proof=proof)
     uses = equations("w_0", "i_0", "j_0", "k_0", "az_tilt_sq")
@@ -85,7 +85,7 @@ def turn(d: Dataflow, f: Lean, phi: Node) -> None:
         product = Mul3(n[f"{unit}_1"], inv_q, scale=1)
         unrounded = d.node(f"{unit}_q", product, f.inner, "mul3_far", within=PART, proof=proof)
         d.at(equation="(18)")
-        d.node(f"qs_{unit}", Signed(unrounded, k_minus), f.result, rounding=HALF_UP, within=PART)
+        d.node(f"qs_{unit}", signed(unrounded, k_minus), f.result, rounding=HALF_UP, within=PART)
         d.at()
 
 
@@ -102,7 +102,7 @@ def last_rotation(d: Dataflow, f: Lean, *pairs: tuple[Node, Node]) -> None:
         whole = d.node(f"{both}_c", Mul3(total, n["arm_c"]), f.inner, **far)
         dif = d.node(f"{two}_dif", Mul3(second, n["arm_dif"]), f.inner, after=total, **far)
         # The larger part minus the smaller is s - c where they are swapped.
-        d.node(f"{one}_1", AddSub(whole, dif, n["arm_swap"]), f.inner, **part)
+        d.node(f"{one}_1", add_sub(whole, dif, n["arm_swap"]), f.inner, **part)
         plus = d.node(f"{one}_sum", Mul3(first, n["arm_sum"]), f.inner, after=total, **far)
         d.node(f"{two}_1", whole - plus, f.inner, **part)
         for unit, other, sign, uses in ((one, two, "+", f"{two}_dif"), (two, one, "-", f"{one}_sum")):

@@ -64,13 +64,12 @@ class Mul3(Operation):
 
     def __init__(self, a: Term, b: Term, scale: int = 0) -> None:
         super().__init__(a, b)
-        self.scale = scale
+        self.scale, self.frac = scale, a.frac + b.frac - scale
 
     def _cut(self, node) -> tuple[int, int, int]:
         """Return the number of fraction bits dropped, and the operands' widths as signed words."""
         a, b = (part.format for part in self.parts)
-        shift = a.frac + b.frac - self.scale - node.format.frac
-        return shift, a.width + (not a.signed), b.width + (not b.signed)
+        return self.frac - node.frac, a.width + (not a.signed), b.width + (not b.signed)
 
     def error(self, node):
         return mul3_error(*self._cut(node), node.flow.tile)
@@ -79,9 +78,9 @@ class Mul3(Operation):
         a, b = (part.words(values) for part in self.parts)
         return wrap(mul3(a, b, *self._cut(node), node.flow.tile), node.format.width)
 
-    def real(self, values):
-        a, b = (part.real(values) for part in self.parts)
-        return a * b * 2.0**self.scale
+    def words(self, values):
+        a, b = (part.words(values) for part in self.parts)
+        return a * b
 
     def growth(self, node, bounds):
         p, q = (bounds[part.name] for part in self.parts)

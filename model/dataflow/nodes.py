@@ -107,9 +107,6 @@ class Node(Term):
     def words(self, values):
         return values[self.name]
 
-    def real(self, values):
-        return values[self.name]
-
     def formula(self, domain):
         return domain.name(self)
 

@@ -132,9 +132,6 @@ class Mul(Rounded):
     def words(self, values):
         return self.a.words(values) * self.b.words(values)
 
-    def real(self, values):
-        return self.a.real(values) * self.b.real(values) * 2.0**self.scale
-
     def interval(self, node, bounds):
         p, q = bounds(self.a), bounds(self.b)
         square = self.a is self.b
@@ -201,8 +198,9 @@ class Div(Operation):
         return self.quotient(node, values)[1]
 
     def real_result(self, node, values):
-        fmt, d = node.format, self.d.real(values)
-        return np.clip(self.n.real(values) / np.where(d > 0, d, fmt.ulp), fmt.low * fmt.ulp, fmt.high * fmt.ulp)
+        n, d = self.n.words(values), self.d.words(values)
+        quotient = n / np.where(d > 0, d, 2.0 ** (self.d.frac - node.frac))
+        return np.clip(quotient * 2.0 ** (node.frac - self.n.frac + self.d.frac), node.format.low, node.format.high)
 
     def interval(self, node, bounds):
         p, q, fmt = bounds(self.n), bounds(self.d), node.format
@@ -231,8 +229,9 @@ class Root(Operation):
     def result(self, node, values):
         return floor_root(self.parts[0].words(values), 2 * node.frac - self.parts[0].frac)
 
-    def real(self, values):
-        return np.sqrt(np.maximum(self.parts[0].real(values), 0))
+    def real_result(self, node, values):
+        n = self.operands[0]
+        return np.sqrt(np.maximum(n.words(values), 0) * n.format.ulp) / node.format.ulp
 
     def interval(self, node, bounds):
         v, ulp = bounds(self.parts[0]), node.format.ulp
@@ -265,9 +264,10 @@ class SineCosine(Operation):
             values[key] = cordic(self.operands[0].words(values), node.flow.width)
         return values[key][self.function == "cos"]
 
-    def real(self, values):
-        half = self.operands[0].real(values) * (np.pi / 2)  # phi's word has its sign in the MSB: half a turn is 1
-        return np.sin(half) if self.function == "sin" else np.cos(half)
+    def real_result(self, node, values):
+        phi = self.operands[0]
+        half = phi.words(values) * phi.format.ulp * (np.pi / 2)  # half a turn is 1
+        return (np.sin(half) if self.function == "sin" else np.cos(half)) / node.format.ulp
 
     def interval(self, node, bounds):
         return -1.0, 1.0, CORDIC[1] * node.format.ulp, (-math.inf, math.inf)
@@ -307,8 +307,8 @@ class Normalized(Operation):
     def real_result(self, node, values):
         word = self.operands[self.index]
         empty = np.logical_and.reduce([values.word(name.name) == 0 for name in self.operands])
-        scaled = word.real(values) * 2.0 ** (self.count.real(values) - (word.format.width - 1 - word.frac))
-        return np.where(empty, 0.0 if self.index else 0.5, scaled)
+        scaled = word.words(values) * 2.0 ** (self.count.words(values) + node.format.width - word.format.width)
+        return np.where(empty, 0.0 if self.index else 0.5 / node.format.ulp, scaled)
 
     def interval(self, node, bounds):
         return None  # exact: a shift changes the unit, not the vector; bounds downstream refer to the actual words

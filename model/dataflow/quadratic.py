@@ -381,10 +381,10 @@ class Rsqrt(Operation):
         y = rsqrt(self.m.words(values), self.root_frac, node.flow.tile) << (node.format.frac - self.root_frac)
         return y << np.where(self.twice.words(values), 1, 0) if self.twice else y
 
-    def real(self, values):
-        m = self.m.real(values)
-        inverse = 0.5 / np.sqrt(np.where(m > 0, m, 0.25))
-        return inverse * np.where(self.twice.real(values), 2.0, 1.0) if self.twice else inverse
+    def real_result(self, node, values):
+        m = self.m.words(values) * self.m.format.ulp
+        inverse = 0.5 / np.sqrt(np.where(m > 0, m, 0.25)) / node.format.ulp
+        return inverse * np.where(self.twice.words(values), 2.0, 1.0) if self.twice else inverse
 
     def growth(self, node, bounds):
         # The slope of 1/(2 sqrt m) is at most 2 (m >= 1/4); the operation's own error includes a truncated mantissa.
@@ -423,9 +423,9 @@ class HalfAngle(Operation):
             values[key] = half_sincos(self.phi.words(values) << width - node.flow.width, width, frac, node.flow.tile)
         return values[key][self.function == "cos"] << node.format.frac - frac
 
-    def real(self, values):
-        half = self.phi.real(values) * (np.pi / 2)  # phi's word has its sign in the MSB: half a turn is 1
-        return np.sin(half) if self.function == "sin" else np.cos(half)
+    def real_result(self, node, values):
+        half = self.phi.words(values) * self.phi.format.ulp * (np.pi / 2)  # half a turn is 1
+        return (np.sin(half) if self.function == "sin" else np.cos(half)) / node.format.ulp
 
     def growth(self, node, bounds):
         return 0.0

@@ -59,8 +59,8 @@ class Even(Operation):
         return self.pair(node, values)[1]
 
     def real_result(self, node, values):
-        exact = self.value.real(values) * 2.0 ** (2 * self.count.real(values) + self.value.frac - self.width)
-        return np.where(values.word(node.name) == 0, 0.0, exact)
+        up = 2 * self.count.words(values) - self.width + node.format.width
+        return np.where(values.word(node.name) == 0, 0.0, self.value.words(values) * 2.0**up)
 
     def growth(self, node, bounds):
         return node.format.ulp
@@ -142,18 +142,18 @@ class ShiftUp(Operation):
 
     def __init__(self, value: Term, count: Term, power: int = 0) -> None:
         super().__init__(value, count)
-        self.value, self.count, self.power = value, count, power
+        self.value, self.count, self.power, self.frac = value, count, power, value.frac - power
+
+    def words(self, values):
+        return self.value.words(values) * 2.0 ** self.count.words(values)
 
     def result(self, node, values):
-        up = self.power + node.format.frac - self.value.frac
+        up = node.frac - self.frac
         count, word = self.count.words(values), self.value.words(values)
         shifted = word << np.maximum(up + count, 0)
         if up < 0:
             shifted = shifted >> np.maximum(-up - count, 0)
         return wrap(shifted, node.format.width).astype(np.int64)
-
-    def real(self, values):
-        return self.value.real(values) * 2.0 ** (self.power + self.count.real(values))
 
     def formula(self, domain):
         return f"(* {number(2.0**self.power)} {self.value.formula(domain)} {self.count.name})"
@@ -170,14 +170,13 @@ class ShiftDown(Operation):
 
     def __init__(self, value: Term, count: Term, power: int = 0) -> None:
         super().__init__(value, count)
-        self.value, self.count, self.power = value, count, power
+        self.value, self.count, self.power, self.frac = value, count, power, value.frac - power
+
+    def words(self, values):
+        return self.value.words(values) * 2.0 ** -self.count.words(values)
 
     def result(self, node, values):
-        up = self.power + node.format.frac - self.value.frac
-        return self.value.words(values) << up >> self.count.words(values)
-
-    def real(self, values):
-        return self.value.real(values) * 2.0 ** (self.power - self.count.real(values))
+        return self.value.words(values) << node.frac - self.frac >> self.count.words(values)
 
     def facts(self, node, domain):
         return [f"(= (* {node.name} {self.count.name}) (* {number(2.0**self.power)} {self.value.formula(domain)}))"]

@@ -154,17 +154,17 @@ def grown(bits: fixed.Bits, node, random) -> tuple[float, float]:
     usual = usual_targets(bits) & np.ones(np.shape(node.value), dtype=bool)
     values, off = {}, []
     for operand in (bits.nodes[operand.name] for operand in node.operands):
-        value = operand.value * operand.format.ulp if operand.frac else operand.value
+        values[operand.name], ulp = operand.value, operand.format.ulp
         if isinstance(within := operand.within, Within):  # a word rounded beyond its range is not a real value
-            usual = usual & (value >= within.low) & (value <= within.high)
+            usual = usual & (operand.value * ulp >= within.low) & (operand.value * ulp <= within.high)
         exact = operand.section == "guard" or operand.name in node.as_words or not operand.frac
         if operand.frac:
-            off.append(0.0 if exact else OFF * operand.format.ulp)
+            off.append(0.0 if exact else OFF * ulp)
+            values[operand.name] = np.asarray(operand.value, dtype=np.float64)
         if not exact:  # no decision that the error could reverse
             usual = usual & (np.abs(operand.value) > 2 * OFF)
-            value = value + off[-1] * random.choice((-1, 1), len(usual))
-        values[operand.name] = value
-    error = np.abs(np.asarray(node.value * node.format.ulp - node.op.real_result(node, values), dtype=np.float64))
+            values[operand.name] = operand.value + OFF * random.choice((-1.0, 1.0), len(usual))
+    error = np.abs(np.asarray(node.value - node.op.real_result(node, values), dtype=np.float64)) * node.format.ulp
     return float(error[usual].max(initial=0.0)), node.grows(off, node.format.ulp)
 
 

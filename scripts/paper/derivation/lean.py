@@ -13,7 +13,8 @@ import numpy as np
 import sympy as sp
 
 from model.dataflow import fixed
-from model.dataflow.choices import HalfPart
+from model.dataflow.choices import Choice
+from model.dataflow.expressions import Compared, Operation, Term
 from model.dataflow.nodes import Node
 from model.reference import cga
 from model.reference.cga import symbol
@@ -37,7 +38,7 @@ ROOTS = {"rho": "rho", "s": "dist", "far": "sqrt_a", "near": "sqrt_b", "1": "sqr
 """Root of the dataflow -> name of its argument's root."""
 
 HALF = {"c >= 0": ("(1 + c)/2", "s/2"), "c < 0": ("s/2", "(1 - c)/2")}
-"""Parts of the quaternion h(c, s) by branch, as :class:`model.dataflow.choices.HalfPart` has them."""
+"""Parts of the quaternion h(c, s) by branch, as :func:`model.dataflow.choices.half_part` has them."""
 
 NODES = fixed.nodes("lean", 32)
 
@@ -47,7 +48,13 @@ REACHABLE = dict.fromkeys(("clamp", "fold", "away", "at_shoulder", "minus", "low
 
 def symbolic(node: Node) -> bool:
     """Return whether a node is computed without a root, a sine, or a choice by a sign."""
-    return node.kind in ("choose", "mul3") and not isinstance(node.op, HalfPart)
+    return node.kind in ("choose", "mul3") and not _compares(node.op)
+
+
+def _compares(term: Term) -> bool:
+    """Return whether an operation has a comparison within it."""
+    parts = (term.expression,) if isinstance(term, Choice) else term.parts if isinstance(term, Operation) else ()
+    return isinstance(term, Compared) or any(map(_compares, parts))
 
 
 def evaluate(section: str, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -64,9 +71,11 @@ def evaluate(section: str, values: Mapping[str, Any]) -> dict[str, Any]:
         if node.format == node.flow.count:
             values[name] = node.op.words(values)
         elif node.frac:
-            value = node.op.real_result(node, values)
+            ulps = {operand.name: values[operand.name] * 2**operand.frac for operand in node.operands}
+            value = node.op.words(ulps)
             value = value.item() if isinstance(value, np.ndarray) else value
-            values[name] = sp.nsimplify(value, rational=True)  # powers of two, which are exact as doubles
+            exact = sp.sympify(value).replace(lambda part: part.is_Float, sp.Rational)  # 2.0^n of a shift
+            values[name] = exact / 2**node.op.frac
     return values
 
 

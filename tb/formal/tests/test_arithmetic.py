@@ -100,10 +100,10 @@ def test_rounding_is_within_its_bounds(width):
         if node.decision or node.kind != "choose":
             continue
         operands = (nodes[operand.name] for operand in node.operands)
-        values = {o.name: o.value * o.format.ulp if o.frac else o.value for o in operands}
+        values = {o.name: np.asarray(o.value, dtype=np.float64) if o.frac else o.value for o in operands}
         exact = node.op.real_result(node, values)
-        exact = np.minimum(exact, node.format.high * node.format.ulp) if node.limited else exact
-        off[name] = (np.asarray(node.value, dtype=np.float64) * node.format.ulp - exact) / node.format.ulp
+        exact = np.minimum(exact, node.format.high) if node.limited else exact
+        off[name] = np.asarray(node.value, dtype=np.float64) - exact
     for name, places in off.items():
         low, high = rounded.rounding(rounded.exact.nodes[name])
         assert low - 1e-3 <= places[usual].min() and places[usual].max() <= high + 1e-3, name
