@@ -63,8 +63,8 @@ class Doubled:
     def __getattr__(self, name):
         return getattr(self.op, name)
 
-    def real_result(self, node, values):
-        return 2 * self.op.real_result(node, values)
+    def words(self, values):
+        return 2 * self.op.words(values)
 
 
 EVALUATED = [node.name for node in lean.NODES.values() if node.frac and node.operands and lean.symbolic(node)]
