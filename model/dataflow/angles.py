@@ -199,7 +199,7 @@ class Gained(Operation):
         return [f"(<= 0.0 {node.name})", f"(= (* {node.name} {node.name}) (* {gained} {square}))"]
 
     def text(self, level=0):
-        return f"K |({self.angle.x.text()}, {self.angle.y.text()})|"
+        return f"K * |({self.angle.x.text()}, {self.angle.y.text()})|"
 
     def lower(self, to, node):
         pass  # made with its angle

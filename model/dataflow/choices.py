@@ -8,7 +8,7 @@ The quaternion h(c, s) is along half the angle with cosine c and sine s, but not
 from collections.abc import Callable
 from fractions import Fraction
 
-from .expressions import SCALED, Constant, Floor, Operation, Scaled, Select, Sum, Term, Xor, number
+from .expressions import CHOICE, SCALED, Constant, Floor, Operation, Scaled, Select, Sum, Term, Xor, number
 
 
 class Product(Operation):
@@ -79,7 +79,7 @@ class AtMost(Operation):
         return self.parts[0].formula(domain)
 
     def text(self, level=0):
-        return f"min({self.parts[0].text()}, most)"
+        return f"min({self.parts[0].text(CHOICE + 1)}, most)"
 
     def lower(self, to, node):
         self._lower(to, node)

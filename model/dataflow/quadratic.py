@@ -397,7 +397,7 @@ class Rsqrt(Operation):
 
     def text(self, level=0):
         m = self.m.text()
-        return f"{self.twice.text()} ? 1 / sqrt {m} : 1 / (2 sqrt {m})" if self.twice else f"1 / (2 sqrt {m})"
+        return f"{self.twice.text()} ? 1 / sqrt {m} : 1 / (2 * sqrt {m})" if self.twice else f"1 / (2 * sqrt {m})"
 
     def lower(self, to, node):
         to.rsqrt(node, self.m, self.twice)

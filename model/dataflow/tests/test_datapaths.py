@@ -193,6 +193,59 @@ def test_a_width_that_is_not_built_is_refused():
         fixed.run(np.zeros((1, 6), dtype=np.int64), 33)
 
 
+def split(text: str, separator: str, most: int = -1) -> list[str]:
+    """Split a text where the separator stands outside of parentheses."""
+    parts, depth = [""], 0
+    for word in re.split(r"( [?:] | or | and |[()])", text):
+        depth += (word == "(") - (word == ")")
+        if word == separator and not depth and len(parts) != most:
+            parts.append("")
+        else:
+            parts[-1] += word
+    return parts
+
+
+def python(text: str) -> str:
+    """Return the right side of an equation in Python."""
+    if len(choice := split(text, " ? ", 2)) > 1:
+        return f"where({', '.join(map(python, (choice[0], *split(choice[1], ' : ', 2))))})"
+    for separator in (" or ", " and "):
+        if len(masks := split(text, separator)) > 1:
+            return f"{separator.strip()}_({', '.join(map(python, masks))})"
+    if text.startswith("not "):
+        return f"not_({python(text[4:])})"
+    text = re.sub(r"\|([^|]+)\|", r"abs(\1)", text.replace("^", "**").replace(" = ", " == "))
+    text = re.sub(r"sqrt (\w+)", r"sqrt(\1)", text)
+    choices = r"(\((?:[^()]|\([^()]*\))* (?:or|\?) (?:[^()]|\([^()]*\))*\))"
+    return re.sub(choices, lambda group: f"({python(group[0][1:-1])})", text)
+
+
+FUNCTIONS = {
+    "sqrt": lambda v: np.sqrt(np.maximum(v, 0)), "where": np.where, "not_": np.logical_not, "min": np.minimum,
+    "max": np.maximum, "most": np.inf, "or_": lambda *masks: np.any(masks, axis=0),
+    "and_": lambda *masks: np.all(masks, axis=0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("datapath", ["lean", "paper"])
+def test_the_equation_is_what_the_operation_computes(datapath):
+    """The text of each node, evaluated in double precision, is its value."""
+    words, checked = random_reachable(200, 24, 3), 0
+    bits = fixed.run(words, 24, datapath).bits
+    values = predict.Real(bits, {}).values
+    for name, node in bits.nodes.items():
+        if node.kind in ("input", "even", "trig", "sincos", "normalize") or node.format == node.flow.count:
+            continue
+        if node.section == "guard" and datapath == "paper":
+            continue
+        operands = {o.name: values[o.name] if o.format.width == 1 else values[o.name] * 1.0 for o in node.operands}
+        with np.errstate(divide="ignore", invalid="ignore"):
+            off = np.abs(eval(python(node.right_side), FUNCTIONS, operands) * 1.0 - values[name] * 1.0)
+        assert off[np.isfinite(off)].max() <= (4 * node.format.ulp if node.section == "guard" else 1e-9), name
+        checked += 1
+    assert checked > 90
+
+
 COMMENTED = re.compile(r"^ *// (?:\(\d+\) )*(?P<name>\w+) = (?P<text>[^\n]*)$", re.MULTILINE)
 """Equation of a node, in a line of its own above the operator."""
 
