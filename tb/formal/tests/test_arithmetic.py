@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the proofs about numbers: every range of the lean datapath has a question, and a wrong claim fails."""
 
+import math
+import re
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
+from model.bounds.predict import Real
 from model.dataflow import fixed, quadratic
 from model.dataflow.quadratic import Form
-from model.io.stimuli import REGIONS, region
+from model.io.stimuli import REGIONS, hand_poses, region
 from tb.formal import arithmetic, lean_proofs
 from tb.formal.arithmetic import Question
 from tb.formal.bugs import BUGS
@@ -87,6 +90,51 @@ def test_statements_become_formulas():
         assert smt(text) == formula
     with pytest.raises(SyntaxError, match="no formula for"):
         smt("sqrt(a) < b")
+
+
+OPERATORS = {
+    "+": lambda *v: sum(v), "*": lambda *v: math.prod(v), "-": lambda a, *b: a - b[0] if b else -a,
+    "/": lambda a, b: a / b, "ite": np.where, "not": np.logical_not, "=>": lambda a, b: np.logical_not(a) | b,
+    "and": lambda *v: np.all(np.broadcast_arrays(*v), axis=0), "or": lambda *v: np.any(np.broadcast_arrays(*v), axis=0),
+}  # fmt: skip
+
+
+def truth_of(formula: str, values: dict, close: float) -> np.ndarray:
+    """Return whether a formula holds for arrays of values, up to ``close``."""
+    relations = {"<": lambda a, b: a < b, "<=": lambda a, b: a <= b + close}
+    operators = OPERATORS | relations | {"=": lambda a, b: np.abs(1.0 * a - 1.0 * b) <= close}
+    stack: list[list] = [[]]
+    for token in re.findall(r"[()]|[^\s()]+", formula):
+        if token == "(":
+            stack.append([])
+        elif token == ")":
+            operator, *operands = stack.pop()
+            stack[-1].append(operators[operator](*operands))
+        else:
+            number = re.fullmatch(r"\d+\.\d+", token)
+            stack[-1].append(token if token in operators else float(token) if number else values[token])
+    return np.asarray(stack[0][0])
+
+
+def test_formulas_hold_for_real_numbers():
+    """The formulas of every node, evaluated in double precision on reachable targets with good hands."""
+    exact, words = Exact(24), np.concatenate([region(name, 100, 24, 3) for name in REGIONS])
+    bits = fixed.run(hand_poses(words, 24, 3), 24, "arm").bits
+    real = Real(bits, {})
+    usual = ~np.any([np.asarray(bits.nodes[name].value, bool) for name in ("clamp", "bad_hand", "saturated")], axis=0)
+    values = {"true": True, "false": False}
+    for name, node in exact.nodes.items():
+        value = np.broadcast_to(np.asarray(real.values[name]), usual.shape)[usual]
+        is_count = node.format == node.flow.count
+        values[name] = 2.0**value if is_count else value.astype(bool if node.format.width == 1 else float)
+        values[f"{name}_w"] = np.broadcast_to(real.word(name) * 1.0, usual.shape)[usual]
+        values[f"neg_{name}"] = value < 0
+    checked = 0
+    for name, node in exact.nodes.items():
+        for formula in exact.equations[name]:
+            assert truth_of(formula, values, 0 if node.format.width == 1 else 1e-9).all(), formula
+            checked += 1
+    assert checked > 200
 
 
 @pytest.mark.parametrize("width", [16, 24, 31, 32])
