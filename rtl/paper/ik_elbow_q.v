@@ -97,9 +97,9 @@ module ik_elbow_q #(
   wire [W-1:0] h4_p, h4_m;
   wire signed [W-1:0] qe_abs;
   localparam integer SH_ROOT = 2 * F_QE_W - (W - 1);
-  // (14) h4_p = (1 + c4) / 2
+  // (14) h4_p = min(max((1 + c4) / 2, 0), 1)
   ik_half #(.W(W)) u_h4_p (.clk(clk), .c(c4), .q(h4_p));
-  // (14) h4_m = (1 - c4) / 2
+  // (14) h4_m = min(max((1 - c4) / 2, 0), 1)
   ik_half #(.W(W), .MINUS(1)) u_h4_m (.clk(clk), .c(c4), .q(h4_m));
   // (14) qe_w = sqrt h4_p
   ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_qe_w (

@@ -194,9 +194,9 @@ module ik_to_wrist #(
   wire [W-1:0] h3_p, h3_m;
   wire signed [W-1:0] q3_scalar, q3_abs;
   localparam integer SH_ROOT = 2 * F_Q3_SCALAR - (W - 1);
-  // (17) h3_p = (1 + c3) / 2
+  // (17) h3_p = min(max((1 + c3) / 2, 0), 1)
   ik_half #(.W(W)) u_h3_p (.clk(clk), .c(c3), .q(h3_p));
-  // (17) h3_m = (1 - c3) / 2
+  // (17) h3_m = min(max((1 - c3) / 2, 0), 1)
   ik_half #(.W(W), .MINUS(1)) u_h3_m (.clk(clk), .c(c3), .q(h3_m));
   // (17) q3_scalar = sqrt h3_p
   ik_root #(.NW(W+1), .SH(SH_ROOT), .QW(W), .LAT(LAT_ROOT), .DIGIT(DIGIT)) u_q3_scalar (
