@@ -125,11 +125,18 @@ module ik_guard #(
   // ---- the target in its own unit; at the shoulder, straight up is used ----
 
   wire [5:0] lz_p;
+  // lz_p = leading_sign_bits(z, x, y)
+  // p_w_x = x << lz_p
+  // p_w_y = y << lz_p
+  // p_w_z = z << lz_p
   ik_norm #(.W(W), .N(3)) u_norm_p (.clk(clk), .d({y, x, z}), .q({p_w_y, p_w_x, p_w_z}), .count(lz_p));
 
   // ---- its horizontal direction; on the axis, azimuth 0 is used ----
 
   wire [5:0] lz_b;
+  // lz_b = leading_sign_bits(x, y)
+  // b_x = x << lz_b
+  // b_y = y << lz_b
   ik_norm #(.W(W), .N(2)) u_norm_b (.clk(clk), .d({y, x}), .q({b_y, b_x}), .count(lz_b));
 
   // ---- the arms scaled to d1 + d2 in [1/2, 1), and the target in the same unit ----

@@ -54,6 +54,8 @@ module ik_swivel #(
   // ---- (11) sin phi = 2 cos(phi/2) sin(phi/2), cos phi = 2 cos^2(phi/2) - 1; the paper omits the square ----
 
   wire signed [W-1:0] sin_h, cos_h;
+  // (11) sin_h = sin(phi / 2)
+  // (11) cos_h = cos(phi / 2)
   ik_sincos #(.W(W)) u_sincos (.clk(clk), .phi(phi), .sin_h(sin_h), .cos_h(cos_h));
 
   wire signed [W-1:0] sin_phi;

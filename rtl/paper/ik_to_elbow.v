@@ -53,6 +53,9 @@ module ik_to_elbow #(
 
   wire signed [W-1:0] u_x, u_y;
   wire [5:0] lz_u;
+  // (15) lz_u = leading_sign_bits(p_e_x, p_e_y)
+  // (15) u_x = p_e_x << lz_u
+  // (15) u_y = p_e_y << lz_u
   ik_norm #(.W(W), .N(2)) u_norm_u (.clk(clk), .d({p_e_y, p_e_x}), .q({u_y, u_x}), .count(lz_u));
 
   // ---- (15) elbow below: u (d1 - p_ez), u . (p_ex, p_ey) ----
@@ -98,6 +101,10 @@ module ik_to_elbow #(
 
   wire signed [W-1:0] l_m_x, l_m_y, l_m_z;
   wire [5:0] lz_m;
+  // (15) lz_m = leading_sign_bits(m_z, m_x, m_y)
+  // (15) l_m_x = m_x << lz_m
+  // (15) l_m_y = m_y << lz_m
+  // (15) l_m_z = m_z << lz_m
   ik_norm #(.W(W), .N(3)) u_norm_m (
       .clk(clk), .d({m_y_at_m_z, m_x_at_m_z, m_z}), .q({l_m_y, l_m_x, l_m_z}), .count(lz_m)
   );
