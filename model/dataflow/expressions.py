@@ -99,10 +99,10 @@ class Term:
         return Sum((-1, self))
 
     def __rmul__(self, factor: int) -> Scaled:
-        return Scaled(self, factor.bit_length() - 1)
+        return Scaled(self, _power(factor))
 
     def __truediv__(self, divisor: int) -> Scaled:
-        return Scaled(self, 1 - divisor.bit_length())
+        return Scaled(self, -_power(divisor))
 
     def __abs__(self) -> Magnitude:
         return Magnitude(self)
@@ -137,6 +137,13 @@ def as_term(value) -> Term:
 def zero(term: Term) -> Compared:
     """Return the decision that a term is 0."""
     return Compared("=", term, Constant(0))
+
+
+def _power(factor: int) -> int:
+    """Return the power of two that a factor is. Raises ValueError for another factor."""
+    if factor < 1 or factor & factor - 1:
+        raise ValueError(f"{factor} is not a power of two")
+    return factor.bit_length() - 1
 
 
 def _signed(term: Term) -> tuple[tuple[int, Term], ...]:
