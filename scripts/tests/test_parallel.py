@@ -84,7 +84,6 @@ class Farm:
 
 @pytest.fixture
 def farm(tmp_path):
-    pytest.importorskip("distributed")
     own = Farm(tmp_path)
     yield own
     for process in own.groups:
@@ -92,6 +91,7 @@ def farm(tmp_path):
 
 
 @pytest.mark.release
+@pytest.mark.needs("farm")
 def test_a_worker_that_dies_loses_nothing(farm, tmp_path):
     first = farm.worker()
     begun = functools.partial(noted_in, tmp_path, "begun")
@@ -105,6 +105,7 @@ def test_a_worker_that_dies_loses_nothing(farm, tmp_path):
 
 
 @pytest.mark.release
+@pytest.mark.needs("farm")
 @pytest.mark.parametrize(
     ("work", "error", "message"),
     [
@@ -122,6 +123,7 @@ def test_errors_of_the_work_and_other_sources(farm, monkeypatch, work, error, me
 
 
 @pytest.mark.release
+@pytest.mark.needs("farm")
 def test_a_scheduler_that_dies(farm, tmp_path):
     worker = farm.worker()
     with pytest.raises(parallel.BrokenOffError, match=f"^the scheduler {farm.address} is gone$"):
@@ -134,8 +136,8 @@ def test_a_scheduler_that_dies(farm, tmp_path):
 
 
 @pytest.mark.release
+@pytest.mark.needs("farm")
 def test_no_scheduler(monkeypatch):
-    pytest.importorskip("distributed")
     monkeypatch.setattr(parallel, "CONNECT", 1)
     with pytest.raises(InputError, match="no scheduler answers at tcp://127.0.0.1:9"):
         with parallel.shared(1, "tcp://127.0.0.1:9"):
