@@ -56,6 +56,11 @@ def test_processes_keep_the_order_and_end_with_the_block(tmp_path):
         list(each(os._exit, [3]))
 
 
+def farmed(test):
+    """Mark a test that needs Dask."""
+    return pytest.mark.release(pytest.mark.needs("farm")(test))
+
+
 class Farm:
     """A scheduler and its workers, each in its own process group."""
 
@@ -90,8 +95,7 @@ def farm(tmp_path):
         own.kill(process)
 
 
-@pytest.mark.release
-@pytest.mark.needs("farm")
+@farmed
 def test_a_worker_that_dies_loses_nothing(farm, tmp_path):
     first = farm.worker()
     begun = functools.partial(noted_in, tmp_path, "begun")
@@ -104,8 +108,7 @@ def test_a_worker_that_dies_loses_nothing(farm, tmp_path):
     assert len(begun()) > 12
 
 
-@pytest.mark.release
-@pytest.mark.needs("farm")
+@farmed
 @pytest.mark.parametrize(
     ("work", "error", "message"),
     [
@@ -122,21 +125,7 @@ def test_errors_of_the_work_and_other_sources(farm, monkeypatch, work, error, me
         list(each(work, [3]))
 
 
-@pytest.mark.release
-@pytest.mark.needs("farm")
-def test_a_scheduler_that_dies(farm, tmp_path):
-    worker = farm.worker()
-    with pytest.raises(parallel.BrokenOffError, match=f"^the scheduler {farm.address} is gone$"):
-        with parallel.shared(1, farm.address) as each:
-            results = each(functools.partial(noted, tmp_path, 20), range(2))
-            until(lambda: noted_in(tmp_path, "begun"))
-            farm.kill(farm.scheduler)
-            list(results)
-    assert worker.wait(90) is not None
-
-
-@pytest.mark.release
-@pytest.mark.needs("farm")
+@farmed
 def test_no_scheduler(monkeypatch):
     monkeypatch.setattr(parallel, "CONNECT", 1)
     with pytest.raises(InputError, match="no scheduler answers at tcp://127.0.0.1:9"):
