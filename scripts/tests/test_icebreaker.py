@@ -9,6 +9,7 @@ import pty
 import re
 import sys
 import threading
+import time
 import tty
 
 import numpy as np
@@ -142,6 +143,18 @@ def test_a_board_that_does_not_answer(command, few, files, spoil, message):
     assert (status, out, len(err)) == (1, [], 1)
     assert err[0].startswith(f"icebreaker: {message.format(board.port)}")
     assert files() == before
+
+
+def test_a_board_that_talks(command, few):
+    class Talking(Board):
+        def run(self):
+            while True:
+                os.write(self.ours, b"hello ")
+                time.sleep(0.005)
+
+    port = Talking().port
+    status, _, err = command(host.main, port, "--trajectory", few, "--timeout", "0.2")
+    assert (status, err) == (1, [f"icebreaker: {port} sends without being asked: is the right board there?"])
 
 
 FEW = "out_of_reset|skew=0.0|answer_at_once|noise|no_stop_bit|button"

@@ -126,6 +126,18 @@ def test_errors_of_the_work_and_other_sources(farm, monkeypatch, work, error, me
 
 
 @farmed
+def test_a_scheduler_that_dies(farm, tmp_path):
+    worker = farm.worker()
+    with pytest.raises(parallel.BrokenOffError, match=f"^the scheduler {farm.address} is gone$"):
+        with parallel.shared(1, farm.address) as each:
+            results = each(functools.partial(noted, tmp_path, 20), range(2))
+            until(lambda: noted_in(tmp_path, "begun"))
+            farm.kill(farm.scheduler)
+            list(results)
+    assert worker.wait(90) is not None
+
+
+@farmed
 def test_no_scheduler(monkeypatch):
     monkeypatch.setattr(parallel, "CONNECT", 1)
     with pytest.raises(InputError, match="no scheduler answers at tcp://127.0.0.1:9"):
