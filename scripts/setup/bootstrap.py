@@ -67,18 +67,15 @@ def die(text):
 
 
 def run_logged(command, env=None):
-    """Run a command with its output appended to build/setup.log; return its error message, "" after success."""
+    """Run a command with its output appended to build/setup.log; return a failure's last line, or ""."""
     os.makedirs("build", exist_ok=True)
     with open("build/setup.log", "a+b") as log:
         log.write(("$ " + " ".join(command) + "\n").encode())
         log.flush()
-        start = log.tell()
         if subprocess.call(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=env) == 0:
             return ""
-        log.seek(start)
-        lines = [line.strip() for line in log.read().decode("utf-8", "replace").splitlines() if line.strip()]
-    wrong = [line for line in lines if line.lower().startswith("error")] or lines or ["no message"]
-    return wrong[-1] + " (more in build/setup.log)"
+        log.seek(0)
+        return log.read().decode("utf-8", "replace").splitlines()[-1] + " (more in build/setup.log)"
 
 
 # -- the system's packages -------------------------------------------------------------------------
@@ -104,11 +101,9 @@ def install_packages(packages, required=True):
     say(f"installing {', '.join(packages)} (apt-get) ...")
     get = prefix + ["env", "DEBIAN_FRONTEND=noninteractive", "NEEDRESTART_MODE=a", "LC_ALL=C", "apt-get"]
     get += ["-q", "-y", "-o", "DPkg::Lock::Timeout=300", "-o", "Dpkg::Use-Pty=0"]
-    install = get + ["install", "--no-install-recommends"] + packages
-    if run_logged(install):  # no package lists, or old ones
-        run_logged(get + ["update"])
-        if run_logged(install):
-            (die if required else say)("apt-get failed, see build/setup.log; please install as root: " + by_hand)
+    run_logged(get + ["update"])
+    if run_logged(get + ["install", "--no-install-recommends"] + packages):
+        (die if required else say)("apt-get failed, see build/setup.log; please install as root: " + by_hand)
 
 
 def missing(needs, optional=False):
@@ -128,7 +123,7 @@ def digest(name):
 
 def key():
     """Return what a stamp must hold of the present environment."""
-    return {"run": digest("run"), "python": os.path.realpath(PYTHON), "venv": os.path.abspath(".venv")}
+    return {"lock": digest("run"), "python": os.path.realpath(PYTHON), "venv": os.path.abspath(".venv")}
 
 
 def read_ready():
