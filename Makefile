@@ -3,7 +3,8 @@
 
 PYTHON ?= python3
 SIM    := icarus
-HERE   := $(filter-out ./,$(dir $(firstword $(MAKEFILE_LIST))))# with make -f, paths are those of the present folder
+# With `make -f CHECKOUT/Makefile`, paths are relative to the present folder.
+HERE   := $(filter-out ./,$(dir $(firstword $(MAKEFILE_LIST))))
 SETUP   = $(PYTHON) -ES $(HERE)scripts/setup/bootstrap.py
 VENV    = $(if $(HERE),env PYTHONPATH=$(HERE) )$(HERE).venv/bin/python
 RUN     = exec $(VENV) -m
@@ -18,8 +19,9 @@ WORDS := $(foreach v,$(TYPED),$v="$$CGA_$v")
 ifneq ($(filter-out icarus verilator,$(value SIM)),)
 $(error unknown simulator SIM=$(value SIM): use icarus or verilator)
 endif
-SOAK_SIM := $(if $(filter SIM,$(TYPED)),$(SIM),verilator)# Icarus takes several times as long
-farm      = $(if $(filter FARM,$(TYPED)), farm)
+# Soaks run under Verilator unless SIM= is given: Icarus takes several times as long. FARM= needs what gives work to others.
+SOAK_SIM := $(if $(filter SIM,$(TYPED)),$(SIM),verilator)
+FARM_LOCK = $(if $(filter FARM,$(TYPED)), farm)
 
 # The user's are of another Python; without bytecode each simulation compiles the same modules again.
 unexport PYTHONPATH PYTHONHOME PYTHONSAFEPATH PYTHONDONTWRITEBYTECODE PYTHONWARNINGS
@@ -49,7 +51,7 @@ report: ## run and write an HTML page: arm in motion, errors, pipeline
 	@$(RUN) scripts.report $(WORDS)
 
 soak: ## compare every node of random targets with the model
-	@$(SETUP) $(SOAK_SIM)$(farm)
+	@$(SETUP) $(SOAK_SIM)$(FARM_LOCK)
 	@$(RUN) scripts.soak $(WORDS)
 
 soak-memory: ## run random memory-to-memory jobs of ik_axi
@@ -82,7 +84,7 @@ formal: ## prove streams, arithmetic and ranges: proofs.md
 	@$(RUN) scripts.formal $(WORDS)
 
 mutants: ## run netlist mutants, each of which a bench must kill
-	@$(SETUP) checkout icarus fpga$(farm)
+	@$(SETUP) checkout icarus fpga$(FARM_LOCK)
 	@$(RUN) scripts.mutants $(WORDS)
 
 coverage: ## measure the Verilog coverage of the tests
@@ -103,7 +105,7 @@ paper: ## write the pages of comparison with the paper
 	@$(RUN) scripts.paper $(WORDS)
 
 fpga: ## measure size and clock of the datapaths with open tools: fpga.md
-	@$(SETUP) checkout fpga$(farm)
+	@$(SETUP) checkout fpga$(FARM_LOCK)
 	@$(RUN) scripts.fpga $(WORDS)
 
 schedule: ## reschedule a program of the folded datapath
