@@ -19,7 +19,7 @@ WORDS := $(foreach v,$(TYPED),$v="$$CGA_$v")
 ifneq ($(filter-out icarus verilator,$(value SIM)),)
 $(error unknown simulator SIM=$(value SIM): use icarus or verilator)
 endif
-# Soaks run under Verilator unless SIM= is given: Icarus takes several times as long. FARM= needs what gives work to others.
+# Soaks run under Verilator unless SIM= is given: Icarus takes several times as long. FARM= needs Dask.
 SOAK_SIM := $(if $(filter SIM,$(TYPED)),$(SIM),verilator)
 FARM_LOCK = $(if $(filter FARM,$(TYPED)), farm)
 
