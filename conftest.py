@@ -1,9 +1,45 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test order and fixtures shared by all tests. The longest files start first, to balance the parallel workers."""
+"""Order and needs of all tests, and a fixture. The longest files start first, to balance the parallel workers."""
 
+import json
+import os
+import shutil
 import signal
 
 import pytest
+
+from scripts.setup.bootstrap import EXTRAS, PROGRAMS, STAMP
+from tb.sim.env import ROOT
+
+STAMPED = json.loads((ROOT / STAMP).read_text())["ready"] if (ROOT / STAMP).exists() else []
+"""What set-up has installed."""
+
+
+def pytest_itemcollected(item):
+    """Add `slow` to a test that needs more than `make test` installs."""
+    if needs(item) - {"cc"}:
+        item.add_marker("slow")
+
+
+def pytest_runtest_setup(item):
+    """Skip a test without the tools that it needs; in continuous integration it fails."""
+    if lacks := [need for need in sorted(needs(item)) if is_missing(need)]:
+        message = f"not installed; to install it: python3 scripts/setup/bootstrap.py {' '.join(lacks)}"
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(message)
+
+
+def needs(item) -> set[str]:
+    """Return the arguments of a test's `needs` markers."""
+    return {need for marker in item.iter_markers("needs") for need in marker.args}
+
+
+def is_missing(need: str) -> bool:
+    """Return whether a program or the packages of a need of scripts/setup/bootstrap.py are missing."""
+    return (
+        need in EXTRAS
+        and need not in STAMPED
+        or any(shutil.which(program) is None for program in PROGRAMS[need] if program != "ccache")
+    )
 
 
 def pytest_collection_modifyitems(items):

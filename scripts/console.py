@@ -51,9 +51,29 @@ SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SI
 CONTEXT = {"show_default": True, "help_option_names": ["-h", "--help"], "max_content_width": PLAIN_COLUMNS}
 
 
+def _options_of_make(parser: click.Command, words: Iterable[str]) -> Iterator[str]:
+    """Yield command-line words, with a variable of make, NAME=value, as the option --name. An empty value and NAME=0 of
+    a switch leave it out. Raises InputError for an unknown variable."""
+    options = [param for param in parser.params if isinstance(param, click.Option)]
+    switches = {param.opts[0]: param.is_flag for param in options} | {"--help": True}
+    for word in words:
+        name, equals, value = word.partition("=")
+        if not (equals and name.isidentifier()):
+            yield word
+            continue
+        option = f"--{name.lower()}"
+        if option not in switches or name != name.upper():
+            known = ", ".join(sorted(each[2:].upper() for each in switches))
+            raise InputError(f"unknown variable {name}=; known: {known}")
+        if switches[option] and value not in ("", "0", "1"):
+            raise InputError(f"{name}={value}: use 1 or 0")
+        if value and not (switches[option] and value == "0"):
+            yield option if switches[option] else f"{option}={value}"
+
+
 def _parsed(parser: click.Command, program: str, arguments: Sequence[str]) -> SimpleNamespace:
     """Return the values of all options by name, and as `given` the names of those on the command line."""
-    with parser.make_context(program, list(arguments)) as context:
+    with parser.make_context(program, [*_options_of_make(parser, arguments)]) as context:
         given = {name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE}
         options = SimpleNamespace(**context.params, given=given)
     chosen = (context.params.get(name) for name in ("datapath", "width"))
@@ -89,7 +109,6 @@ def command(
 
         @stoppable()
         def main(arguments: Sequence[str] | None = None) -> int:
-            _open_streams()
             try:
                 return work(_parsed(parser, program, sys.argv[1:] if arguments is None else arguments))
             except click.exceptions.Exit as exc:  # after --help
@@ -113,14 +132,6 @@ def command(
         return main
 
     return main_of
-
-
-def _open_streams() -> None:
-    """Connect closed standard streams to /dev/null: other files would take their numbers."""
-    for place, name in enumerate(("stdin", "stdout", "stderr")):
-        if getattr(sys, name) is None:
-            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # takes the lowest free number
-            setattr(sys, name, open(place, "w" if place else "r"))
 
 
 class Stopped(KeyboardInterrupt):

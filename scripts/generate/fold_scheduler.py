@@ -22,11 +22,6 @@ from model.dataflow.fold.program import PROGRAMS, SCHEDULES, Schedule, encode, l
 from model.dataflow.fold.steps import Placed, Selector
 from scripts.console import InputError, command, option, whole
 
-try:
-    from ortools.sat.python import cp_model
-except ImportError:
-    cp_model = None
-
 LATENCY, PERIOD = {"fold": 140, "fold_arm": 340}, {"fold": {32: 88}, "fold_arm": {24: 140, 32: 143}}
 """Largest latency of a target, and default period by the longest word length of each program, in clocks."""
 
@@ -34,8 +29,8 @@ LATENCY, PERIOD = {"fold": 140, "fold_arm": 340}, {"fold": {32: 88}, "fold_arm":
 class _Problem:
     """Schedule as variables and constraints: ``model`` and the start of each group and vector."""
 
-    def __init__(self, lowering: Lowering, groups: Groups, period: int, latency: int) -> None:
-        self.lowering, self.model, self.period, self.latency = lowering, cp_model.CpModel(), period, latency
+    def __init__(self, model, lowering: Lowering, groups: Groups, period: int, latency: int) -> None:
+        self.model, self.lowering, self.period, self.latency = model, lowering, period, latency
         self.at_place: dict[str, list] = {}  # load or start -> whether it has each place of the lap
         self.loads = {name: self._clock(f"load {name}", 0, period - 1) for name in lowering.INPUTS}
         vectors = [angle for angle, vector in lowering.vectors.items() if not vector.lengths]
@@ -180,8 +175,10 @@ class _Problem:
     fails="no schedule was found",
 )
 def main(parsed: SimpleNamespace) -> int:
-    if cp_model is None:
-        raise InputError("ortools is not installed: use make schedule")
+    try:
+        from ortools.sat.python import cp_model
+    except ImportError:
+        raise InputError("ortools is not installed: use make schedule") from None
     name = parsed.datapath
     if name not in PROGRAMS:
         raise InputError(f"DATAPATH={name}: use {' or '.join(PROGRAMS)}")
@@ -191,7 +188,8 @@ def main(parsed: SimpleNamespace) -> int:
         period = parsed.period or clocks
         steps = sum(map(len, groups.values()))
         print(f"{steps} steps, one target every {period} clocks up to W = {longest}", flush=True)
-        problem, solver = _Problem(lowering, groups, period, LATENCY[name]), cp_model.CpSolver()
+        problem = _Problem(cp_model.CpModel(), lowering, groups, period, LATENCY[name])
+        solver = cp_model.CpSolver()
         solver.parameters.max_time_in_seconds = parsed.seconds
         status = solver.solve(problem.model)
         if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):

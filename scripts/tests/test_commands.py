@@ -2,7 +2,6 @@
 """Tests of all commands: bad input gives one line and status 2; --help."""
 
 import importlib
-import os
 import re
 import subprocess
 import sys
@@ -34,91 +33,60 @@ BAD_INPUT = [
     ("run --sim modelsim", "--sim 'modelsim' 'icarus', 'verilator'"),
     ("run --datapath lean2", "--datapath 'lean2' 'lean', 'paper',"),
     ("run --datapath lean,lean", "--datapath 'lean,lean'"),
-    ("run --datapath lean,", "--datapath ''"),
     ("run --width 33", "--width 33 16 32"),
-    ("run --width x", "--width 'x' whole number from 16 to 32"),
     ("soak --targets 0", "--targets '0' whole number at least 1"),
     ("run --datapath lean,fold --width 23", "--width fold 20, 22,"),
-    ("run --cores fast", "--cores 'fast' 'behavioural', 'digit'"),
     ("run --speed 9", "--speed"),
-    ("run --traj reach", "--traj"),
-    ("run --out", "--out"),
     ("run --out file", "--out 'file': File exists"),
-    ("run --out file/sub", "--out 'file/sub': Not a directory"),
     ("run --out o", "--out 'o/score.json' folder"),
-    ("run --out locked", "--out 'locked': Permission denied"),
     ("run --trajectory t.csv --out o", "--out 'o/results.csv' 't.csv'"),
-    ("run --trajectory w.csv --waves --out o", "--out 'o/waves.vcd' 'w.csv'"),
     ("run --trajectory reech", "--trajectory 'reech' all, reach, circle,"),
     ("run --trajectory none.csv", "none.csv: no such file"),
-    ("run --trajectory none/none", "none/none: no such file"),
     ("run --trajectory folder", "folder: is a directory"),
-    ("run --trajectory locked.csv", "locked.csv: Permission denied"),
     ("run --trajectory bad.csv", "bad.csv: row 3, column y: 'two'"),
     (
         "run --trajectory in.csv",
         "in.csv: row 2, column tool: '40.0' long",
-        "x,y,z,qw,qx,qy,qz,tool\n.1,.2,.3,1,0,0,0,40\n",
+        "x,y,z,qw,qx,qy,qz,tool\n.1,0,0,1,0,0,0,40\n",
     ),
     ("run --trajectory none.bvh", "none.bvh: No such file"),
     ("run --trajectory t.csv --d1 0", "--d1 0.0"),
     ("run --trajectory t.csv --d1 nan", "--d1 'nan' finite"),
     ("run --trajectory t.csv --phi abc", "--phi 'abc'"),
     ("run --trajectory reach --d1 0.4", "--d1 (reach)"),
-    ("run --trajectory none.bvh --d1 1", "--d1 (none.bvh)"),
-    ("run --trajectory none.bvh --arm up", "--arm 'up' 'both', 'left', 'right'"),
     ("run --trajectory t.csv --axis torso", "--axis torso (t.csv)"),
-    ("run --trajectory t.csv --phi clip", "--phi clip (t.csv)"),
-    ("run --joints a,b,c", "--joints (reach)"),
     ("run --axis up", "--axis 'up' z, -z, x"),
     ("run --bar 1_0", "--bar '1_0'"),
-    ("run --bar 0", "--bar 0.0"),
-    ("report --waves", "--waves"),
     ("report --out o", "--out 'o/report.html' folder"),
-    ("report --trajectory o/results.csv --out o", "--out 'o/results.csv'"),
     ("follow", "--target"),
-    ("follow --target 0 --trajectory w.csv --waves --out o", "--out 'o/waves.vcd' 'w.csv'"),
-    ("follow --target -1", "--target -1"),
-    ("follow --target 1e1", "--target '1e1'"),
     ("follow --target 100", "--target reach 0 99, 100"),
     ("follow --target 0 --trajectory all", "--trajectory --target"),
     ("follow --target 0 --datapath lean,paper", "--datapath 'lean,paper'"),
-    ("follow --target 0 --waves --out file", "--out 'file': File exists"),
-    (f"soak --targets {'9' * 400}", "--targets"),
-    ("soak --seed -1", "--seed -1"),
-    ("soak --from 1.5", "--from '1.5'"),
     ("soak --out o", "--out 'o/hardest.csv' folder"),
     ("soak --again none.csv", "'none.csv': No such file"),
     ("soak --again file --seed 0", "--seed --again"),
     ("soak --farm x", "--farm 'x'"),
     ("soak --special --seed 1", "--seed --special"),
-    ("soak --special --targets 5", "--targets --special"),
     ("soak --special --from 1000000", "--from"),
-    ("soak --special --again in.csv", "--special --again"),
     ("soak --against c --datapath paper", "--against paper"),
     ("soak --again in.csv", "in.csv: row 1", ""),
-    ("soak --again in.csv", "in.csv: row 1", "x,y,z\n"),
     ("soak --again in.csv", "in.csv: no targets", HEAD),
     ("soak --again in.csv", "in.csv: row 2: 9 columns", f"{HEAD}\nlean,32,1,2,3,4,5,0.1,here\n"),
     ("soak --again in.csv", "in.csv: row 2: datapath 'mean'", f"{HEAD}\nmean,32,1,2,3,4,5,6{NONE},0.1,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: width 33", f"{HEAD}\nlean,33,1,2,3,4,5,6{NONE},,here\n"),
     ("soak --again in.csv", "in.csv: row 2: word 18 bits", f"{HEAD}\nlean,18,1,2,131072,4,5,6{NONE},,here\n"),
     ("soak --again in.csv", "in.csv: row 2: column z: '1.5'", f"{HEAD}\nlean,18,1,2,1.5,4,5,6{NONE},,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: column d2: '1_0'", f"{HEAD}\nlean,18,1,2,3,4,5,1_0{NONE},,here\n"),
-    ("soak --again in.csv", "row 2: hand_error: '-1.#IND00'", f"{HEAD}\nlean,18,1,2,3,4,5,6{NONE},-1.#IND00,here\n"),
     ("soak --again in.csv", "row 2: column tool: ''", f"{HEAD}\narm,32,1,2,3,4,5,6{NONE},,here\n"),
     ("soak --again in.csv", "in.csv: CSV", b"\xff"),
     ("soak --worst 1 --datapath paper", "--worst: lean arm"),
     ("soak_memory --jobs 0", "--jobs 0"),
     ("waves in.vcd peper 32 o.gtkw", "'peper' 'lean', 'paper',", ""),
-    ("waves in.vcd paper 33 o.gtkw", "33", ""),
     ("waves none.vcd paper 32 o.gtkw", "'none.vcd': No such file"),
     ("waves in.vcd paper 32 o.gtkw", "in.vcd: 1:2: Expected id code", "x y z\n"),
     ("waves in.vcd paper 32 o.gtkw", "no module ik_axis", VCD.format("top")),
     ("waves in.vcd lean 32 o.gtkw", "no ik_axis.rst", VCD.format("ik_axis")),
     ("waves in.vcd lean 32 folder/../in.vcd", "'folder/../in.vcd' 'in.vcd'", VCD.format("ik_axis")),
+    ("test fast", "'fast' 'quick', 'slow',"),
     ("parallel", "--farm tcp://scheduler:8786"),
-    ("parallel --farm tcp://here", "--farm 'tcp://here'"),
     ("lint ik_none", "ik_none"),
     ("check_proofs --strickt", "--strickt"),
     ("schedule --period 0", "--period 0"),
@@ -127,10 +95,6 @@ BAD_INPUT = [
     ("icebreaker", "PORT"),
     ("icebreaker none", "'none': No such file"),
     ("icebreaker file", "'file': Inappropriate ioctl for device"),
-    ("icebreaker none --baud 0", "--baud 0"),
-    ("icebreaker none --timeout 0", "--timeout 0.0"),
-    ("icebreaker none --trajectory bad.csv", "bad.csv: row 3, column y: 'two'"),
-    ("icebreaker none --datapath lean", "--datapath"),
     ("coverage --only x --keep", "--keep --only"),
     ("formal --only nothing", "--only 'nothing'"),
     ("paper --only table7", "--only 'table7'"),
@@ -146,28 +110,17 @@ def test_bad_input_is_one_line_and_status_2(command, monkeypatch, tmp_path, row)
     monkeypatch.setattr(worst_targets, "LIST", tmp_path / "kept.csv")
     for folder in ("folder", "o/score.json", "o/report.html", "o/hardest.csv"):
         Path(folder).mkdir(parents=True)
-    for folder in (".", "o"):
-        Path(folder).chmod(0o777)
-    Path("locked").mkdir(mode=0o500)
     Path("file").touch()
-    Path("locked.csv").touch(mode=0o200)
-    for file in ("t.csv", "w.csv"):
-        Path(file).write_text("x,y,z\n0.3,0.1,-0.2\n", encoding="utf-8")
+    Path("t.csv").write_text("x,y,z\n0.3,0.1,-0.2\n", encoding="utf-8")
     Path("o/results.csv").hardlink_to("t.csv")
-    Path("o/waves.vcd").symlink_to("../w.csv")
     Path("bad.csv").write_text("x,y,z\n.1,.2,.3\n.1,two,.3\n", encoding="utf-8")
     words, message, *content = row
     name, *options = words.split()
     for text in content:
         (file,) = (word for word in options if word.startswith("in."))
         Path(file).write_bytes(text.encode() if isinstance(text, str) else text)
-    before, user = sorted(Path().rglob("*")), os.geteuid()
-    if "locked" in words:
-        os.seteuid(user or 65534)  # root's rights override permissions
-    try:
-        status, out, err = command(main_of(name), *options)
-    finally:
-        os.seteuid(user)
+    before = sorted(Path().rglob("*"))
+    status, out, err = command(main_of(name), *options)
     assert (status, out, len(err)) == (2, [], 1), err
     assert all(word in err[0] for word in (f"{name}: ", *message.split())), err
     assert sorted(Path().rglob("*")) == before

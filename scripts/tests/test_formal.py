@@ -11,7 +11,6 @@ from scripts import check_proofs, formal
 from scripts.formal import main
 from tb.formal.task import Outcome, Task
 from tb.formal.tasks import TASKS
-from tb.formal.tools import missing
 from tb.sim.env import ROOT
 
 
@@ -84,7 +83,7 @@ def test_changed_new_and_gone_digests_are_stale(command, monkeypatch):
     assert [command(check_proofs.main, *words) for words in ([], ["--strict"])] == [(0, out, []), (1, out, [])]
 
 
-@pytest.mark.skipif(bool(missing()), reason="the tools of requirements/fpga.lock are not installed: `make formal`")
+@pytest.mark.needs("fpga")
 def test_interrupt(interruptible):
     command = [sys.executable, "-u", "-m", "scripts.formal", "--only", "handshake", "--again"]
     run = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)

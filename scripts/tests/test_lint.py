@@ -11,7 +11,7 @@ from scripts import lint
 CLEAN = Path(__file__).with_name("ik_add.v").read_text()
 
 SLANG = pytest.mark.skipif(not find_spec("pyslang"), reason="pyslang needs Python 3.11")
-SECOND = pytest.mark.skipif(not lint.verilators()[1:], reason="no Verilator but the checkout's")
+SECOND = pytest.mark.needs("lint")
 
 
 @pytest.mark.parametrize(

@@ -7,13 +7,11 @@ from pathlib import Path
 import pytest
 
 from scripts import mutants
-from tb.formal.tools import missing
 from tb.mutation import campaign
 from tb.mutation.benches import fault, unit_bench
 from tb.mutation.campaign import DESIGNS, KILLED, SURVIVED, Result, netlist
 from tb.mutation.equivalence import proof
 from tb.mutation.netlists import BUILD, Mutant, Netlist, source_name, unchanged
-from tb.sim.env import simulator
 
 FILE = "rtl/lib/ik_half.v"
 
@@ -62,8 +60,6 @@ def test_keep_writes_the_page(command, judged, monkeypatch, tmp_path):
 
 @pytest.fixture(scope="module")
 def lean():
-    if missing() or simulator() != "icarus":
-        pytest.skip("needs the Yosys of `make mutants`, and Icarus")
     return netlist(0, 1)
 
 
@@ -80,6 +76,7 @@ def square(lean, mode: str, port: str, bit: int):
 
 
 @pytest.mark.release
+@pytest.mark.needs("fpga")
 @pytest.mark.sim
 def test_selected_mutant_is_killed(lean, place):
     found = [m for m in lean.mutants if m.file.endswith("ik_lean_turn.v") and m.options["mode"] == "inv"]
@@ -88,6 +85,7 @@ def test_selected_mutant_is_killed(lean, place):
 
 
 @pytest.mark.release
+@pytest.mark.needs("fpga")
 def test_only_an_equivalent_mutant_is_proved(lean, place):
     assert proof(square(lean, "const1", "b", 0), place) == "ik_lean_guard"  # a square ignores b
     assert proof(square(lean, "inv", "p", 0), place, climb=False) == ""
@@ -95,6 +93,7 @@ def test_only_an_equivalent_mutant_is_proved(lean, place):
 
 
 @pytest.mark.release
+@pytest.mark.needs("fpga")
 @pytest.mark.sim
 def test_unit_bench_kills_a_mutant(lean, place):
     (module, *_) = (name for name in lean.modules if source_name(name) == "ik_mul3")
@@ -104,6 +103,7 @@ def test_unit_bench_kills_a_mutant(lean, place):
 
 
 @pytest.mark.release
+@pytest.mark.needs("fpga")
 def test_a_bit_stuck_at_its_constant_is_no_mutant(lean):
     (module,) = (name for name in lean.modules if source_name(name) == "ik_lean_guard")
     modules = {module: {"cells": {"u_x_sq": {"connections": {"b": [7, "0", "x"]}}}}}

@@ -56,6 +56,11 @@ def test_processes_keep_the_order_and_end_with_the_block(tmp_path):
         list(each(os._exit, [3]))
 
 
+def farmed(test):
+    """Mark a test that needs Dask."""
+    return pytest.mark.release(pytest.mark.needs("farm")(test))
+
+
 class Farm:
     """A scheduler and its workers, each in its own process group."""
 
@@ -84,14 +89,13 @@ class Farm:
 
 @pytest.fixture
 def farm(tmp_path):
-    pytest.importorskip("distributed")
     own = Farm(tmp_path)
     yield own
     for process in own.groups:
         own.kill(process)
 
 
-@pytest.mark.release
+@farmed
 def test_a_worker_that_dies_loses_nothing(farm, tmp_path):
     first = farm.worker()
     begun = functools.partial(noted_in, tmp_path, "begun")
@@ -104,7 +108,7 @@ def test_a_worker_that_dies_loses_nothing(farm, tmp_path):
     assert len(begun()) > 12
 
 
-@pytest.mark.release
+@farmed
 @pytest.mark.parametrize(
     ("work", "error", "message"),
     [
@@ -121,7 +125,7 @@ def test_errors_of_the_work_and_other_sources(farm, monkeypatch, work, error, me
         list(each(work, [3]))
 
 
-@pytest.mark.release
+@farmed
 def test_a_scheduler_that_dies(farm, tmp_path):
     worker = farm.worker()
     with pytest.raises(parallel.BrokenOffError, match=f"^the scheduler {farm.address} is gone$"):
@@ -133,9 +137,8 @@ def test_a_scheduler_that_dies(farm, tmp_path):
     assert worker.wait(90) is not None
 
 
-@pytest.mark.release
+@farmed
 def test_no_scheduler(monkeypatch):
-    pytest.importorskip("distributed")
     monkeypatch.setattr(parallel, "CONNECT", 1)
     with pytest.raises(InputError, match="no scheduler answers at tcp://127.0.0.1:9"):
         with parallel.shared(1, "tcp://127.0.0.1:9"):

@@ -5,7 +5,6 @@ import csv
 import json
 import os
 import re
-import signal
 from functools import cache
 from pathlib import Path
 
@@ -95,12 +94,11 @@ def test_quaternions_of_a_file_are_continuous_for_each_arm(cli):
     assert (np.sum(qs[2:] * qs[:-2], axis=1) > 0.9).all()
 
 
-@pytest.mark.parametrize(("axis", "phi"), [("z", np.pi), ("-z", 0.0), ("0,-1,1", 2.356194490192345)])
-def test_rows_without_phi_have_the_elbow_of_a_hanging_arm(cli, axis, phi):
+def test_rows_without_phi_have_the_elbow_of_a_hanging_arm(cli):
     Path("t.csv").write_text("x,y,z\n0.4,0,0\n", encoding="utf-8")
-    assert cli("--trajectory", "t.csv", f"--axis={axis}")[::2] == (0, [])
+    assert cli("--trajectory", "t.csv", "--axis=0,-1,1")[::2] == (0, [])
     (row,) = csv.DictReader(Path("build/run/results.csv").open(encoding="utf-8"))
-    assert float(row["phi"]) == pytest.approx(phi) and float(row["elbow_z"]) < -0.2
+    assert float(row["phi"]) == pytest.approx(0.75 * np.pi) and float(row["elbow_z"]) < -0.2
 
 
 @pytest.mark.parametrize(
@@ -138,23 +136,16 @@ def test_a_bar_is_applied(cli):
     assert cli("--bar", "1e-4", "--datapath", "paper", "--trajectory", "punch")[0] == 0
 
 
-@pytest.mark.parametrize(
-    ("end", "status", "message"),
-    [(lambda: signal.raise_signal(signal.SIGTERM), 143, "terminated"), (SimulationError("vvp died"), 1, "vvp died")],
-)
-@pytest.mark.usefixtures("interruptible")
-def test_a_run_that_ends_early_leaves_files_as_they_were(cli, simulator, files, end, status, message):
+def test_a_run_that_ends_early_leaves_files_as_they_were(cli, simulator, files):
     Path("o").mkdir()
     Path("o/waves.vcd").write_text("old", encoding="utf-8")
 
     def spoil(_):
         assert sorted(path.name for path in Path("o").iterdir()) == [f".{os.getpid()}.waves.vcd", "waves.vcd"]
-        if isinstance(end, Exception):
-            raise end
-        end()
+        raise SimulationError("vvp died")
 
     simulator.spoil = spoil
-    assert cli("--out", "o", "--waves", "--datapath", "lean") == (status, [], [f"run: {message}"])
+    assert cli("--out", "o", "--waves", "--datapath", "lean") == (1, [], ["run: vvp died"])
     assert files() == ["o/waves.vcd"] and Path("o/waves.vcd").read_text(encoding="utf-8") == "old"
 
 
@@ -177,8 +168,7 @@ def clip_cli(cli):
     return run_clip
 
 
-@pytest.mark.parametrize("name", ["clip.bvh", "clip.glb", "results.csv", "results.npz", "score.json"])
-def test_a_disk_that_fills_up_leaves_all_files_as_they_were(clip_cli, monkeypatch, name):
+def test_a_disk_that_fills_up_leaves_all_files_as_they_were(clip_cli, monkeypatch):
     figure.write(Path("t.bvh").absolute(), frames=3)
     assert clip_cli("--waves")[0] == 0
     before = {path: path.read_bytes() for path in Path("o").iterdir()}
@@ -186,12 +176,12 @@ def test_a_disk_that_fills_up_leaves_all_files_as_they_were(clip_cli, monkeypatc
 
     def write_bytes(path, content):
         write(path, content[:9])
-        if path.name.endswith(name):
+        if path.name.endswith("score.json"):  # the last one
             raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Path, "write_bytes", write_bytes)
-    said = f"run: cannot read or write 'o/{name}': No space left on device"
-    assert clip_cli("--waves", "--phi", "0.5") == (2, [], [said])
+    message = "run: cannot read or write 'o/score.json': No space left on device"
+    assert clip_cli("--waves", "--phi", "0.5") == (2, [], [message])
     assert {path: path.read_bytes() for path in Path("o").iterdir()} == before
 
 
@@ -269,32 +259,19 @@ def test_constant_angle_is_the_mean_of_the_clip(clip_cli):
     assert {(row["arm"], row["phi"]) for row in rows()} == {("left", "0.5")}
 
 
-VARIANTS = {
-    "two joints of one name": lambda text: text.replace("LeftShoulder", "Collar").replace("RightShoulder", "Collar"),
-    "blanks": lambda text: text.replace("LeftArm", "Bip01 L UpperArm").replace("RightArm", "Bip01 R UpperArm"),
-    "more rows": lambda text: text.replace("Frames: 9", "Frames: 7"),
-    "no time": lambda text: text.replace("0.0083333", "0"),
-}
-
-
-@pytest.mark.parametrize("name", VARIANTS)
-def test_clips_as_people_have_them(clip_cli, name):
-    """They pass, also with position channels everywhere; a doubt is one line."""
+def test_a_clip_with_more_channels_and_equal_names(clip_cli):
+    """It passes, also with position channels everywhere; a doubt is one line."""
     path = figure.write(Path("t.bvh").absolute(), frames=9, rich=True)
-    path.write_text(VARIANTS[name](path.read_text()))
+    text = path.read_text().replace("LeftShoulder", "Collar").replace("RightShoulder", "Collar")
+    path.write_text(text.replace("Frames: 9", "Frames: 7"))
     status, _, err = clip_cli("--up=-y", "--scale", "cm")
-    assert status == 0 and [line.partition(": ")[0] for line in err] == ["warning"] * (name in ("more rows", "no time"))
+    assert status == 0 and [line.partition(": ")[0] for line in err] == ["warning"]
     file = pygltflib.GLTF2().load("o/clip.glb")
     nodes = [child for node in file.nodes for child in node.children or ()]
     assert len(set(nodes)) == len(nodes) == len(file.nodes) - 1, "a node has one parent"
     hips = next(node for node in file.nodes if node.name == "Hips")
     assert hips.translation == pytest.approx((0.005, 0.09, 0), abs=1e-9), "metres"
     assert abs(file.nodes[file.scenes[0].nodes[0]].rotation[2]) == 1, "upside down"
-
-
-def test_another_angle_moves_only_the_arm(clip_cli):
-    figure.write(Path("t.bvh").absolute(), frames=9, rich=True)
-    assert clip_cli("--phi", "1")[0] == 0 and max(float(row["elbow_error"]) for row in rows()) > 0.1
 
 
 @pytest.mark.parametrize(("limb", "labels"), [("legs", {"left leg"}), ("all", {"left", "left leg"})])
@@ -338,18 +315,9 @@ def test_hands_of_a_clip(clip_cli, simulator):
     assert status == 1 and err[0].startswith("run: t fails: orientation error 1.5e-06 at target 4 ")
 
 
-@pytest.mark.parametrize("kept", ["an angle", "datapath"])
-def test_clips_without_hands_are_wrists(clip_cli, simulator, kept):
-    path = figure.write(Path("t.bvh").absolute(), frames=3, order="ZYX")
-    text = path.read_text().partition("LeftHand")
-    if kept == "an angle":  # of the left hand only
-        after = text[2].replace("CHANNELS 3 Zrotation Yrotation Xrotation", "CHANNELS 1 Zrotation", 1)
-        head, motion, table_ = after.partition("Frame Time: 0.0083333\n")
-        column = clips.read(path).nodes[clips.arms(clips.read(path))[0].hand].channels[1].column
-        cut = (row.split() for row in table_.splitlines())
-        after = head + motion + "".join(" ".join(row[:column] + row[column + 2 :]) + "\n" for row in cut)
-        path.write_text(text[0] + text[1] + after)
-    assert clip_cli(*(["--datapath", "lean"] if kept == "datapath" else []))[0] == 0
+def test_the_wrists_of_a_clip_run_on_a_chosen_datapath(clip_cli, simulator):
+    figure.write(Path("t.bvh").absolute(), frames=3)
+    assert clip_cli("--datapath", "lean")[0] == 0
     assert simulator.calls[0]["datapath"] == "lean" and "th1" not in rows()[0]
 
 

@@ -88,15 +88,10 @@ SLIPS = [
     ("--robot t.urdf --tip x", "argument --robot: t.urdf: no chain of joints leads from base to x"),
     ("--robot bent.urdf", "argument --robot: links are bent: the joints of ik_arm are along or across its bones"),
     ("--robot fork.urdf", "argument --robot: fork.urdf: no link stands out as tip: other, tip"),
-    ("--robot none.urdf", "cannot read or write 'none.urdf': No such file or directory"),
     ("--robot iiwa14 --d1 2", "--robot and --d1 exclude each other"),
     (
         "--robot iiwa14 --trajectory circle",
         "argument --robot: circle has no orientations of a hand, such as columns qw,",
-    ),
-    (
-        "--robot human --trajectory clip.bvh",
-        "argument --robot: applies to a CSV file or a built-in trajectory, not to a BVH clip",
     ),
     ("--soft 0.1", "argument --soft: applies to wrist targets, not to hand poses"),
     ("--datapath fold", "argument --datapath: applies to wrist targets; hand poses always run on arm"),

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the soaks with the bit-true model as simulator: counts, stops, kept files, the C in long double."""
 
-import shutil
 import signal
 from functools import partial
 from pathlib import Path
@@ -273,7 +272,7 @@ def test_later_rounds_find_worse_targets(cli, monkeypatch, datapath):
 
 # -- the C in long double ----------------------------------------------------------------------------------------------
 
-needs_c = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
+needs_c = pytest.mark.needs("cc")
 CORE_24 = random_targets.Core("icarus", "lean", 24)
 
 

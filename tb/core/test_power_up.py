@@ -69,6 +69,8 @@ TOPS = [  # parameters of other tests, whose builds are reused
     ),
     pytest.param("ik_axi", {"W": 18, "DATA_W": 128}, "power_up|one_record|after_a_reset", id="memory"),
 ]
+LONG = "paper-23", "arm-18", "fold_arm16-18"
+"""Cores that take longest; `make test-all` tests their reset."""
 BUG = Bug("no initial valid", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n", "", "power_up")
 INITIAL = re.compile(r"^ *initial (?:\{[^}]*\}|\w+) = .*;\n", re.MULTILINE)
 """Initial value of registers; memories have theirs from a loop or a list."""
@@ -102,7 +104,10 @@ def test_a_register_without_an_initial_value_is_detected(tmp_path):
 
 
 @pytest.mark.skipif(not ICARUS, reason="Verilator has no X")
-@pytest.mark.parametrize(("top", "parameters"), [pytest.param(*one.values[:2], id=one.id) for one in TOPS])
+@pytest.mark.parametrize(
+    ("top", "parameters"),
+    [pytest.param(*one.values[:2], id=one.id, marks=[pytest.mark.slow] if one.id in LONG else []) for one in TOPS],
+)
 def test_a_reset_of_one_clock_replaces_initial_values(top, parameters, tmp_path):
     """Without initial values registers are X until a reset of one clock; memories keep their contents."""
     changed = 0

@@ -188,7 +188,8 @@ def test_straight_arms(arm):
 @pytest.fixture
 def other(tmp_path):
     """Return a chain, its URDF file, tips (N, 4, 4) from pinocchio, and our joints, by which it gets there as well."""
-    pin = pytest.importorskip("pinocchio")
+    import pinocchio as pin
+
     chain, random = bones(SERIAL, elbow=(0, 0, 0.37), wrist=(0, 0, 0.28)), np.random.default_rng(6)
     path = urdf(tmp_path / "arm.urdf", chain)
     arm, robot = Arm.from_urdf(path, "base", "tip"), pin.buildModelFromXML(path.read_text())
@@ -206,10 +207,13 @@ def other(tmp_path):
 
 
 @pytest.mark.release
+@pytest.mark.needs("arms")
 def test_among_the_solutions_of_eaik(other):
-    solver, (chain, _, ends, joints) = pytest.importorskip("eaik.IK_HP"), other
+    from eaik import IK_HP
+
+    chain, _, ends, joints = other
     axes, places = np.array([a for *_, a in chain], dtype=float), np.array([p for p, *_ in [*chain, TIP]], dtype=float)
     ends[:, :3, :3] @= tips([(O, O, Z)] * 7, np.zeros((1, 7)))[1][0].T  # the hand, not the tip
     for end, th in zip(ends, joints, strict=True):
-        found = np.array(solver.HPRobot(axes, places, [(2, th[2])]).IK(end).Q)
+        found = np.array(IK_HP.HPRobot(axes, places, [(2, th[2])]).IK(end).Q)
         assert apart(found, th).max(axis=1).min() < 1e-9

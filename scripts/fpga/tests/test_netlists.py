@@ -13,7 +13,7 @@ from tb.sim.sources import closure
 
 SMALL = Path(__file__).with_name("ik_small.v")
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.needs("fpga", "verilator")
 
 
 def mapped(folder, family, factor="a", square=0):

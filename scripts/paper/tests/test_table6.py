@@ -2,7 +2,6 @@
 """Table 6: the software agrees with the model and the page with its figures. No test asserts a time."""
 
 import json
-import shutil
 
 import numpy as np
 import pytest
@@ -20,7 +19,7 @@ from scripts.paper.table6 import compiled
 from scripts.paper.table6.compiled import REALS, WAYS, Solver
 from scripts.paper.table6.contenders import Contender, columns, contenders, first, lean_of
 
-needs_cc = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
+needs_cc = pytest.mark.needs("cc")
 REACH, RANDOM = make("reach"), from_words(random_reachable(3000, 32, 7), 0, 32, "random")
 
 
@@ -55,11 +54,13 @@ def test_single_precision_arrays_stay_single():
     assert {c.dtype for c in single} == {np.dtype(np.float32)}
 
 
-@pytest.mark.parametrize("key", ["numpy", "jax", "eaik"])
+INSTALLED = [pytest.mark.release, pytest.mark.needs("table6")]
+
+
+@pytest.mark.parametrize("key", ["numpy", *(pytest.param(name, marks=INSTALLED) for name in ("jax", "eaik"))])
 def test_software_reaches_the_hand(key):
     for contender in (one for one in contenders() if one.key.startswith(key)):
-        if contender.lacks == "not installed":
-            pytest.skip(f"{key} is not installed")
+        assert contender.lacks != "not installed"
         if not contender.lacks:
             targets = first(REACH, 5) if contender.most else RANDOM
             exact = contender.most is None and "float" not in contender.key

@@ -19,14 +19,11 @@ from tb.formal.floors import ROOT_DIGIT, FormulaError, floors, integer
 from tb.formal.lean_exact import Exact, smt
 from tb.formal.lean_proofs import BY_WORDS, CASES, Rounded, Rules
 from tb.formal.rsqrt_stages import Stages, forms, model
-from tb.formal.tools import missing
 from tb.formal.unrolled import Answer
 from tb.sim.env import ROOT
 
 FULL = 32
-tools = pytest.mark.skipif(
-    bool(missing()), reason="the tools of requirements/fpga.lock are not installed: `make formal` does it"
-)
+tools = pytest.mark.needs("fpga")
 
 
 @pytest.mark.parametrize("width", [16, 17, 32])
@@ -159,7 +156,6 @@ def test_rounding_is_within_its_bounds(width):
 
 
 @tools
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", [Rules, Rounded])
 def test_rules_and_errors(kind):
     """All questions at one width hold, and a claim that is too narrow does not."""
@@ -177,7 +173,6 @@ def test_floors_fail_on_a_bug():
 
 
 @tools
-@pytest.mark.slow
 def test_reciprocal_root_of_short_words():
     """Check the form with one tile."""
     for question in Stages(22).questions():

@@ -12,12 +12,12 @@ import pytest
 from model.dataflow import fixed, lean
 from model.dataflow.datapaths import ARM, CONFIGURATIONS, MODELS
 from tb.formal.netlist import DELAYS, Bit, Netlist
-from tb.formal.tools import missing, yosys
+from tb.formal.tools import yosys
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.sources import closure, header, includes
 
-pytestmark = pytest.mark.skipif(bool(missing()), reason="no tools of requirements/fpga.lock: `make formal`")
+pytestmark = pytest.mark.needs("fpga")
 
 TAG_W = 5
 

@@ -12,7 +12,6 @@ from model.dataflow.formats import WIDTHS, Latency
 from tb.formal import induction
 from tb.formal.induction import FORMAL, Proof, Steps
 from tb.formal.proofs import PROOFS
-from tb.formal.tools import missing
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug
 
@@ -86,9 +85,7 @@ def test_slices_that_a_property_rests_on(monkeypatch):
         design.named("other")
 
 
-tools = pytest.mark.skipif(
-    bool(missing()), reason="the tools of requirements/fpga.lock are not installed: `make formal` does it"
-)
+tools = pytest.mark.needs("fpga")
 
 
 @tools

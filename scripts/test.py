@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Run tests with pytest: `make test`, `make test-all`, `make test-browser`; `make release-check` runs the last gate.
+
+    python -m scripts.test quick|slow|browser|release [--sim icarus|verilator] [--only FILE|PATTERN] ...
+
+Each test is in one gate. With Verilator only tests that start a simulator run: the others do not depend on it.
+"""
+
+import os
+import sys
+from types import SimpleNamespace
+
+import click
+
+from scripts.console import command, option, sim_option
+from tb.sim.env import CORES, ROOT
+
+GATES = {
+    "quick": "not slow and not release",
+    "slow": "slow and not release",
+    "browser": "not slow and not release",
+    "release": "release",
+}
+"""Gate -> its tests, by their markers in pyproject.toml."""
+
+BROWSER = ["scripts/report/tests/browser_test_report.py", "scripts/playground/tests/browser_test_playground.py"]
+PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder"]
+
+
+@command(
+    "test",
+    "Run the tests of a gate with pytest.",
+    [
+        click.Argument(["gate"], type=click.Choice(GATES)),
+        sim_option(),
+        option("--cores", "dividers and roots", click.Choice(CORES), default=CORES[0]),
+        option("--only", "quick and slow tests of this file, or whose names match", metavar="FILE|PATTERN"),
+    ],
+    passes="all tests pass",
+    fails="a test fails",
+)
+def main(options: SimpleNamespace) -> int:
+    marks = "not release" if options.only else GATES[options.gate]
+    if options.sim == "verilator" and options.gate != "browser":
+        marks += " and sim"
+    words = [*BROWSER] if options.gate == "browser" else []
+    if options.only:
+        words += [options.only] if (ROOT / options.only.partition("::")[0]).exists() else ["-k", options.only]
+    os.chdir(ROOT)
+    os.environ.update(SIM=options.sim, IK_CORES=options.cores)
+    os.execv(PYTEST[0], [*PYTEST, *words, "-m", marks])
+
+
+if __name__ == "__main__":
+    sys.exit(main())
