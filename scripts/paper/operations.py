@@ -1,33 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 4 of the paper: operation counts of equations (10)-(19), of the datapaths and of the RTL; operations.md.
+"""Table 4 of the paper: operation counts of equations (10)-(19) and of the datapaths; operations.md.
 
-Expressions are parsed from model/reference/equations.py, the operations of a datapath come from its dataflow. For the
-operators that work at once, Verilator elaborates the RTL (``--json-only``). Nothing is simulated or compiled.
+Expressions are parsed from model/reference/equations.py, the operations of a datapath come from its dataflow. Nothing
+is simulated or compiled.
 """
 
-import json
 import operator
-import subprocess
-import tempfile
 import textwrap
-from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from functools import partial
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy
 
 from model.dataflow.datapaths import DATAPATHS
-from model.dataflow.fixed import latency
 from model.dataflow.paper import SECTIONS
 from model.reference.cga import symbol
 from model.reference.equations import TEXT
 from scripts.generate.flow import WIDTH, operations
 from scripts.generate.render import render
 from scripts.paper.derivation.proofs import parse
-from tb.sim.env import GENERATED, environment
-from tb.sim.sources import includes, sources
+from tb.sim.env import GENERATED
 
 PAGE = GENERATED / "operations.md"
 
@@ -132,45 +125,6 @@ def lines_with_19() -> dict[str, sympy.Expr]:
     return result
 
 
-def operators(top: str, **parameters: int) -> Counter:
-    """Count the ``add`` and ``mul`` of all instances below `top` as elaborated by Verilator, except in constants,
-    functions and initial blocks, which are tables. Verilator copies the right side of an assignment to a concatenation
-    once per part, so operators with the same source location and generate block count once."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = ["verilator_bin", "--json-only", "--no-json-edit-nums", "--Mdir", folder, "--prefix", "top"]
-        command += ["--top-module", top, f"-GW={WIDTH}", *(f"-G{k}={v}" for k, v in parameters.items())]
-        command += ["-Wno-fatal", "-Wno-lint", *(f"-I{path}" for path in includes()), *map(str, sources())]
-        subprocess.run(command, env=environment(), stdout=subprocess.DEVNULL, check=True)
-        modules = json.loads((Path(folder) / "top.tree.json").read_text())["modulesp"]
-    by_address = {m["addr"]: m for m in modules}
-    kinds = {"ADD": "add", "SUB": "add", "MUL": "mul", "MULS": "mul"}
-
-    def inside(tree: Any, block: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], str]]:
-        """Yield a place and the operator or the address of the module there."""
-        if isinstance(tree, list):
-            for child in tree:
-                yield from inside(child, block)
-            return
-        kind = tree.get("type")
-        if kind in ("FUNC", "INITIAL"):
-            return
-        if kind == "CELL":
-            yield (*block, tree["addr"]), tree["modp"]
-        if kind == "GENBLOCK":
-            block = (*block, tree["name"])
-        if kind in kinds and any(side["type"] != "CONST" for side in tree["lhsp"] + tree["rhsp"]):
-            yield (*block, tree["loc"]), kinds[kind]
-        for name, child in tree.items():
-            if isinstance(child, list) and name not in ("lsbp", "bitp"):  # indices
-                yield from inside(child, block)
-
-    def of(module: dict) -> Counter:
-        found = dict(inside(module["stmtsp"], ())).values()
-        return sum((of(by_address[one]) if one in by_address else Counter([one]) for one in found), Counter())
-
-    return of(modules[0])
-
-
 def by_section(datapath: str) -> dict[str, Ops]:
     """Return the operations of each section of a datapath; its RTL has an instance or an operator for each."""
     return {
@@ -188,10 +142,6 @@ def by_section(datapath: str) -> dict[str, Ops]:
 def page() -> str:
     """Return operations.md."""
     lines, lines_19, sections = printed_lines(), lines_with_19(), by_section("paper")
-    at_once = {
-        datapath: {**operators(f"ik_{datapath}", **digit), "clocks": latency(datapath, WIDTH)}
-        for datapath, digit in (("paper", {"DIGIT": 1}), ("lean", {}))  # dividers and roots built from rows
-    }
     everything = sum(sections.values(), Ops())
     counts = {"old": UNOPTIMIZED, "new": OPTIMIZED, "guard": sections["guard"], "everything": everything}
     counts |= {"print": total(lines.values()), "print_19": total(lines_19.values())}
@@ -201,7 +151,7 @@ def page() -> str:
     named = {SECTIONS[section]: ops for section, ops in sections.items()}
     indents = {"initial_indent": "- ", "subsequent_indent": "  "}
     bullet = partial(textwrap.fill, width=118, break_long_words=False, break_on_hyphens=False, **indents)
-    return render("operations", sections=named, bullet=bullet, at_once=at_once, width=WIDTH, **counts)
+    return render("operations", sections=named, bullet=bullet, width=WIDTH, **counts)
 
 
 def write() -> int:
