@@ -60,11 +60,6 @@ def columns(targets: Targets) -> list[np.ndarray]:
     return [getattr(targets, name) for name in FIELDS]
 
 
-def first(targets: Targets, count: int | None) -> Targets:
-    """Return the first ``count`` targets."""
-    return replace(targets, **{name: getattr(targets, name)[:count] for name in FIELDS})
-
-
 def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> Bound:
     """Bind a function that solves all targets once; ``errors`` takes its result."""
 
