@@ -21,8 +21,8 @@ from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Node
 from model.reference.lean_equations import LEAN, NUMBER
 from scripts.console import InputError, command, option, output, switch, whole
-from scripts.run import simulated
-from scripts.trajectory import Prepared, datapaths, prepare, sources, trajectory_options
+from scripts.options import trajectory_options
+from scripts.trajectory import Prepared, datapaths, prepare, simulated, sources
 from scripts.waves import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
 from tb.sim.job import Difference, answer, hexadecimal, value
 from tb.sim.simulate import SimulationError

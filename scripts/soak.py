@@ -59,7 +59,7 @@ from scripts.console import (
 )
 from scripts.generate.render import error, read_table, render
 from scripts.paper.table6.compiled import EQUATIONS, SCALAR, Solver, shared_object
-from scripts.tables import table_of_hardest, table_of_soak
+from scripts.score_tables import table_of_hardest, table_of_soak
 from tb.core import worst_targets
 from tb.core.random_targets import CHUNK, Core, Failure, Found, Opinion, chunk, judge
 from tb.sim.env import GENERATED

@@ -32,21 +32,24 @@ from model.motion.swivels import feasible_swivel
 from model.reference.equations import swivel_normal
 from scripts.console import command
 from scripts.generate.render import TEMPLATES
+from scripts.options import MOST_DATAPATHS, trajectory_options
 from scripts.report.figure import figure_data, joint_angles, packed
-from scripts.run import (
+from scripts.score_tables import figures, verdict
+from scripts.trajectory import (
     SCORES,
+    Prepared,
     by_joints,
+    csv_paths,
+    datapaths,
     elbow_errors,
-    of_datapath,
     outputs,
+    prepare,
     quaternions,
     result_paths,
     score_runs,
     simulated,
     write_results,
 )
-from scripts.tables import figures, verdict
-from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
 from tb.sim.simulate import Run
 
 HERE = Path(__file__).parent
@@ -174,8 +177,8 @@ def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> 
     names = [item.targets.name for item in prepared]
     links: dict[str, list[str]] = {name: [] for name in (*names, "")}
     for folder in folders:
-        tables = dict(zip(result_paths(folder, prepared), names, strict=True))
-        for path in of_datapath(folder, prepared):
+        tables = dict(zip(csv_paths(folder, prepared), names, strict=True))
+        for path in result_paths(folder, prepared):
             links[tables.get(path.with_suffix(".csv"), "")].append(path.relative_to(out).as_posix())
     return links | {"": [*links[""], SCORES]}
 

@@ -20,8 +20,7 @@ from model.motion.clip import Arm, Clip, Motion, outward_and_up, rest_up
 from model.reference import cga, geometry
 from model.reference.cga import e3
 from model.reference.kinematics import conjugate, rotate
-from scripts.run import quaternions, turned
-from scripts.trajectory import Prepared
+from scripts.trajectory import Prepared, quaternions, turned
 from tb.sim.simulate import Run
 
 UNITS = 32000

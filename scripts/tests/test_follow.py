@@ -13,7 +13,7 @@ from model.io import trajectories
 from model.io.stimuli import random_reachable
 from model.io.words import to_words
 from model.reference.lean_equations import LEAN
-from scripts import follow, run, waves
+from scripts import follow, trajectory, waves
 from scripts.tests.conftest import admissions, nodes_of
 from scripts.waves import Signals, place
 from tb.sim.env import simulator as simulator_of_tests
@@ -184,7 +184,7 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
         runs.extend(simulate(jobs, **options, root=root, name="follow"))
         return runs
 
-    monkeypatch.setattr(run, "simulate", simulated)
+    monkeypatch.setattr(trajectory, "simulate", simulated)
     words = "--target", "7", "--waves", "--out", "o", "--sim", simulator_of_tests(), "--width", str(WIDTH)
     status, out, _ = command(follow.main, *words)
     assert status == 1
