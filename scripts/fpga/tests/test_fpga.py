@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of scripts/fpga without its tools: reports, wrapper, register packing, figures and page."""
 
-import json
 import pickle
 import re
 
@@ -228,65 +227,56 @@ def without(run, *keys):
     return {key: value for key, value in run.items() if key not in keys}
 
 
-@pytest.fixture
-def replay(monkeypatch, tmp_path):
-    """Measure with the recorded figures instead of the tools; return the measurement and the names of the runs.
-
-    The first call of a test begins without figures; later calls reuse its figures. late: names of runs, or titles of
-    all their seeds, that time out; then nothing is known.
-    """
-    monkeypatch.setattr(runs, "version", lambda *_: "1")
-    monkeypatch.setattr(fpga, "version", lambda *_: "1")
-    monkeypatch.setattr(fpga, "describe", lambda design: RECORDED["designs"][design.name])
-    monkeypatch.setattr(runs, "BUILD", tmp_path / "build")
+@pytest.mark.slow
+def test_recorded_figures_give_the_same_runs_and_placements(monkeypatch, tmp_path):
+    """With recorded figures instead of the tools, the runs equal fpga.json's: designs too large for the device are not
+    placed, each chip of the folded datapath is measured. A repeated command takes all figures from fpga.json; runs that
+    timed out have none and are reported."""
+    late, ran = set(), []
+    chosen = [design for design in designs.DESIGNS if design.name in RECORDED["designs"]]
     for name in ("FIGURES", "PAGE"):
         monkeypatch.setattr(designs, name, tmp_path / name)
+    for module in (runs, fpga):
+        monkeypatch.setattr(module, "version", lambda *_: "1")
+    monkeypatch.setattr(fpga, "describe", lambda design: RECORDED["designs"][design.name])
 
-    def replay(chosen, each=map, late=()):
-        ran = []
-        if late or not designs.FIGURES.exists():
-            designs.FIGURES.write_text(json.dumps(RECORDED | {"designs": {}, "runs": {}}))
+    def done(run):
+        ran.append(run.title)
+        return None if run.title in late else without(RECORDED["runs"][run.title], "date", "key")
 
-        def done(run):
-            ran.append(run.name)
-            figures = without(RECORDED["runs"][run.title], "date", "key", "seed")
-            clocks = figures.pop("tried", [0.0])
-            if {run.name, run.title} & set(late) or (run.seed > len(clocks) and max(clocks) < run.aim):
-                raise tools.TimeOutError(f"{run.name}: not done after 40 min, left out")
-            return figures | {"mhz": clocks[run.seed - 1]} if run.aim else figures
-
-        monkeypatch.setattr(runs.Run, "done", done)
-        measurement = fpga.Measurement(each)
-        measurement.measure(chosen)
-        return measurement, ran
-
-    return replay
-
-
-@pytest.mark.slow
-def test_recorded_figures_give_the_same_runs_and_placements(replay):
-    """The runs equal fpga.json's: designs too large for the device are not placed, seeds are tried up to the
-    aim, each chip of the folded datapath is measured; a repeated command takes all figures from fpga.json."""
-    chosen = [design for design in designs.DESIGNS if design.name in RECORDED["designs"]]
-    for again in (False, True):
-        found, ran = replay(chosen, on_farm)
-        assert found.data["designs"] == RECORDED["designs"] and not found.left_out
-        for title, run in found.data["runs"].items():
+    monkeypatch.setattr(fpga, "done", done)
+    data = RECORDED | {"designs": {}, "runs": {}}
+    for _ in range(2):
+        assert not fpga.measure(data, chosen, on_farm)
+        assert data["designs"] == RECORDED["designs"] and data["runs"].keys() == RECORDED["runs"].keys()
+        for title, run in data["runs"].items():
             assert without(run, "date", "key") == without(RECORDED["runs"][title], "date", "key")
-        assert found.data["runs"].keys() == RECORDED["runs"].keys() and bool(ran) != again
+        assert sorted(ran) == sorted(RECORDED["runs"])
+        data = designs.load()
+    late.add("axis-W18-ecp5-place")
+    data["runs"]["axis-W18-ecp5-place"]["key"] = "stale"
+    assert fpga.measure(data, designs.select(["lean"], [18])) == [*late]
+    assert designs.clock(data, "lean", 18) is None
 
 
-def test_time_outs(replay, monkeypatch):
-    """A seed that timed out is left out; a design that timed out is reported and has no clock."""
-    lean, title = designs.select(["lean"], [18]), "axis-W18-ecp5-place"
-    monkeypatch.setitem(RECORDED["runs"], title, RECORDED["runs"][title] | {"tried": [170.0, 180.0, 175.0, 171.0]})
-    found, _ = replay(lean, late=[f"{title}-seed2"])
-    run = found.data["runs"][title]
-    assert (run["mhz"], run["seed"], run["tried"]) == (175.0, 3, [170.0, 175.0, 171.0]) and not found.left_out
-    assert designs.clock(found.data, "lean", 18) == 175.0
-    found, _ = replay(lean, late=[title])
-    assert designs.clock(found.data, "lean", 18) is None
-    assert found.left_out == [f"{title}: no figures"]
+def test_seeds_are_tried_up_to_the_aim_and_the_fastest_counts(monkeypatch, tmp_path):
+    run = designs.find("fold", 24).run("ecp5-12k", "place")
+    clocks: list[float | None] = []
+
+    def nextpnr(self, *_):
+        if (mhz := clocks.pop(0)) is None:
+            raise tools.TimeOutError("not done after 40 min, left out")
+        return 1, mhz
+
+    monkeypatch.setattr(runs.Run, "_nextpnr", nextpnr)
+    monkeypatch.setattr(netlist, "placed", lambda mhz: {"mhz": mhz})
+    for kinds, seed in (([95.0, None, 104.0], 3), ([95.0, 98.0, 97.0, 96.0], 2)):
+        clocks[:] = kinds
+        tried = [mhz for mhz in kinds if mhz]
+        assert run.place(tmp_path, {}) == {"place_s": 1, "mhz": max(tried), "seed": seed, "tried": tried}
+    clocks[:] = [None] * 4
+    with pytest.raises(tools.LeftOutError, match="no seed"):
+        run.place(tmp_path, {})
 
 
 def test_designs_are_selected_by_datapath_and_word_length():
