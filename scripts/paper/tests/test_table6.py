@@ -18,7 +18,7 @@ from scripts.fpga.designs import load
 from scripts.paper.table6 import __main__ as table6
 from scripts.paper.table6 import compiled
 from scripts.paper.table6.compiled import REALS, WAYS, Solver
-from scripts.paper.table6.contenders import Contender, columns, contenders, lean_of
+from scripts.paper.table6.contenders import Contender, columns, contenders, lean
 
 needs_cc = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 REACH, RANDOM = make("reach"), from_words(random_reachable(3000, 32, 7), 0, 32, "random")
@@ -52,7 +52,7 @@ def test_c_gives_the_models_answers(way, real):
 
 
 def test_single_precision_arrays_stay_single():
-    single = lean_of(np, np.float32)(*(c.astype(np.float32) for c in columns(RANDOM)))
+    single = lean(np, *(c.astype(np.float32) for c in columns(RANDOM)))
     assert {c.dtype for c in single} == {np.dtype(np.float32)}
 
 
