@@ -153,13 +153,14 @@ PACKER = "5"
 
 
 def pack_registers(module: dict) -> dict:
-    """Move registers into MULT18X18D and DP16KD, as Lattice's tools do and Yosys does not (module of write_json).
+    """Move registers into MULT18X18D and DP16KD, as Lattice's tools do and Yosys does not (module of write_json, with
+    one clock).
 
-    Output register of a multiplier or memory port: used if all its readers are plain flip-flops of one clock. A word of
-    36 bits leaves a memory on both ports, which side B clocks: both have the register or neither.
-    Input registers of a multiplier: used if A and B both come from plain flip-flops of that clock or are constant. A
-    flip-flop with other readers is kept for them; one behind a memory, whose outputs are late, stays near it. Returns
-    the number of registers of each kind and of removed flip-flops.
+    Output register of a multiplier or memory port: used if all its readers are plain flip-flops. A word of 36 bits
+    leaves a memory on both ports, which have the register or neither.
+    Input registers of a multiplier: used if A and B both come from plain flip-flops or are constant. A flip-flop with
+    other readers is kept for them; one behind a memory, whose outputs are late, stays near it. Returns the number of
+    registers of each kind and of removed flip-flops.
     """
     cells = module["cells"]
     readers, source, late, gone = defaultdict(list), {}, set(), set()
@@ -179,29 +180,25 @@ def pack_registers(module: dict) -> dict:
             readers[net].append(("", "", 0))
     plain = set(source.values())
 
-    def pin(name, port):
+    def pin(name: str, port: str) -> int | str:
         return cells[name]["connections"][port][0]
 
-    def data(name):
+    def data(name: str) -> int | str:
         return pin(name, "DI" if "DI" in cells[name]["connections"] else "M")
 
-    def clocks(names):
-        return {pin(name, "CLK") for name in names}
+    clock = {pin(name, "CLK") for name in plain}
+    if len(clock) > 1:
+        raise ToolError("registers of several clocks are not packed")
 
-    def absorb(nets, ports, clock=None):
-        """Replace the flip-flops behind ports by their nets; merge flip-flops of the same bit.
-
-        Returns their clock, empty and without a change if the ports have other readers or not one clock.
-        """
+    def absorb(nets: dict, ports: list[str]) -> bool:
+        """Replace the flip-flops behind ports by their nets; merge flip-flops of the same bit. Return False, without a
+        change, if the ports have other readers or none."""
         behind = {port: readers[nets[port][0]] for port in ports if port in nets and readers[nets[port][0]]}
-        used = [reader for own in behind.values() for reader in own]
-        if not all(name in plain and port == "DI" for name, port, _ in used):
-            return set()
-        found = clocks(name for name, _, _ in used)
-        if len(found) != 1 or clock not in (None, *found):
-            return set()
-        for port, own in behind.items():
-            first, *others = (pin(name, "Q") for name, _, _ in own)
+        used = [reader for flops in behind.values() for reader in flops]
+        if not used or not all(name in plain and port == "DI" for name, port, _ in used):
+            return False
+        for port, flops in behind.items():
+            first, *others = (pin(name, "Q") for name, _, _ in flops)
             nets[port] = [first]
             for other in others:
                 for name, its_port, bit in readers[other]:
@@ -210,15 +207,14 @@ def pack_registers(module: dict) -> dict:
         for name, _, _ in used:
             gone.add(name)
             source.pop(pin(name, "Q"), None)
-        return found
+        return True
 
     counts = Counter(multipliers=0)
     for name, cell in cells.items():
         nets, parameters = cell["connections"], cell["parameters"]
         if cell["type"] == "DP16KD":
             for sides in ("AB",) if int(parameters.get("DATA_WIDTH_B", "0"), 2) == 36 else "AB":
-                ports = [f"DO{side}{k}" for side in sides for k in range(18)]
-                if absorb(nets, ports, nets[f"CLK{sides[-1]}"][0]):
+                if absorb(nets, [f"DO{side}{k}" for side in sides for k in range(18)]):
                     parameters |= {f"REGMODE_{side}": "OUTREG" for side in sides}
                     nets |= {f"OCE{side}": ["1"] for side in sides}
                     cell["port_directions"] |= {f"OCE{side}": "input" for side in sides}
@@ -228,20 +224,16 @@ def pack_registers(module: dict) -> dict:
         output = absorb(nets, [f"P{k}" for k in range(36)])
         inputs = [port for port in nets if re.fullmatch(r"[AB]\d+", port) and isinstance(nets[port][0], int)]
         fed = {port: source[nets[port][0]] for port in inputs if nets[port][0] in source}
-        clock = clocks(fed.values()) | output
-        late_input = any(data(flop) in late for flop in fed.values())
-        loaded = len(fed) == len(inputs) > 0 and len(clock) == 1 and not late_input
-        if loaded:
-            for port, flop in fed.items():
-                readers[nets[port][0]].remove((name, port, 0))
-                nets[port] = [data(flop)]
-                readers[data(flop)].append((name, port, 0))
-        for which, wanted in (("INPUTA", loaded), ("INPUTB", loaded), ("OUTPUT", output)):
-            if wanted:
-                nets |= {"CLK0": [*(output or clock)], "CE0": ["1"], "RST0": ["0"]}
-                cell["port_directions"] |= {"CLK0": "input", "CE0": "input", "RST0": "input"}
-                parameters |= {f"REG_{which}_{pin}": f"{pin}0" for pin in ("CLK", "CE", "RST")}
-        counts.update(multipliers=1, input=loaded, output=len(output))
+        loaded = len(fed) == len(inputs) > 0 and not any(data(flop) in late for flop in fed.values())
+        for port, flop in fed.items() if loaded else ():
+            readers[nets[port][0]].remove((name, port, 0))
+            nets[port] = [data(flop)]
+            readers[data(flop)].append((name, port, 0))
+        for which in ["INPUTA", "INPUTB"] * loaded + ["OUTPUT"] * output:
+            nets |= {"CLK0": [*clock], "CE0": ["1"], "RST0": ["0"]}
+            cell["port_directions"] |= {"CLK0": "input", "CE0": "input", "RST0": "input"}
+            parameters |= {f"REG_{which}_{pin}": f"{pin}0" for pin in ("CLK", "CE", "RST")}
+        counts.update(multipliers=1, input=loaded, output=output)
     # Remove flip-flops without readers, and then their sources that have become unread.
     todo = list(source.values())
     while todo:

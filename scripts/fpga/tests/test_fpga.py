@@ -95,10 +95,10 @@ def product(a, b, p):
     return cell("MULT18X18D", out="P", A0=a, A1="0", B0=b, B1=b, P0=p)
 
 
-def memory(do, clk=2, width=18):
+def memory(do, width=18):
     outputs = {f"DO{port}": net for port, net in do.items()}
     parameters = {"REGMODE_A": "NOREG", "REGMODE_B": "NOREG", "DATA_WIDTH_B": f"{width:032b}"}
-    return cell("DP16KD", parameters, "DO", CLKA=clk, CLKB=2, OCEA="0", OCEB="0", **outputs)
+    return cell("DP16KD", parameters, "DO", CLKA=2, CLKB=2, OCEA="0", OCEB="0", **outputs)
 
 
 def packed(**cells):
@@ -126,10 +126,9 @@ def test_registers_around_a_multiplier_go_into_it():
     [
         ({"lut": lut(20)}, 1, 1, 2),
         ({"b": flop(11, 21, REGSET="SET")}, 0, 1, 1),
-        ({"b": flop(11, 21, clk=3)}, 0, 1, 1),
         ({"lut": lut(30)}, 1, 0, 2),
     ],
-    ids=["other reader", "reset to 1", "other clock", "product read directly"],
+    ids=["other reader", "reset to 1", "product read directly"],
 )
 def test_what_is_no_plain_register_stays(changed, inputs, outputs, removed):
     counts, _ = packed(**around(**changed))
@@ -155,9 +154,10 @@ def test_registers_behind_a_memory_go_into_it():
     assert (nets["DOA0"], nets["DOA1"], nets["DOB0"]) == ([40], [41], [52])
     assert (parameters["REGMODE_A"], parameters["REGMODE_B"]) == ("OUTREG", "NOREG")
     assert (nets["OCEA"], nets["OCEB"]) == (["1"], ["0"])
-    for clk, start in ((3, "RESET"), (2, "SET")):
-        counts, _ = packed(rom=memory({"A0": 50}, clk), a=flop(50, 40, REGSET=start), lut=lut(40))
-        assert counts["flip_flops"] == 0
+    counts, _ = packed(rom=memory({"A0": 50}), a=flop(50, 40, REGSET="SET"), lut=lut(40))
+    assert counts["flip_flops"] == 0
+    with pytest.raises(netlist.ToolError, match="several clocks"):
+        packed(**around(b=flop(11, 21, clk=3)))
 
 
 @pytest.mark.parametrize("half", [False, True])
@@ -165,7 +165,7 @@ def test_registers_behind_a_word_of_36_bits_go_into_the_memory_all_or_none(half)
     """half: logic reads a bit of port A directly."""
     flops = {"a0": flop(50, 40), "b0": flop(52, 42)}
     readers = {f"lut{net}": lut(net) for net in (40, 42, *[50] * half)}
-    _, cells = packed(rom=memory({"A0": 50, "B0": 52}, clk="0", width=36), **flops, **readers)
+    _, cells = packed(rom=memory({"A0": 50, "B0": 52}, width=36), **flops, **readers)
     assert ("a0" in cells, "b0" in cells) == (half, half)
     parameters = cells["rom"]["parameters"]
     assert [parameters[f"REGMODE_{side}"] for side in "AB"] == ["NOREG" if half else "OUTREG"] * 2
