@@ -59,7 +59,7 @@ LINES = {NUMBER[name]: f"{name} = {text}" for group in LEAN.values() for name, t
 def made_of(node: Node) -> str:
     """Return operation and operands of a node, and the lean equation that gives a choice or a sum its meaning."""
     line = f": {LINES[node.equation]}" if node.op == "choose" and node.equation in LINES else ""
-    return f"{node.op} {', '.join(_operand(each, node) for each in node.operands)}".rstrip() + line
+    return f"{node.op} {', '.join(_operand(operand, node) for operand in node.operands)}".rstrip() + line
 
 
 HEADINGS = ("clock", "after", "equation", "node", "RTL word", "model word", "RTL value", "model value", "made of")
@@ -91,9 +91,9 @@ def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: 
         yield line(" " if recording.word(node, target) == model_bits(node, target) else "!", row)
 
 
-def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[str]:
+def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterator[str]:
     """Yield lines on the first difference of a target and on its operands, which equal the model."""
-    first, target = found[0], found[0].target
+    first, target = differing[0], differing[0].target
     yield f"first difference: {first}"
     yield f"         made of: {made_of(first.node)}; in RTL and model alike"
     for node in first.node.operands:
@@ -102,8 +102,8 @@ def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[s
         word, clock = recording.word(node, target), recording.admitted[target] + node.time
         name = _operand(node, first.node)
         yield f"                  {name} at clock {clock}: {hexadecimal(word)} ({value(word, node.format)})"
-    if len(found) > 1:
-        more = len(found) - 1
+    if len(differing) > 1:
+        more = len(differing) - 1
         yield f"            then: {more} more node{'s' * (more > 1)} of this target, marked with !"
 
 
@@ -128,9 +128,9 @@ def main(arguments: SimpleNamespace) -> int:
         recording = read(vcd, datapath, nodes)
         if len(recording.admitted) != total:
             raise SimulationError(f"{len(recording.admitted)} of {total} targets were admitted")
-        found = list(differences(recording, nodes))
+        differing = list(differences(recording, nodes))
         if arguments.waves:
-            write_waves(out / VCD, recording, found, datapath, width, nodes, files)
+            write_waves(out / VCD, recording, differing, datapath, width, nodes, files)
 
     admitted, last = recording.admitted[target], column(recording, nodes, target)
     print(
@@ -139,10 +139,10 @@ def main(arguments: SimpleNamespace) -> int:
     )
     for line in listing(recording, nodes, target, datapath):
         print(line)
-    ours = [each for each in found if each.target == target]
+    ours = [difference for difference in differing if difference.target == target]
     print(*(explanation(recording, ours) if ours else [f"all {len(nodes)} nodes equal the model"]), sep="\n")
-    if found and found[0].target != target:
-        print(f"follow: the first target that differs is {found[0].target}", file=sys.stderr)
+    if differing and differing[0].target != target:
+        print(f"follow: the first target that differs is {differing[0].target}", file=sys.stderr)
     if arguments.waves:
         print(*(f"wrote {file}" for file in written), sep="\n")
     return 1 if ours else 0

@@ -66,7 +66,7 @@ def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[
         if "datapath" in arguments.given:
             raise InputError(f"argument --datapath: applies to wrist targets; hand poses always run on {ARM.name}")
         chosen = [ARM.name]
-    return {each: arguments.out / each for each in chosen} if len(chosen) > 1 else {chosen[0]: arguments.out}
+    return {name: arguments.out / name for name in chosen} if len(chosen) > 1 else {chosen[0]: arguments.out}
 
 
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
@@ -95,12 +95,12 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     """Return the trajectories of --trajectory. Raises InputError or TargetError."""
     name, width, axis = arguments.trajectory, arguments.width, arguments.axis or "z"
     kind = _kind(name)
-    own = trajectories.ROBOTS.get(name)
-    arguments.robot = arguments.robot or own
-    for given, kinds in GOES_WITH.items():
-        if getattr(arguments, given) is not None and kind not in kinds:
+    usual = trajectories.ROBOTS.get(name)
+    arguments.robot = arguments.robot or usual
+    for option, kinds in GOES_WITH.items():
+        if getattr(arguments, option) is not None and kind not in kinds:
             goes = " or a ".join(kinds)
-            raise InputError(f"argument --{given}: applies to a {goes}, not to a {kind} ({name})")
+            raise InputError(f"argument --{option}: applies to a {goes}, not to a {kind} ({name})")
     for one, other in (("pole", "phi"), *(("robot", name) for name in ("axis", "d1", "d2"))):
         if getattr(arguments, one) is not None and getattr(arguments, other) is not None:
             raise InputError(f"--{one} and --{other} exclude each other")
@@ -108,26 +108,26 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
         return [_of_clip(arguments)]
     if isinstance(arguments.pole, str):
         raise InputError(f"argument --pole: {arguments.pole!r} is not x,y,z; a joint's name applies to a {CLIP}")
-    for given, word in OF_CLIPS:
-        if getattr(arguments, given) == word:
-            raise InputError(f"argument --{given}: {word} applies to a {CLIP}, not to a {kind} ({name})")
+    for option, word in OF_CLIPS:
+        if getattr(arguments, option) == word:
+            raise InputError(f"argument --{option}: {word} applies to a {CLIP}, not to a {kind} ({name})")
     robot = _robot(arguments)
-    notes = (f"the poses are for ROBOT={own}",) if arguments.robot != own and own else ()
+    notes = (f"the poses are for ROBOT={usual}",) if arguments.robot != usual and usual else ()
     if kind == CSV:
         phi = (None if robot else hanging(axis)) if arguments.phi is None else arguments.phi
-        found = [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
-        if arguments.pole is not None and (found[0].phi != phi).any() and not np.isnan(found[0].phi).any():
+        loaded = [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
+        if arguments.pole is not None and (loaded[0].phi != phi).any() and not np.isnan(loaded[0].phi).any():
             notes = ("POLE= overrides the column phi",)
     else:
-        found = [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == "all" else [name])]
+        loaded = [trajectories.make(one) for one in (trajectories.TRAJECTORIES if name == "all" else [name])]
     frame = None if axis == "z" else to_z(axis)
-    found = [replace(one, frame=frame) for one in found]
-    if found[0].hand is not None:
-        return [_of_hands(arguments, found[0], robot, notes)]
+    loaded = [replace(one, frame=frame) for one in loaded]
+    if loaded[0].hand is not None:
+        return [_of_hands(arguments, loaded[0], robot, notes)]
     if robot:
         raise InputError(f"argument --robot: {name} has no orientations of a hand, such as columns qw,qx,qy,qz")
-    turned = (_guided(one, arguments.pole, arguments.soft) for one in found)
-    return [Prepared(each, *to_words(each, width), notes=notes) for each in turned]
+    turned = (_guided(one, arguments.pole, arguments.soft) for one in loaded)
+    return [Prepared(one, *to_words(one, width), notes=notes) for one in turned]
 
 
 def _robot(arguments: SimpleNamespace) -> arms.Arm | None:
@@ -151,15 +151,15 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
         raise InputError("argument --soft: applies to wrist targets, not to hand poses")
     if robot:
         try:
-            own, given = robot.targets(targets), targets
+            fitted, original = robot.targets(targets), targets
         except ValueError as error:
             raise InputError(f"argument --robot: {error}") from None
-        differ = [name for name in ("d1", "d2") if name not in given.default_arm]
-        differ = [name for name in differ if (getattr(own, name) != getattr(given, name)).any()]
-        differ += ["tool"] if "tool" in given.others and (own.tool != given.tool).any() else []
-        if differ and given.path is not None:
+        differ = [name for name in ("d1", "d2") if name not in original.default_arm]
+        differ = [name for name in differ if (getattr(fitted, name) != getattr(original, name)).any()]
+        differ += ["tool"] if "tool" in original.others and (fitted.tool != original.tool).any() else []
+        if differ and original.path is not None:
             notes = (*notes, f"ROBOT= overrides {', '.join(differ)} of the file")
-        targets = own
+        targets = fitted
     limits = limit_words(robot.bounds if robot else None, arguments.width)
     for name, (low, high) in zip(robot.names if robot else (), limits, strict=False):
         if low > high:
@@ -174,8 +174,8 @@ def _of_clip(arguments: SimpleNamespace) -> Prepared:
     clip = clips.read(Path(arguments.trajectory), arguments.up)
     limbs = clips.arms(clip, arguments.arm or "both", arguments.joints, arguments.limb or "arms")
     moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in limbs)
-    own = {"clip": lambda move: move.phi, "constant": lambda move: move.typical_phi}
-    phi = [own.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]
+    angle_of = {"clip": lambda move: move.phi, "constant": lambda move: move.typical_phi}
+    phi = [angle_of.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]
     pole = arguments.pole
     if pole is not None:
         at = clip.positions[:, clips.named(clip, pole)[0]] if isinstance(pole, str) else np.asarray(pole)

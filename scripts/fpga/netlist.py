@@ -135,8 +135,8 @@ def steps(path: list[dict]) -> list[str]:
     for step in path:
         if step["type"] == "routing":
             continue
-        found = re.findall(r"MULT18X18D|CCU2C|LUT4|PFUMX|L6MUX21|DP16KD", step["to"]["cell"])
-        kind = found[-1] if found else "logic"
+        cells = re.findall(r"MULT18X18D|CCU2C|LUT4|PFUMX|L6MUX21|DP16KD", step["to"]["cell"])
+        kind = cells[-1] if cells else "logic"
         if step["type"] == "clk-to-q":
             kind = kind if kind == "MULT18X18D" else "DP16KD" if step["delay"] > 2 else "FF"
         if step["type"] != "setup" or kind == "MULT18X18D" and step["to"].get("port", "Q")[0] in "AB":

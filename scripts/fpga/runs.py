@@ -59,8 +59,8 @@ SEEDS = range(1, 5)
 
 def commands() -> dict[str, str]:
     """Return family or tool -> its command, without file names."""
-    own = {"top": "TOP", "flatten": " -flatten"}
-    synthesis = {family: text.format(family=family, **own) for family, text in SYNTHESIZE.items()}
+    values = {"top": "TOP", "flatten": " -flatten"}
+    synthesis = {family: text.format(family=family, **values) for family, text in SYNTHESIZE.items()}
     place = {f"{text.split()[0]} for {family}": f"{text} --seed SEED" for family, text in PLACE.items()}
     return synthesis | place
 
@@ -104,8 +104,8 @@ class Run:
         # deferred: a top has only one of the three datapaths
         lines = [f"read_verilog -defer{MACROS.get(self.family, '')} -I. {' '.join(files)}"]
         if self.kind != "place":
-            given = "".join(f" -chparam {key} {value}" for key, value in self.values.items())
-            lines.append(f"hierarchy -check -top {top}{given}")
+            values = "".join(f" -chparam {key} {value}" for key, value in self.values.items())
+            lines.append(f"hierarchy -check -top {top}{values}")
         flatten = "" if self.kind == "tree" else " -flatten"
         lines += SYNTHESIZE[self.family].format(top=top, family=self.family, flatten=flatten).split("; ")
         return "\n".join([*lines, "write_json netlist.json", "tee -o stat.json stat -json", ""])

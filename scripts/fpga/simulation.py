@@ -64,7 +64,7 @@ class Ports:
         wires = "\n".join(f"  wire [{high}:0] {label};" for of in self.wide.values() for label, high in of)
         wires += "".join(f"\n  wire {label};" for of in self.single.values() for label in of)
         pins = "".join(f"  assign {label} = pins[{k}];\n" for k, label in enumerate(self.single["input"], 1))
-        given = f"#({', '.join(f'.{p}({p})' for p in names)})" if names and not inner else ""
+        overrides = f"#({', '.join(f'.{p}({p})' for p in names)})" if names and not inner else ""
         feed = f"  assign {{{joined['input']}}} = in_q;\n" if joined["input"] else ""
         shifts = f"if (!in[{len(self.single['input'])}]) " if "hold" in self.single["input"] else ""
         return f"""module {name} {f"#({parameters})" if names else ""} (
@@ -83,7 +83,7 @@ class Ports:
     out_q <= {{1'b0, out_q[OUT-1:1]}} ^ wide;
     out <= {{{"".join(f"{label}, " for label in reversed(self.single["output"]))}out_q[0]}};
   end
-{feed}{pins}  {inner or self.name} {given} dut (
+{feed}{pins}  {inner or self.name} {overrides} dut (
     {", ".join(f".{label}({label})" for _, _, label in self.all)});
 endmodule
 """
@@ -232,8 +232,8 @@ endmodule
     clocks = FOLDED_CLOCKS if slow else JOBS_CLOCKS if jobs else CLOCKS
     words = ports.stimuli(SETTLE + clocks, values.get("W", 0)).tobytes()
     command = [place / "obj" / "Vtop", *map(str, (SETTLE, valid, ready))]
-    found = subprocess.run(command, input=words, capture_output=True, check=True).stdout
-    clocks, differ, first, results = map(int, found.split())
+    output = subprocess.run(command, input=words, capture_output=True, check=True).stdout
+    clocks, differ, first, results = map(int, output.split())
     if differ:
         raise DiffersError(f"{folder.name}: {differ} of {clocks} clocks differ from the RTL, the first is {first}")
     results //= 4 if jobs else 1  # beats in a record

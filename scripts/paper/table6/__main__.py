@@ -186,8 +186,8 @@ def page(figures: dict, fpga: dict) -> str:
     """Return table6.md."""
     machine = figures["machine"]
     unanswered = [r for r in figures["software"] if r["key"][:2] == "c-" and r["random"]["unanswered"]]
-    found = {"c_unanswered": unanswered, "busy": machine["load"] > BUSY * machine["cores"], "paper": tables}
-    return render("table6", figures=figures, machine=machine, clock_of=partial(clock_of, fpga), **found)
+    more = {"c_unanswered": unanswered, "busy": machine["load"] > BUSY * machine["cores"], "paper": tables}
+    return render("table6", figures=figures, machine=machine, clock_of=partial(clock_of, fpga), **more)
 
 
 def write(figures: dict[str, Any]) -> int:

@@ -160,11 +160,11 @@ def _bind_eaik(targets: Targets) -> Bound:
     asked = [(robots[arm], pose) for arm, pose in zip(arms, _hand_poses(targets), strict=True)]
 
     def errors(solutions: list) -> np.ndarray:
-        found = []
+        distances = []
         for (robot, _), solution, position in zip(asked, solutions, targets.position, strict=True):
             hands = (robot.fwdKin(angles)[:3, 3] for angles in solution.Q)
-            found.append(min((float(np.linalg.norm(hand - position)) for hand in hands), default=np.nan))
-        return np.array(found)
+            distances.append(min((float(np.linalg.norm(hand - position)) for hand in hands), default=np.nan))
+        return np.array(distances)
 
     return _repeated(lambda: [robot.IK(pose) for robot, pose in asked], errors)
 
