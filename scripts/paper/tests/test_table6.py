@@ -89,9 +89,9 @@ def test_clocks_on_the_page_are_those_of_the_present_core():
 @pytest.mark.parametrize("path", table6.PATHS)
 def test_the_rtl_takes_the_clocks_on_the_page(path):
     kept = next(row for row in figures()["hardware"] if (row["datapath"], row["path"]) == ("lean", path))
-    found = table6.PATHS[path]("lean")
+    counted = table6.PATHS[path]("lean")
     stale = "the RTL has changed: run `python -m scripts.paper.table6 --hardware`"
-    assert found == {name: kept[name] for name in found}, stale
+    assert counted == {name: kept[name] for name in counted}, stale
     assert 0 < table6.random_error(random_reachable(500, 32, 3), "lean") <= kept["random_error"]
 
 
