@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Software in table 6: C, numpy, JAX and EAIK. Each solves its targets repeatedly.
 
-The lean equations for arrays are those of equations.c, for targets in reach: each sum is rounded, there are no flags.
+The lean equations for arrays are as in equations.c, for targets in reach: each sum is rounded, there are no flags.
 
 EAIK solves another problem than ours, which is to find one pose from the hand's position and the swivel angle. It
 solves this arm in closed form, but from the full pose of the hand. It gets the forearm's frame of the model's answer,
@@ -77,7 +77,7 @@ def lean(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any) -> tu
     root_far, root_near = (sqrt(library.maximum(v, 0)) for v in (d_sum * d_sum - s, s - d_dif * d_dif))
     inv_12, inv_law = 0.5 / sqrt(d1 * d2), 0.5 * inv_s / d1
     u_x, u_y, sin_el, cos_el = x * inv_rho, y * inv_rho, z * inv_s, rho_sq * inv_rho * inv_s
-    cos_a, sin_a = (s + d_sum * d_dif) * inv_law, root_far * root_near * inv_law
+    cos_bend, sin_bend = (s + d_sum * d_dif) * inv_law, root_far * root_near * inv_law
 
     def half(c: Any, s: Any) -> tuple[Any, Any, Any]:
         """Return the quaternion along half an angle, and its squared length."""
@@ -85,7 +85,7 @@ def lean(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any) -> tu
         return where(c >= 0, square, 0.5 * s), where(c >= 0, 0.5 * s, square), square
 
     (az_c, az_s, az_sq), (tilt_c, tilt_s, tilt_sq) = half(-u_y, u_x), half(sin_el, cos_el)
-    bend_c, bend_s, bend_sq = half(cos_a, sin_a)
+    bend_c, bend_s, bend_sq = half(cos_bend, sin_bend)
     sin_h, cos_h = library.sin(0.5 * phi), library.cos(0.5 * phi)
     cc, ss, sc, cs = az_c * cos_h, az_s * sin_h, az_s * cos_h, az_c * sin_h
     w_0, i_0, j_0, k_0 = tilt_c * (cc - ss), tilt_s * (cc + ss), tilt_s * (sc - cs), tilt_c * (sc + cs)
