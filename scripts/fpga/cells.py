@@ -94,10 +94,9 @@ def _memory(cell: Cell, sides: list[list[str]]) -> dict:
         pairs = [side[first : first + 2] for side in (sides if joined else [sides[k]])]
         if nine_bits:
             return [net for names in pairs for net in cell.nets_of(names[0], width, output)]
-        data, ninth = (half, half // 8) if joined else (width // 9 * 8 or width, width // 9)
-        nets = [[net for names in pairs for net in cell.nets_of(names[n], size, output)]
-                for n, size in enumerate((data, ninth))]  # fmt: skip
-        return [net for k, ninth in enumerate(nets[1]) for net in (*nets[0][8 * k : 8 * k + 8], ninth)] or nets[0]
+        sizes = (half, half // 8) if joined else (width // 9 * 8 or width, width // 9)
+        data, ninths = ([net for names in pairs for net in cell.nets_of(names[n], sizes[n], output)] for n in (0, 1))
+        return [net for k, ninth in enumerate(ninths) for net in (*data[8 * k : 8 * k + 8], ninth)] or data
 
     for k, (clock, enable, write, address, *_) in enumerate(sides):
         side, width = "AB"[k], cell.width(k)

@@ -42,10 +42,9 @@ class Ports:
         self.name, parameters, header = HEADER.search(re.sub(r"//[^\n]*|\(\*.*?\*\)", "", text)).groups()
         self.parameters = parameters or ""
         self.all = PORT.findall(header)
-        ways = ("input", "output")
-        self.wide = {way: [(label, high) for side, high, label in self.all if side == way and high] for way in ways}
-        self.single = {way: [label for side, high, label in self.all if side == way and not high and label != "clk"]
-                       for way in ways}  # fmt: skip
+        ports = {way: [(label, high) for side, high, label in self.all if side == way] for way in ("input", "output")}
+        self.wide = {way: [(label, high) for label, high in of if high] for way, of in ports.items()}
+        self.single = {way: [label for label, high in of if not high and label != "clk"] for way, of in ports.items()}
         if "limits" in (label for label, _ in self.wide["input"]):
             self.single["input"].append("hold")  # of the wrapper
 
@@ -212,14 +211,12 @@ endmodule
     models = share(next(folder for name, folder in MODELS.items() if family.startswith(name)) + "/cells_sim.v")
     slow = values.get("DATAPATH") == 2  # a result each 88 clocks, from a small netlist
     short = (place / "gate.v").stat().st_size < SHORT
-    command = [
-        "nice", "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "-Wno-lint", "-Wno-SPECIFYIGN",
-        "-Wno-UNOPTFLAT", "--x-initial", "0", "--x-assign", "0", "--prefix", "Vtop", "--top-module", "bench",
-        "--Mdir", str(place / "obj"), f"-I{folder}", f"-I{models.parent}", "--output-split", "0" if short else "20000",
-        "-CFLAGS", "-std=gnu++20",
-        *map(str, (place / "bench.v", place / "gate.v", HERE / "cells.v", models, HERE / "netlist_bench.cpp")),
-        *(str(folder / path.name) for path in files if path.suffix == ".v"),
-    ]  # fmt: skip
+    command = ["nice", "verilator", "--cc", "--exe", "--build", "-O3", "--prefix", "Vtop", "--top-module", "bench"]
+    command += ["-Wno-fatal", "-Wno-lint", "-Wno-SPECIFYIGN", "-Wno-UNOPTFLAT", "--x-initial", "0", "--x-assign", "0"]
+    command += ["--Mdir", str(place / "obj"), f"-I{folder}", f"-I{models.parent}", "-CFLAGS", "-std=gnu++20"]
+    command += ["--output-split", "0" if short else "20000"]
+    command += map(str, (place / "bench.v", place / "gate.v", HERE / "cells.v", models, HERE / "netlist_bench.cpp"))
+    command += [str(folder / path.name) for path in files if path.suffix == ".v"]
     (place / "obj").mkdir(exist_ok=True)
     with runtime(place / "obj", f"netlist{int(slow)}", short) as shared:
         done = compiled([*command, "-MAKEFLAGS", shlex.join([*shared, f"OPT_FAST=-O{int(slow)}", "OPT_SLOW=-O0"])])
