@@ -65,12 +65,12 @@ def describe(design: Design) -> dict:
     return {"latency": latency(design.datapath, design.width), "hand": float(f"{hand.max():.2g}"), **facts}
 
 
-def execute(data: dict, runs: Sequence[Run], each: Callable = map) -> dict[str, dict]:
+def execute(data: dict, runs: Sequence[Run], ordered_map: Callable = map) -> dict[str, dict]:
     """Execute the runs without figures of their key, and record these; return the figures by title."""
     known = {run.title: data["runs"].get(run.title, {}) for run in runs}
     new = [run for run in runs if known[run.title].get("key") != run.key()]
     with progress("fpga", len(new)) as meter:
-        results = iter(each(done, new))
+        results = iter(ordered_map(done, new))
         for number, run in enumerate(new):
             meter(number, run.title)
             figures = next(results)
@@ -81,7 +81,7 @@ def execute(data: dict, runs: Sequence[Run], each: Callable = map) -> dict[str, 
     return {run.title: data["runs"][run.title] for run in runs if run.title in data["runs"]}
 
 
-def measure(data: dict, chosen: Sequence[Design], each: Callable = map) -> list[str]:
+def measure(data: dict, chosen: Sequence[Design], ordered_map: Callable = map) -> list[str]:
     """Synthesize designs for all of their families, and place them, if they fit; return the runs without figures."""
     for design in chosen:
         data["designs"].setdefault(design.name, {}).update(describe(design))
@@ -89,14 +89,14 @@ def measure(data: dict, chosen: Sequence[Design], each: Callable = map) -> list[
     runs += [
         design.run("xc2vp", "tree") for design in chosen if design.width in page.BROKEN_DOWN.get(design.datapath, ())
     ]
-    figures = execute(data, runs, each)
+    figures = execute(data, runs, ordered_map)
     placements = []
     for design in chosen:
         for family in design.aims:
             synthesized = figures.get(design.run(family).title)
             if synthesized and fits(family, synthesized["cells"]):
                 placements.append(design.run(family, "place"))
-    figures |= execute(data, placements, each)
+    figures |= execute(data, placements, ordered_map)
     write(data)
     return [run.title for run in [*runs, *placements] if run.title not in figures]
 
@@ -140,8 +140,8 @@ def main(options: SimpleNamespace) -> int:
     for tool in TOOLS:
         version(tool)
     data = designs.load()
-    with parallel.shared(1, options.farm) as each:
-        left_out = measure(data, designs.select(options.datapath, options.width), each)
+    with parallel.shared(1, options.farm) as ordered_map:
+        left_out = measure(data, designs.select(options.datapath, options.width), ordered_map)
     made = page.page(data)
     print("\n".join([made.comparison(), made.folded(), *(f"{title}: no figures" for title in left_out)]))
     return 1 if left_out else 0
