@@ -156,8 +156,8 @@ def pack_registers(module: dict) -> dict:
     """Move registers into MULT18X18D and DP16KD, as Lattice's tools do and Yosys does not (module of write_json, with
     one clock).
 
-    Output register of a multiplier or memory port: used if all its readers are plain flip-flops. A word of 36 bits
-    leaves a memory on both ports, which have the register or neither.
+    Output register of a multiplier or memory port: used if the only reader of each bit is a plain flip-flop. A word of
+    36 bits leaves a memory on both ports, which have the register or neither.
     Input registers of a multiplier: used if A and B both come from plain flip-flops or are constant. A flip-flop with
     other readers is kept for them; one behind a memory, whose outputs are late, stays near it. Returns the number of
     registers of each kind and of removed flip-flops.
@@ -168,8 +168,8 @@ def pack_registers(module: dict) -> dict:
         nets = cell["connections"]
         for port, bits in nets.items():
             if cell["port_directions"][port] == "input":
-                for bit, net in enumerate(bits):
-                    readers[net].append((name, port, bit))
+                for net in bits:
+                    readers[net].append((name, port))
             elif cell["type"] == "DP16KD":
                 late |= set(bits)
         simple = {"CEMUX": "1 ", "CLKMUX": "CLK", "REGSET": "RESET"}.items() <= cell["parameters"].items()
@@ -177,7 +177,7 @@ def pack_registers(module: dict) -> dict:
             source[nets["Q"][0]] = name
     for port in module["ports"].values():
         for net in port["bits"] if port["direction"] == "output" else []:
-            readers[net].append(("", "", 0))
+            readers[net].append(("", ""))
     plain = set(source.values())
 
     def pin(name: str, port: str) -> int | str:
@@ -191,20 +191,14 @@ def pack_registers(module: dict) -> dict:
         raise ToolError("registers of several clocks are not packed")
 
     def absorb(nets: dict, ports: list[str]) -> bool:
-        """Replace the flip-flops behind ports by their nets; merge flip-flops of the same bit. Return False, without a
-        change, if the ports have other readers or none."""
+        """Replace the flip-flops behind ports by their nets. Return False, without a change, if a port has another
+        reader or no port has any."""
         behind = {port: readers[nets[port][0]] for port in ports if port in nets and readers[nets[port][0]]}
         used = [reader for flops in behind.values() for reader in flops]
-        if not used or not all(name in plain and port == "DI" for name, port, _ in used):
+        if not len(used) == len(behind) > 0 or not all(name in plain and port == "DI" for name, port in used):
             return False
-        for port, flops in behind.items():
-            first, *others = (pin(name, "Q") for name, _, _ in flops)
-            nets[port] = [first]
-            for other in others:
-                for name, its_port, bit in readers[other]:
-                    cells[name]["connections"][its_port][bit] = first
-                readers[first] += readers[other]
-        for name, _, _ in used:
+        for port, (name, _) in zip(behind, used, strict=True):
+            nets[port] = [pin(name, "Q")]
             gone.add(name)
             source.pop(pin(name, "Q"), None)
         return True
@@ -226,9 +220,9 @@ def pack_registers(module: dict) -> dict:
         fed = {port: source[nets[port][0]] for port in inputs if nets[port][0] in source}
         loaded = len(fed) == len(inputs) > 0 and not any(data(flop) in late for flop in fed.values())
         for port, flop in fed.items() if loaded else ():
-            readers[nets[port][0]].remove((name, port, 0))
+            readers[nets[port][0]].remove((name, port))
             nets[port] = [data(flop)]
-            readers[data(flop)].append((name, port, 0))
+            readers[data(flop)].append((name, port))
         for which in ["INPUTA", "INPUTB"] * loaded + ["OUTPUT"] * output:
             nets |= {"CLK0": [*clock], "CE0": ["1"], "RST0": ["0"]}
             cell["port_directions"] |= {"CLK0": "input", "CE0": "input", "RST0": "input"}
