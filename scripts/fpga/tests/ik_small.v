@@ -33,17 +33,17 @@ module ik_small (
   ik_ring #(.W(22), .N(300)) u_ring (.clk(clk), .rst(rst), .d(shifted), .q(late));
   generate
     if (PART) begin : g_part
-      // one operand is no register; another register is read by logic too, and the product directly
+      // an operand that is no register, a register that logic reads too, products that logic reads
       reg signed [17:0] f, g;
       reg [35:0] first, second;
       wire signed [17:0] mixed = word[17:0] ^ a[17:0];
-      wire signed [35:0] fm = f * mixed, fg = f * g;
+      wire signed [35:0] fm = f * mixed, fg = f * g, gm = g * mixed;
       always @(posedge clk) begin
         f <= b[17:0] & ~word[17:0];
         g <= a[17:0] | word[17:0];
         first <= fm;
         second <= fg;
-        part <= first ^ second ^ {g, g} ^ {35'd0, ^fg};
+        part <= first ^ second ^ {g, g} ^ gm ^ {35'd0, ^fg};
       end
     end else begin : g_none
       always @(posedge clk) part <= 36'd0;
