@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scripts import console, run
+from scripts import console, run, trajectory
 from scripts.report.tests.browser import WIDE, Browser, Page
 
 
@@ -28,7 +28,7 @@ def command(tmp_path, monkeypatch, capsys):
 
 @pytest.fixture
 def cli(simulator, command, monkeypatch):
-    monkeypatch.setattr(run, "hand_bar", lambda words, width, datapath: np.full(len(words), 2.0 ** (8 - width)))
+    monkeypatch.setattr(trajectory, "hand_bar", lambda words, width, datapath: np.full(len(words), 2.0 ** (8 - width)))
     return partial(command, run.main)
 
 

@@ -75,15 +75,15 @@ def text(point: Point) -> str:
 def matcher(pattern: str) -> re.Pattern:
     """Return the regular expression of a waiver's pattern: ``*`` matches any text, ``q[7:5,0]`` bits of q both ways,
     ``q:1->0`` one way."""
-    found = ""
+    expression = ""
     for part in re.split(r"(\*|\[[\d:,]+\])", pattern):
         if part.startswith("[") and part[1].isdigit():
             spans = [[int(end) for end in span.split(":")] for span in part[1:-1].split(",")]
             bits = (str(bit) for span in spans for bit in range(span[-1], span[0] + 1))
-            found += rf"\[({'|'.join(bits)})\]"
+            expression += rf"\[({'|'.join(bits)})\]"
         else:
-            found += ".*" if part == "*" else re.escape(part)
-    return re.compile(rf"{found}(\[\d+\])?(:[01]->[01])?", re.DOTALL)
+            expression += ".*" if part == "*" else re.escape(part)
+    return re.compile(rf"{expression}(\[\d+\])?(:[01]->[01])?", re.DOTALL)
 
 
 def waived(missed: Iterable[Point]) -> tuple[dict[Point, str], list[str]]:
@@ -177,13 +177,13 @@ def main(options: SimpleNamespace) -> int:
     print(f"wrote {os.path.relpath(ANNOTATED, ROOT)}")
     if options.only:
         return 0
-    found = findings(counts, reasons) + idle
-    more = [f"and {len(found) - SHOWN} more"] if len(found) > SHOWN else []
-    print(*(found[:SHOWN] + more or ["no findings"]), sep="\n")
-    if options.keep and not found:
+    unexpected = findings(counts, reasons) + idle
+    more = [f"and {len(unexpected) - SHOWN} more"] if len(unexpected) > SHOWN else []
+    print(*(unexpected[:SHOWN] + more or ["no findings"]), sep="\n")
+    if options.keep and not unexpected:
         write_atomically(PAGE, page(counts, reasons))
         print(f"wrote {PAGE.name}")
-    return 1 if found else 0
+    return 1 if unexpected else 0
 
 
 if __name__ == "__main__":

@@ -19,8 +19,8 @@ from types import SimpleNamespace
 from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Node
 from scripts.console import InputError, command, option, output, switch, whole
-from scripts.run import simulated
-from scripts.trajectory import Prepared, datapaths, prepare, sources, trajectory_options
+from scripts.options import trajectory_options
+from scripts.trajectory import Prepared, datapaths, prepare, simulated, sources
 from scripts.waves import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
 from tb.sim.job import Difference, answer, hexadecimal, value
 from tb.sim.simulate import SimulationError
@@ -77,17 +77,17 @@ def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: 
         yield line(" " if recording.word(node, target) == model_bits(node, target) else "!", row)
 
 
-def explanation(recording: Recording, found: Sequence[Difference]) -> Iterator[str]:
+def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterator[str]:
     """Yield lines on the first difference of a target and on its operands, which equal the model."""
-    first, target = found[0], found[0].target
+    first, target = differing[0], differing[0].target
     yield f"first difference: {first}"
     yield f"        equation: {first.node.name} = {first.node.right_side}"
     for node in first.node.operands:
         word, clock = recording.word(node, target), recording.admitted[target] + node.time
         name = _operand(node, first.node)
         yield f"                  {name} at clock {clock}: {hexadecimal(word)} ({value(word, node.format)})"
-    if len(found) > 1:
-        more = len(found) - 1
+    if len(differing) > 1:
+        more = len(differing) - 1
         yield f"            then: {more} more node{'s' * (more > 1)} of this target, marked with !"
 
 
@@ -112,9 +112,9 @@ def main(arguments: SimpleNamespace) -> int:
         recording = read(vcd, datapath, nodes)
         if len(recording.admitted) != total:
             raise SimulationError(f"{len(recording.admitted)} of {total} targets were admitted")
-        found = list(differences(recording, nodes))
+        differing = list(differences(recording, nodes))
         if arguments.waves:
-            write_waves(out / VCD, recording, found, datapath, width, nodes, files)
+            write_waves(out / VCD, recording, differing, datapath, width, nodes, files)
 
     admitted, last = recording.admitted[target], column(recording, nodes, target)
     print(
@@ -123,10 +123,10 @@ def main(arguments: SimpleNamespace) -> int:
     )
     for line in listing(recording, nodes, target, datapath):
         print(line)
-    ours = [each for each in found if each.target == target]
+    ours = [difference for difference in differing if difference.target == target]
     print(*(explanation(recording, ours) if ours else [f"all {len(nodes)} nodes equal the model"]), sep="\n")
-    if found and found[0].target != target:
-        print(f"follow: the first target that differs is {found[0].target}", file=sys.stderr)
+    if differing and differing[0].target != target:
+        print(f"follow: the first target that differs is {differing[0].target}", file=sys.stderr)
     if arguments.waves:
         print(*(f"wrote {file}" for file in written), sep="\n")
     return 1 if ours else 0

@@ -42,11 +42,11 @@ def rows() -> dict[str, list[str]]:
 
 def write_page(proved: dict[str, tuple[Outcome, str]]) -> None:
     """Write the page: new rows for the proofs in ``proved``, name -> outcome and digest, earlier rows otherwise."""
-    found, tasks = rows(), {task.name: task for task in TASKS}
+    table, tasks = rows(), {task.name: task for task in TASKS}
     for name, (outcome, digest) in proved.items():
         result = [f"{outcome.result}, bug found", f"{outcome.seconds:.0f}", date.today().isoformat(), digest]
-        found[name] = [name, tasks[name].what, tasks[name].engine, *result]
-    write_atomically(PAGE, render("proofs", rows=[found[name] for name in tasks if name in found]))
+        table[name] = [name, tasks[name].what, tasks[name].engine, *result]
+    write_atomically(PAGE, render("proofs", rows=[table[name] for name in tasks if name in table]))
     say(f"wrote {PAGE.relative_to(ROOT)}")
 
 

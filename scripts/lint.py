@@ -108,34 +108,39 @@ def lint_module(source: Path) -> tuple[str, str]:
     where = [f"-I{folder}" for folder in (*includes(), *folders)]
     where += [word for folder in folders for word in ("-y", str(folder))]
     macros = [[], *([f"-D{name}"] for name in sorted(set(re.findall(r"`ifdef (\w+)", text))))]
-    found, lines = {}, []  # several parameter sets may give the same message
-    for top, each, macro in itertools.product(modules, sets, macros):
+    messages, lines = {}, []  # several parameter sets may give the same message
+    for top, values, macro in itertools.product(modules, sets, macros):
         verilator = ["--lint-only", "-Wall", "--default-language", "1364-2001", "--top-module", top, *macro]
-        verilator += [*where, *(f"-G{k}={v}" for k, v in each.items()), str(ROOT / "rtl" / "lint.vlt"), str(source)]
-        for program in verilators() if each == sets[0] else verilators()[:1]:
-            found[findings([*program, *verilator])] = None
+        verilator += [
+            *where,
+            *(f"-G{k}={v}" for k, v in values.items()),
+            str(ROOT / "rtl" / "lint.vlt"),
+            str(source),
+        ]
+        for program in verilators() if values == sets[0] else verilators()[:1]:
+            messages[findings([*program, *verilator])] = None
         icarus = ["iverilog", "-g2001", "-Wall", "-t", "null", "-s", top, *macro]
-        icarus += [*where, *(f"-P{top}.{k}={v}" for k, v in each.items()), str(source)]
-        found[findings(icarus)] = None
+        icarus += [*where, *(f"-P{top}.{k}={v}" for k, v in values.items()), str(source)]
+        messages[findings(icarus)] = None
         slang = ["slang", "-Wextra", *(f"-Wno-{warning}" for warning in WAIVED), "--top", top, *macro]
-        slang += [*where, *(f"-G{k}={v}" for k, v in each.items()), str(source)]
+        slang += [*where, *(f"-G{k}={v}" for k, v in values.items()), str(source)]
         lines.append(shlex.join(slang))
     if importlib.util.find_spec("pyslang"):
-        found[findings([sys.executable, "-c", SLANG, *lines])] = None
-    at = ", ".join(" ".join(f"{k}={v}" for k, v in each.items()) or "defaults" for each in sets)
-    return f"{name} {at}", "\n".join(filter(None, found))
+        messages[findings([sys.executable, "-c", SLANG, *lines])] = None
+    at = ", ".join(" ".join(f"{k}={v}" for k, v in values.items()) or "defaults" for values in sets)
+    return f"{name} {at}", "\n".join(filter(None, messages))
 
 
 def unkept(names: Sequence[str]) -> str:
     """Return the findings on licences and lengths of source files."""
-    found = []
+    messages = []
     for name in filter(LICENSED.fullmatch, names):
         lines = (ROOT / name).read_text(encoding="utf-8").splitlines() if (ROOT / name).is_file() else [LICENCE]
         if not any(LICENCE in line for line in lines[:5]):
-            found.append(f"{name}: no line {LICENCE}")
+            messages.append(f"{name}: no line {LICENCE}")
         if len(lines) > LONGEST and not GENERATED.fullmatch(name):
-            found.append(f"{name}: {len(lines)} lines, at most {LONGEST} allowed")
-    return "\n".join(found)
+            messages.append(f"{name}: {len(lines)} lines, at most {LONGEST} allowed")
+    return "\n".join(messages)
 
 
 @command(
@@ -151,10 +156,10 @@ def main(options: SimpleNamespace) -> int:
         raise InputError(f"no module {', '.join(sorted(unknown))}")
     failed = 0
 
-    def report(name: str, found: str) -> None:
+    def report(name: str, messages: str) -> None:
         nonlocal failed
-        failed += bool(found)
-        print(f"{'FAIL' if found else 'ok  '} {name}", *filter(None, [found]), sep="\n", flush=True)
+        failed += bool(messages)
+        print(f"{'FAIL' if messages else 'ok  '} {name}", *filter(None, [messages]), sep="\n", flush=True)
 
     if not verilators()[1:]:
         print(f"skip the distribution's Verilator: there is none, or it is older than {OLDEST}")
@@ -163,8 +168,8 @@ def main(options: SimpleNamespace) -> int:
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         tools = {} if options.modules else TOOLS
         checks = {name: pool.submit(findings, words, only_failures=True) for name, words in tools.items()}
-        for name, found in pool.map(lint_module, [s for s in every if s.stem in (options.modules or [s.stem])]):
-            report(name, found)
+        for name, messages in pool.map(lint_module, [s for s in every if s.stem in (options.modules or [s.stem])]):
+            report(name, messages)
         for name, check in checks.items():
             report(name, check.result())
     if not options.modules:

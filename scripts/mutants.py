@@ -60,9 +60,9 @@ def main(options: SimpleNamespace) -> int:
     jobs = list(itertools.islice(campaign.order(options.seed, options.only), options.count))
     results = [known[mutant.key] for *_, mutant in jobs if mutant.key in known]
     new = [(*which, mutant.number) for *which, mutant in jobs if mutant.key not in known]
-    with parallel.shared(options.jobs, options.farm) as each, progress("mutants", len(jobs)) as meter:
+    with parallel.shared(options.jobs, options.farm) as ordered_map, progress("mutants", len(jobs)) as meter:
         try:
-            for result in each(campaign.judge, new):
+            for result in ordered_map(campaign.judge, new):
                 campaign.append(path, result)
                 results.append(result)
                 meter(len(results))
@@ -90,8 +90,8 @@ def page(results: list[Result], count: int, seed: int) -> str:
     about = {"today": date.today().isoformat(), "commit": commit or "unknown", "count": count, "seed": seed}
     mean = sum(result.seconds for result in results) / max(len(results), 1)
     survivors = sorted(result.mutant for result in results if result.verdict == SURVIVED)
-    found = {"head": HEAD, "rows": campaign.rows(results), "mean": mean, "survivors": survivors}
-    return render("mutants", designs=[design.name for design in campaign.DESIGNS], **about, **found)
+    counted = {"head": HEAD, "rows": campaign.rows(results), "mean": mean, "survivors": survivors}
+    return render("mutants", designs=[design.name for design in campaign.DESIGNS], **about, **counted)
 
 
 if __name__ == "__main__":

@@ -59,7 +59,7 @@ from scripts.console import (
 )
 from scripts.generate.render import error, read_table, render
 from scripts.paper.table6.compiled import EQUATIONS, SCALAR, Solver, shared_object
-from scripts.tables import table_of_hardest, table_of_soak
+from scripts.score_tables import table_of_hardest, table_of_soak
 from tb.core import worst_targets
 from tb.core.random_targets import CHUNK, Core, Failure, Found, Opinion, chunk, judge
 from tb.sim.env import GENERATED
@@ -144,17 +144,17 @@ def opinions(words: np.ndarray, width: int) -> list[Opinion]:
     phi, d1, d2 = 3, 4, 5
     scale = np.full(words.shape[1], np.longdouble(2) ** (2 - width))
     scale[phi] = np.longdouble(2) ** (1 - width) * 4 * np.arctan(np.longdouble(1))
-    given = [column * factor for column, factor in zip(words.T, scale, strict=True)]
+    columns = [column * factor for column, factor in zip(words.T, scale, strict=True)]
     plain = expected_flags(words, width) == 0
     regular = plain.copy()
     regular[plain] = singular_distance(from_words(words[plain], 0, width, "soak")) >= REGULAR_DISTANCE
     shorter, longer = np.sort(words[:, [d1, d2]].astype(float)).T
     regular &= shorter >= UNEQUAL * longer
-    found = []
+    second = []
     for name, rows in zip(EQUATIONS, (plain, regular), strict=True):
-        answers = Solver(given, name, "long double")().astype(float)
-        found.append(Opinion(f"C, long double, {name} equations", answers, rows))
-    return found
+        answers = Solver(columns, name, "long double")().astype(float)
+        second.append(Opinion(f"C, long double, {name} equations", answers, rows))
+    return second
 
 
 # -- the worst targets -------------------------------------------------------------------------------------------------
@@ -235,7 +235,7 @@ def _worst(arguments: SimpleNamespace) -> int:
         print(f"W = {core.width}: {error:.3e} {name}, tolerance {bar:.3g}: {', '.join(map(str, words[0]))}")
         beyond |= error > bar
         branch = [0] * bool(MODELS[core.datapath].side)
-        rows += [_row(core, [*own, *branch], 0.0, "search") for own in words[: worst_targets.KEPT].tolist()]
+        rows += [_row(core, [*target, *branch], 0.0, "search") for target in words[: worst_targets.KEPT].tolist()]
     if arguments.keep:
         listed[core.datapath, core.width] = worst_targets.merge(rows)
         write_atomically(worst_targets.LIST, worst_targets.text(row for key in sorted(listed) for row in listed[key]))
@@ -245,9 +245,9 @@ def _worst(arguments: SimpleNamespace) -> int:
 # -- files -------------------------------------------------------------------------------------------------------------
 
 
-def _row(core: Core, words: Sequence[int], hand_error: float, found: str) -> worst_targets.Row:
+def _row(core: Core, words: Sequence[int], hand_error: float, origin: str) -> worst_targets.Row:
     error = None if math.isnan(hand_error) else float(hand_error)
-    return worst_targets.Row(core.datapath, core.width, tuple(map(int, words)), error, found)
+    return worst_targets.Row(core.datapath, core.width, tuple(map(int, words)), error, origin)
 
 
 def code(datapath: str) -> str:
@@ -256,16 +256,16 @@ def code(datapath: str) -> str:
     return digest({*closure(path.entity), *closure(path.top)[:1]})
 
 
-def _keep(core: Core, of: str, found: Found) -> None:
+def _keep(core: Core, of: str, totals: Found) -> None:
     """Replace the rows of these targets on the page."""
     key = [core.datapath, str(core.width), of]
-    errors = found.hand_error_max, tolerances.hand(core.width, core.datapath), found.norm_error_max
-    row = [*key, date.today().isoformat(), str(found.targets), str(found.reachable), *(error(e, 2) for e in errors)]
-    row += [*(str(found.flags[name]) for name in CORE_FLAGS), code(core.datapath)]
+    errors = totals.hand_error_max, tolerances.hand(core.width, core.datapath), totals.norm_error_max
+    row = [*key, date.today().isoformat(), str(totals.targets), str(totals.reachable), *(error(e, 2) for e in errors)]
+    row += [*(str(totals.flags[name]) for name in CORE_FLAGS), code(core.datapath)]
     last = 2.0 ** (2 - core.width)
     apart = [
         [of, *key, str(n), error(most, 2), f"{most / last:.2f}", error(tolerances.lean(core.width), 2)]
-        for of, (n, most) in found.apart.items()
+        for of, (n, most) in totals.apart.items()
     ]
     rows = sorted([row, *(other for other in read_table(PAGE, "datapath") if other[:3] != key)])
     apart = sorted([*apart, *(other for other in read_table(PAGE, "equations") if other[1:4] != key)])
@@ -310,24 +310,24 @@ def _soak(arguments: SimpleNamespace) -> int:
         end = arguments.from_ * CHUNK + arguments.targets
         numbers = range(arguments.from_, -(-end // CHUNK))
         work = partial(run_chunk, core, arguments.seed, end, bool(arguments.against))
-        found, number, broken = Found(), arguments.from_, None
+        totals, number, broken = Found(), arguments.from_, None
         try:
             with (
                 progress("soak", arguments.targets) as meter,
-                parallel.shared(min(arguments.jobs, len(numbers)), arguments.farm) as each,
+                parallel.shared(min(arguments.jobs, len(numbers)), arguments.farm) as ordered_map,
             ):
-                for number, run in zip(numbers, each(work, numbers), strict=True):
+                for number, run in zip(numbers, ordered_map(work, numbers), strict=True):
                     if run.failures:
                         broken = run
                         break
-                    found += run.found
+                    totals += run.found
                     number += 1
-                    meter(found.targets)
-                rate = found.targets / meter.task.elapsed
+                    meter(totals.targets)
+                rate = totals.targets / meter.task.elapsed
         except parallel.BrokenOffError as error:
             raise parallel.BrokenOffError(f"{error}, in chunk {number} of {name} or later") from None
         except Stopped:
-            print(f"soak: stopped; {found.targets} targets passed; --from {number} resumes", file=sys.stderr)
+            print(f"soak: stopped; {totals.targets} targets passed; --from {number} resumes", file=sys.stderr)
             raise
         if broken:
             where = f"in chunk {number} of {name}"
@@ -336,14 +336,14 @@ def _soak(arguments: SimpleNamespace) -> int:
             write_atomically(failing, worst_targets.text(content))
             print(f"soak: {len(rows)} failing targets in {failing}; to rerun them: --again {failing}", file=sys.stderr)
             return 1
-        show(table_of_soak(f"{core}, {name}", core, found, rate), table_of_hardest(found))
-        hards = {tuple(hard.words): hard for hard in found.by_hand + found.by_norm}.values()
+        show(table_of_soak(f"{core}, {name}", core, totals, rate), table_of_hardest(totals))
+        hards = {tuple(hard.words): hard for hard in totals.by_hand + totals.by_norm}.values()
         rows = [_row(core, hard.words, hard.hand_error, f"{name} target {hard.target}") for hard in hards]
         for file, before in earlier.items():
             write_atomically(file, worst_targets.text(worst_targets.merge(before + rows)))
             print(f"wrote {file}")
         if arguments.keep:
-            _keep(core, name, found)
+            _keep(core, name, totals)
             print(f"wrote {PAGE.name}")
         return 0
 
@@ -356,11 +356,11 @@ def _again(arguments: SimpleNamespace) -> int:
     for (datapath, width), group in worst_targets.groups(rows).items():
         core = _compile(arguments.sim, datapath, width)
         words = worst_targets.array(group)
-        found, failures, _ = judge(core, words, range(len(words)))
+        totals, failures, _ = judge(core, words, range(len(words)))
         _report(failures, words, lambda n, group=group: group[n].found)
         status |= bool(failures)
         verdict = "FAIL" if failures else "pass"
-        print(f"{core}: {len(words)} targets, largest {MODELS[datapath].error} {found.hand_error_max:.3e}: {verdict}")
+        print(f"{core}: {len(words)} targets, largest {MODELS[datapath].error} {totals.hand_error_max:.3e}: {verdict}")
     return status
 
 

@@ -1,32 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options of commands that run the core, and the targets of --trajectory as words; all input is checked here."""
+"""Trajectories of commands: targets of --trajectory as words, their run through the core, scores and result files.
+
+All input is checked here; its options are in :mod:`scripts.options`.
+"""
 
 import os
 import sys
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager as ContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 
-import click
 import numpy as np
 from numpy.typing import ArrayLike
 
+from model.bounds.predict import hand_bar
 from model.dataflow import fixed
 from model.dataflow.datapaths import ARM, DATAPATHS, DEFAULT
 from model.dataflow.nodes import Limits
 from model.io import trajectories
-from model.io.files import read_csv
-from model.io.words import DEFAULT_D1, DEFAULT_D2, Targets, angle_doubt, to_words
-from model.motion import arms
+from model.io.files import Place, read_csv
+from model.io.scoring import Score, score, score_json, tables
+from model.io.words import JOINTS, RESULT_FIELDS, Targets, angle_doubt, result_values, to_words
+from model.motion import arms, gltf
 from model.motion import clip as clips
-from model.motion.clip import SIDES, TORSO, Clip, Motion
+from model.motion.clip import TORSO, Clip, Motion
 from model.motion.hands import limit_words
-from model.motion.pose import NAMED_AXES, elbow_jumps, hanging, soft_reach, swivel, to_z
-from scripts.console import POSITIVE, Finite, InputError, core_options, option, point, reference_axis, swivel_angle
-from tb.sim.env import CORES
+from model.motion.pose import elbow_jumps, hanging, soft_reach, swivel, to_z
+from model.reference import joints
+from scripts.console import InputError, output, progress
+from tb.sim.simulate import Job, Run, simulate
 
-MOST_DATAPATHS = 3  # number of datapaths that a command can compare
+SCORES = "score.json"
 
 
 @dataclass(frozen=True)
@@ -50,70 +56,6 @@ class Prepared:
         return self.words if self.targets.hand is None else fixed.of_hands(self.words[:, :-1], width)[0]
 
 
-def trajectory_options(
-    out: str, written: str, *, datapath: str | None = DEFAULT, most: int = 1, core: bool = True
-) -> list[click.Option]:
-    """Return the options of a command that runs trajectories.
-
-    out: default of --out; written: files there, for its help; datapath: the default, None if it depends on the
-    trajectory (`datapaths`); most: number of names that --datapath takes; core: True if the command has the core's
-    options.
-    """
-    trajectory = (
-        "a built-in trajectory (see --list), all of wrist targets, a CSV file with a header (x,y,z and optionally phi "
-        "in rad, d1, d2; any unit of length; for hands qw,qx,qy,qz, tool, branch), or a BVH motion-capture clip"
-    )
-    cores = "dividers and roots of the paper datapath: behavioural, or rows for synthesis; the results are the same"
-    axis = (
-        "reference axis of swivel angles in the frame of the targets: z, -z, x, ... or a vector such as 0.3,1,0; no "
-        "wrist may come near its line, in either direction; torso: outward and up from a clip's torso  "
-        "[default: z; for a clip: torso]"
-    )
-    joints = (
-        "clip: shoulder, elbow and wrist joints, if not recognized by name, such as LeftArm,LeftForeArm,LeftHand; six "
-        "for both sides, left first"
-    )
-    up = "clip: up axis of clip.glb and report  [default: from the feet to the head]"
-    twist = "clip: rotation of each bone about itself, from the clip or from the core  [default: clip]"
-    scale = "clip: unit of length; clip.glb is in metres  [default: auto, from the arm lengths]"
-    row = "for rows of a CSV file without that column"
-    phi = (
-        "swivel angle; CSV file: for rows without that column (default: the elbow hangs down); clip: clip, its own "
-        "angles (default), constant, the mean of each arm, or one number"
-    )
-    pole = "point the elbow at X,Y,Z (CSV file: from the shoulder; clip: world) or at a clip's joint; overrides phi"
-    soft = "outer fraction of the reach, 0 to 1, in which CSV or clip targets are pulled in smoothly"
-    robot = "arm with its lengths, tool and joint limits; hand poses are poses of its tip in its base frame"
-    link = "of a URDF file, if its chain is not the only one"
-    bar = (
-        "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "
-        "the paper datapath near singular poses or below 32 bits)"
-    )
-    about = f"folder for {written}, created if missing"
-    return [
-        option("--trajectory", trajectory, os.path.expanduser, default=trajectories.DEFAULT, metavar="NAME|all|FILE"),
-        option("--out", about, Path, default=out, metavar="DIR"),
-        *(core_options(datapath=datapath, most=most) if core else ()),
-        *([option("--cores", cores, click.Choice(CORES), default=CORES[0])] if core else ()),
-        option("--axis", axis, reference_axis, metavar="AXIS"),
-        option("--arm", "clip: sides to run  [default: both]", click.Choice(["both", *SIDES])),
-        option("--limb", "clip: limbs to run  [default: arms]", click.Choice([*clips.LIMBS])),
-        option("--joints", joints, lambda text: text.split(","), metavar="UPPER,FORE,HAND"),
-        option("--up", up, click.Choice(NAMED_AXES)),
-        option("--twist", twist, click.Choice(clips.TWISTS)),
-        option("--scale", scale, click.Choice([*clips.UNITS, "auto"])),
-        option("--d1", f"upper arm, {row}  [default: {DEFAULT_D1}]", POSITIVE, metavar="LENGTH"),
-        option("--d2", f"forearm, {row}  [default: {DEFAULT_D2}]", POSITIVE, metavar="LENGTH"),
-        option("--phi", phi, swivel_angle, metavar="RAD|clip|constant"),
-        option("--pole", pole, point, metavar="X,Y,Z|JOINT"),
-        option("--soft", soft, Finite(0, 1), metavar="FRACTION"),
-        option("--robot", robot, os.path.expanduser, metavar="|".join((*arms.ROBOTS, "FILE.urdf"))),
-        option("--base", f"first link {link}", metavar="LINK"),
-        option("--tip", f"last link {link}", metavar="LINK"),
-        option("--bar", bar, POSITIVE, metavar="ERROR"),
-    ]
-
-
 def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[str, Path]:
     """Return the datapaths to run, each with the folder of its results. Without --datapath both dataflows run on the
     paper's scenario, arm on hand poses, and lean on anything else. Raises InputError."""
@@ -124,7 +66,7 @@ def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[
         if "datapath" in arguments.given:
             raise InputError(f"argument --datapath: applies to wrist targets; hand poses always run on {ARM.name}")
         chosen = [ARM.name]
-    return {each: arguments.out / each for each in chosen} if len(chosen) > 1 else {chosen[0]: arguments.out}
+    return {name: arguments.out / name for name in chosen} if len(chosen) > 1 else {chosen[0]: arguments.out}
 
 
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
@@ -153,12 +95,12 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     """Return the trajectories of --trajectory. Raises InputError or TargetError."""
     name, width, axis = arguments.trajectory, arguments.width, arguments.axis or "z"
     kind = _kind(name)
-    own = trajectories.ROBOTS.get(name)
-    arguments.robot = arguments.robot or own
-    for given, kinds in GOES_WITH.items():
-        if getattr(arguments, given) is not None and kind not in kinds:
+    usual = trajectories.ROBOTS.get(name)
+    arguments.robot = arguments.robot or usual
+    for option, kinds in GOES_WITH.items():
+        if getattr(arguments, option) is not None and kind not in kinds:
             goes = " or a ".join(kinds)
-            raise InputError(f"argument --{given}: applies to a {goes}, not to a {kind} ({name})")
+            raise InputError(f"argument --{option}: applies to a {goes}, not to a {kind} ({name})")
     for one, other in (("pole", "phi"), *(("robot", name) for name in ("axis", "d1", "d2"))):
         if getattr(arguments, one) is not None and getattr(arguments, other) is not None:
             raise InputError(f"--{one} and --{other} exclude each other")
@@ -166,26 +108,26 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
         return [_of_clip(arguments)]
     if isinstance(arguments.pole, str):
         raise InputError(f"argument --pole: {arguments.pole!r} is not x,y,z; a joint's name applies to a {CLIP}")
-    for given, word in OF_CLIPS:
-        if getattr(arguments, given) == word:
-            raise InputError(f"argument --{given}: {word} applies to a {CLIP}, not to a {kind} ({name})")
+    for option, word in OF_CLIPS:
+        if getattr(arguments, option) == word:
+            raise InputError(f"argument --{option}: {word} applies to a {CLIP}, not to a {kind} ({name})")
     robot = _robot(arguments)
-    notes = (f"the poses are for ROBOT={own}",) if arguments.robot != own and own else ()
+    notes = (f"the poses are for ROBOT={usual}",) if arguments.robot != usual and usual else ()
     if kind == CSV:
         phi = (None if robot else hanging(axis)) if arguments.phi is None else arguments.phi
-        found = [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
-        if arguments.pole is not None and (found[0].phi != phi).any() and not np.isnan(found[0].phi).any():
+        loaded = [read_csv(name, d1=arguments.d1, d2=arguments.d2, phi=phi)]
+        if arguments.pole is not None and (loaded[0].phi != phi).any() and not np.isnan(loaded[0].phi).any():
             notes = ("POLE= overrides the column phi",)
     else:
-        found = [trajectories.make(each) for each in (trajectories.TRAJECTORIES if name == "all" else [name])]
+        loaded = [trajectories.make(one) for one in (trajectories.TRAJECTORIES if name == "all" else [name])]
     frame = None if axis == "z" else to_z(axis)
-    found = [replace(one, frame=frame) for one in found]
-    if found[0].hand is not None:
-        return [_of_hands(arguments, found[0], robot, notes)]
+    loaded = [replace(one, frame=frame) for one in loaded]
+    if loaded[0].hand is not None:
+        return [_of_hands(arguments, loaded[0], robot, notes)]
     if robot:
         raise InputError(f"argument --robot: {name} has no orientations of a hand, such as columns qw,qx,qy,qz")
-    turned = (_guided(one, arguments.pole, arguments.soft) for one in found)
-    return [Prepared(each, *to_words(each, width), notes=notes) for each in turned]
+    turned = (_guided(one, arguments.pole, arguments.soft) for one in loaded)
+    return [Prepared(one, *to_words(one, width), notes=notes) for one in turned]
 
 
 def _robot(arguments: SimpleNamespace) -> arms.Arm | None:
@@ -209,15 +151,15 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
         raise InputError("argument --soft: applies to wrist targets, not to hand poses")
     if robot:
         try:
-            own, given = robot.targets(targets), targets
+            fitted, original = robot.targets(targets), targets
         except ValueError as error:
             raise InputError(f"argument --robot: {error}") from None
-        differ = [name for name in ("d1", "d2") if name not in given.default_arm]
-        differ = [name for name in differ if (getattr(own, name) != getattr(given, name)).any()]
-        differ += ["tool"] if "tool" in given.others and (own.tool != given.tool).any() else []
-        if differ and given.path is not None:
+        differ = [name for name in ("d1", "d2") if name not in original.default_arm]
+        differ = [name for name in differ if (getattr(fitted, name) != getattr(original, name)).any()]
+        differ += ["tool"] if "tool" in original.others and (fitted.tool != original.tool).any() else []
+        if differ and original.path is not None:
             notes = (*notes, f"ROBOT= overrides {', '.join(differ)} of the file")
-        targets = own
+        targets = fitted
     limits = limit_words(robot.bounds if robot else None, arguments.width)
     for name, (low, high) in zip(robot.names if robot else (), limits, strict=False):
         if low > high:
@@ -232,8 +174,8 @@ def _of_clip(arguments: SimpleNamespace) -> Prepared:
     clip = clips.read(Path(arguments.trajectory), arguments.up)
     limbs = clips.arms(clip, arguments.arm or "both", arguments.joints, arguments.limb or "arms")
     moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in limbs)
-    own = {"clip": lambda move: move.phi, "constant": lambda move: move.typical_phi}
-    phi = [own.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]
+    angle_of = {"clip": lambda move: move.phi, "constant": lambda move: move.typical_phi}
+    phi = [angle_of.get(arguments.phi or "clip", lambda move: arguments.phi)(move) for move in moves]
     pole = arguments.pole
     if pole is not None:
         at = clip.positions[:, clips.named(clip, pole)[0]] if isinstance(pole, str) else np.asarray(pole)
@@ -268,11 +210,6 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
     return prepared
 
 
-def sources(prepared: Iterable[Prepared]) -> list[Path]:
-    """Return the files that the trajectories were read from."""
-    return [Path(item.targets.path) for item in prepared if item.targets.path is not None]
-
-
 def doubts(targets: Targets, free: bool = True) -> Iterator[str]:
     """Yield a warning for each sign of a wrong unit, and for jumps of the elbow; free: axis and lengths are options."""
     distance = np.linalg.norm(targets.core_wrist, axis=1)
@@ -291,3 +228,130 @@ def doubts(targets: Targets, free: bool = True) -> Iterator[str]:
         at = f"{kind}{'s' * (len(where) > 1)} {', '.join(where[:3])}{more}"
         better = f"AXIS={','.join(f'{part:g}' for part in axis)} is farther from its path"
         yield f"the elbow jumps at {at}, because the wrist passes close to the reference axis; {better}"
+
+
+# -- simulation and scores --------------------------------------------------------------------------
+
+
+def simulated(
+    arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None
+) -> list[Run]:
+    """Run all trajectories through a datapath in one simulation. Raises SimulationError."""
+    total = sum(len(item.words) for item in prepared)
+    with progress(f"{arguments.sim}, {datapath} datapath, {total} targets", total) as meter:
+        meter(0, "compiling and starting")
+        jobs = [Job(item.targets.name, item.words) for item in prepared]
+        core = {"simulator": arguments.sim, "datapath": datapath, "width": arguments.width, "cores": arguments.cores}
+        core |= {"limits": prepared[0].limits} if prepared[0].limits else {}
+        return simulate(jobs, waves=waves, progress=lambda done, _: meter(done), **core)
+
+
+def score_runs(
+    arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool = True
+) -> list[tuple[Run, Score]]:
+    """Return each run with its score, and with predicted errors if `predict` is set."""
+    core = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim, "bar": arguments.bar}
+    scored = []
+    for item, run in zip(prepared, runs, strict=True):
+        wrists = item.targets.hand is None
+        predicted = hand_bar(item.words, arguments.width, datapath) if predict and wrists else None
+        places = placed(item, run, arguments.width) if item.clip else None
+        more = {"predicted": predicted, "placed": places, "limits": item.limits}
+        scored.append((run, score(item.targets, item.words, item.exponent, run, **core, **more)))
+    return scored
+
+
+# -- poses of results in the user's frame ----------------------------------------------------------
+
+
+def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
+    """Return the distances between the elbows and the clip's elbows, relative to the reach, (N,)."""
+    elbow = np.stack([move.elbow for move in item.moves], axis=1).reshape(-1, 3)
+    ours = np.ldexp(result.each.elbow, -result.scale_exponent)
+    return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
+
+
+def quaternions(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return Qs (N, 4) in the user's frame, and Qe (N, 4)."""
+    first = 0 if item.targets.hand is None else len(JOINTS)
+    values = result_values(ran.results[:, first : first + len(RESULT_FIELDS)], width)
+    return item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
+
+
+def by_joints(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return Qs, Qe and Qh (N, 4) of the seven joint angles, by forward kinematics; Qs and Qh in the user's frame."""
+    th, targets = ran.results[:, : len(JOINTS)].T * (2 * np.pi / 2**width), item.targets
+    qe = np.array((np.sin(th[3] / 2), -np.cos(th[3] / 2), 0 * th[3], 0 * th[3])).T
+    _, qh = joints.reached(th, targets.d1, targets.d2, targets.tool)
+    return targets.from_core(joints.turned(*th[:3]).T), qe, targets.from_core(qh)
+
+
+def turned(item: Prepared, ran: Run, width: int) -> Clip:
+    """Return the clip with its arms turned by the core's quaternions, or by the seven joint angles of its hand poses,
+    read back from its file's content."""
+    assert item.clip
+    count, turns_of = len(item.moves), quaternions if item.targets.hand is None else by_joints
+    turns = turns_of(item, ran, width)
+    moves = [(move, *(q[n::count] for q in turns)) for n, move in enumerate(item.moves)]
+    content = clips.turned(item.clip, moves, item.twist).content()
+    return replace(clips.parse(content, item.clip.path), up=item.clip.up)
+
+
+def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
+    """Return the elbows and wrists (N, 3) of the turned clip, from the shoulder, and of hand poses the orientations
+    (N, 4)."""
+    clip = turned(item, ran, width)
+    at, limbs = clip.positions, [move.arm for move in item.moves]
+    by_limb = [[at[:, limb.fore] - at[:, limb.upper] for limb in limbs]]
+    by_limb += [[at[:, limb.hand] - at[:, limb.upper] for limb in limbs]]
+    by_limb += [[clips.hands(clip, limb) for limb in limbs]] if item.targets.hand is not None else []
+    return tuple(np.concatenate(np.stack(values, axis=1)) for values in by_limb)
+
+
+# -- files ------------------------------------------------------------------------------------------
+
+
+def sources(prepared: Iterable[Prepared]) -> list[Path]:
+    """Return the files that the trajectories were read from."""
+    return [Path(item.targets.path) for item in prepared if item.targets.path is not None]
+
+
+def csv_paths(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
+    """Return the paths of the results.csv of each trajectory."""
+    many = len(prepared) > 1
+    return [folder / item.targets.name / "results.csv" if many else folder / "results.csv" for item in prepared]
+
+
+def result_paths(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
+    """Return the paths that `write_results` writes for one datapath."""
+    tables = csv_paths(folder, prepared)
+    clip = [folder / name for name in ("clip.bvh", "clip.glb") if prepared[0].clip]
+    return [*tables, *(path.with_suffix(".npz") for path in tables), *clip]
+
+
+def outputs(out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], *others: Path) -> ContextManager[Place]:
+    """Return the `output` of all files that `write_results` writes and of others."""
+    paths = [*others, *(path for folder in folders for path in result_paths(folder, prepared)), out / SCORES]
+    return output(out, paths, sources(prepared))
+
+
+Done = Sequence[Sequence[tuple[Run, Score]]]
+"""Runs and scores of the trajectories, for each datapath."""
+
+
+def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], done: Done) -> None:
+    """Write the files of each datapath for its folder, and one score.json, each to its path from `files`."""
+    for folder, scored in zip(folders, done, strict=True):
+        for path, item, (ran, result) in zip(csv_paths(folder, prepared), prepared, scored, strict=True):
+            targets = item.targets
+            if item.clip:
+                errors = {"elbow_error": elbow_errors(item, result).tolist()}
+                targets = replace(targets, others=targets.others | errors)
+                clip = turned(item, ran, result.width)
+                files(path.with_name("clip.bvh")).write_bytes(clip.content())
+                files(path.with_name("clip.glb")).write_bytes(gltf.animated(clip, targets.name, item.scale))
+            robot = item.robot
+            more = dict(zip(robot.names, robot.positions(result.each.hand.joints).T, strict=True)) if robot else {}
+            for suffix, content in tables(targets, ran, result, more).items():
+                files(path.with_suffix(suffix)).write_bytes(content)
+    files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))

@@ -320,12 +320,12 @@ def variable(writer: VCDWriter, path: tuple[str, ...], bits: int):
 
 
 def write_waves(
-    vcd: Path, recording: Recording, found: Sequence[Difference], datapath: str, width: int, nodes: Nodes, files: Place
+    vcd: Path, recording: Recording, wrong: Sequence[Difference], datapath: str, width: int, nodes: Nodes, files: Place
 ) -> None:
     """Write the aligned VCD next to the ordinary one, and save files for both that mark the first difference."""
     aligned = vcd.with_name(ALIGNED)
-    first = found[0] if found else None
-    write_aligned(files(aligned), recording, datapath, nodes, {each.target for each in found})
+    first = wrong[0] if wrong else None
+    write_aligned(files(aligned), recording, datapath, nodes, {difference.target for difference in wrong})
     for path in (vcd, aligned):
         clock = (column(recording, nodes, first.target) if path == aligned else first.clock) if first else 0
         marker = recording.time(clock) if first else -1

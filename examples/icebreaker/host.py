@@ -27,9 +27,9 @@ from examples.icebreaker.frames import WIDTH, Answers, frame
 from model.dataflow import fixed
 from model.dataflow.datapaths import FOLD16
 from scripts.console import POSITIVE, InputError, command, option, progress, show, whole
-from scripts.run import SCORES, outputs, result_paths, score_runs, write_results
-from scripts.tables import table_of_many, table_of_one, verdict
-from scripts.trajectory import Prepared, prepare, trajectory_options
+from scripts.options import trajectory_options
+from scripts.score_tables import table_of_many, table_of_one, verdict
+from scripts.trajectory import SCORES, Prepared, csv_paths, outputs, prepare, score_runs, write_results
 from tb.sim.simulate import LONG, Run, SimulationError
 
 WINDOW = 64
@@ -159,7 +159,7 @@ def main(parsed: SimpleNamespace) -> int:
     scores = [result for _, result in done]
     show(table_of_many(scores) if len(scores) > 1 else table_of_one(scores[0], runs[0].flags))
     print(f"{rate:.0f} targets a second through {parsed.port}, {board.again} sent again")
-    for path in (*result_paths(out, prepared), out / SCORES):
+    for path in (*csv_paths(out, prepared), out / SCORES):
         print(f"wrote {path}")
     return verdict("icebreaker", scores)
 

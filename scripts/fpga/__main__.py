@@ -7,8 +7,8 @@
 Synthesizes with Yosys for the paper's family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on an
 ECP5-85k with nextpnr; the fold datapath targets the smallest chips. Each netlist is simulated next to the RTL; one that
 differs has no figures. The figures go to fpga.json, the source of the page fpga.md; --page only renders the page. A run
-is repeated only if the hash of its sources, options and tools is neither there nor in the cache in build/fpga, so an
-interrupted command resumes. With --farm, Dask workers execute the runs in parallel (scripts/parallel.py).
+is repeated only if the hash of its sources, options and tools is not there, so an interrupted command resumes. With
+--farm, Dask workers execute the runs in parallel (scripts/parallel.py).
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from types import SimpleNamespace
 
 import click
@@ -32,7 +31,7 @@ from scripts.console import WORD_LENGTH, InputError, command, option, progress, 
 from scripts.fpga import designs, page
 from scripts.fpga.designs import Design
 from scripts.fpga.netlist import HOLDS
-from scripts.fpga.runs import TOOLS, Run, attempts, commands, version
+from scripts.fpga.runs import TOOLS, Run, commands, done, version
 from scripts.generate.pages import TARGETS
 from scripts.soak import hand_errors
 from tb.sim.env import ROOT
@@ -70,74 +69,59 @@ def describe(design: Design) -> dict:
     return {"latency": latency(design.datapath, design.width), "hand": float(f"{errors.max():.2g}"), **facts}
 
 
-class Measurement:
-    """Figures of fpga.json, written after each run. ``left_out``: a line for each run that timed out
-    or whose netlist differs from the RTL.
+def execute(data: dict, runs: Sequence[Run], ordered_map: Callable = map) -> dict[str, dict]:
+    """Execute the runs without figures of their key, and record these; return the figures by title."""
+    known = {run.title: data["runs"].get(run.title, {}) for run in runs}
+    new = [run for run in runs if known[run.title].get("key") != run.key()]
+    with progress("fpga", len(new)) as meter:
+        results = iter(ordered_map(done, new))
+        for number, run in enumerate(new):
+            meter(number, run.title)
+            figures = next(results)
+            data["runs"].pop(run.title, None)
+            if figures:
+                data["runs"][run.title] = {"date": datetime.date.today().isoformat(), "key": run.key(), **figures}
+            write(data)
+    return {run.title: data["runs"][run.title] for run in runs if run.title in data["runs"]}
 
-    ``tried`` in the file is written by hand: [what, where, before, after] of each change of the RTL, kept or not.
+
+def measure(data: dict, chosen: Sequence[Design], ordered_map: Callable = map) -> list[str]:
+    """Synthesize designs for all of their families, and place them, if they fit; return the runs without figures."""
+    for design in chosen:
+        data["designs"].setdefault(design.name, {}).update(describe(design))
+    runs = [design.run(family) for design in chosen for family in design.families]
+    runs += [
+        design.run("xc2vp", "tree") for design in chosen if design.width in page.BROKEN_DOWN.get(design.datapath, ())
+    ]
+    figures = execute(data, runs, ordered_map)
+    placements = []
+    for design in chosen:
+        for family in design.aims:
+            synthesized = figures.get(design.run(family).title)
+            if synthesized and fits(family, synthesized["cells"]):
+                placements.append(design.run(family, "place"))
+    figures |= execute(data, placements, ordered_map)
+    write(data)
+    return [run.title for run in [*runs, *placements] if run.title not in figures]
+
+
+def write(data: dict) -> None:
+    """Write fpga.json and its page.
+
+    `tried` in the file is written by hand: [what, where, before, after] of each change of the RTL, kept or not.
     """
-
-    def __init__(self, each: Callable = map):
-        self.data, self.each = designs.load(), each
-        self.left_out: list[str] = []
-
-    def execute(self, runs: Sequence[Run]) -> dict[str, dict]:
-        """Execute the runs without recorded or cached figures of their key; record and return the figures by title.
-
-        Of the seeds of a placement the fastest counts; ``tried`` has the clocks of all.
-        """
-        recorded = {run.title: (run, self.data["runs"].get(run.title, {})) for run in runs}
-        best = {title: of for title, (run, of) in recorded.items() if of.get("key") == run.key()}
-        runs = [run for run in runs if run.title not in best]
-        known = [attempts(run, cached=True) for run in runs]
-        fresh = iter(self.each(attempts, [run for run, found in zip(runs, known, strict=True) if not found]))
-        with progress("fpga", len(runs)) as meter:
-            for done, (run, found) in enumerate(zip(runs, known, strict=True)):
-                meter(done, run.title)
-                if not found:
-                    found = next(fresh)
-                    for figures in found:
-                        replace(run, seed=figures.get("seed", run.seed)).cache(figures)
-                if not found:
-                    self.data["runs"].pop(run.title, None)
-                    self.left_out.append(f"{run.title}: no figures")
-                    continue
-                best[run.title] = max(found, key=lambda figures: figures["mhz"]) if run.aim else found[0]
-                extra = {"tried": [figures["mhz"] for figures in found]} if run.aim else {}
-                date = datetime.date.today().isoformat()
-                self.data["runs"][run.title] = {"date": date, "key": run.key(), **best[run.title], **extra}
-                self.write()
-        return best
-
-    def measure(self, chosen: Sequence[Design]) -> None:
-        """Synthesize designs for all of their families, and place them, if they fit."""
-        for design in chosen:
-            self.data["designs"].setdefault(design.name, {}).update(describe(design))
-        runs = [design.run(family) for design in chosen for family in design.families]
-        runs += [d.run("xc2vp", "tree") for d in chosen if d.width in page.BROKEN_DOWN.get(d.datapath, ())]
-        done = self.execute(runs)
-        placements: list[Run] = []
-        for design in chosen:
-            for family in design.aims:
-                synthesized = done.get(design.run(family).title)
-                if synthesized and fits(family, synthesized["cells"]):
-                    placements.append(design.run(family, "place"))
-        self.execute(placements)
-        self.write()
-
-    def write(self) -> None:
-        self.data["tools"] = {tool: version(tool) for tool in TOOLS}
-        self.data["commands"] = commands()
-        for part in ("tools", "commands", "designs", "runs"):
-            self.data[part] = dict(sorted(self.data[part].items()))
-        # One line per run, so that a diff shows the new ones.
-        lines = [f' "{part}": {json.dumps(self.data[part])}' for part in ("tools", "commands")]
-        lines.append(' "tried": [\n' + ",\n".join(f"  {json.dumps(row)}" for row in self.data["tried"]) + "\n ]")
-        for part in ("designs", "runs"):
-            rows = (f'  "{key}": {json.dumps(value)}' for key, value in self.data[part].items())
-            lines.append(f' "{part}": {{\n' + ",\n".join(rows) + "\n }")
-        designs.FIGURES.write_text("{\n" + ",\n".join(lines) + "\n}\n")
-        designs.PAGE.write_text(str(page.page(self.data)))
+    data["tools"] = {tool: version(tool) for tool in TOOLS}
+    data["commands"] = commands()
+    for part in ("tools", "commands", "designs", "runs"):
+        data[part] = dict(sorted(data[part].items()))
+    # One line per run, so that a diff shows the new ones.
+    lines = [f' "{part}": {json.dumps(data[part])}' for part in ("tools", "commands")]
+    lines.append(' "tried": [\n' + ",\n".join(f"  {json.dumps(row)}" for row in data["tried"]) + "\n ]")
+    for part in ("designs", "runs"):
+        rows = (f'  "{key}": {json.dumps(value)}' for key, value in data[part].items())
+        lines.append(f' "{part}": {{\n' + ",\n".join(rows) + "\n }")
+    designs.FIGURES.write_text("{\n" + ",\n".join(lines) + "\n}\n")
+    designs.PAGE.write_text(str(page.page(data)))
 
 
 @command(
@@ -159,12 +143,12 @@ def main(options: SimpleNamespace) -> int:
         return 0
     for tool in TOOLS:
         version(tool)
-    with parallel.shared(1, options.farm) as each:
-        measurement = Measurement(each=each)
-        measurement.measure(designs.select(options.datapath, options.width))
-    made = page.page(measurement.data)
-    print("\n".join([made.comparison(), made.folded(), *measurement.left_out]))
-    return 1 if measurement.left_out else 0
+    data = designs.load()
+    with parallel.shared(1, options.farm) as ordered_map:
+        left_out = measure(data, designs.select(options.datapath, options.width), ordered_map)
+    made = page.page(data)
+    print("\n".join([made.comparison(), made.folded(), *(f"{title}: no figures" for title in left_out)]))
+    return 1 if left_out else 0
 
 
 if __name__ == "__main__":

@@ -45,8 +45,8 @@ class Cell:
         if port in ("0", "1"):
             return [port] * width
         single = (f"{port}{k}" for k in range(36))
-        found = self.nets.get(port) or [self.nets[name][0] for name in single if name in self.nets]
-        return [*found, *((next(self.fresh) if output else "0") for _ in range(width - len(found)))][:width]
+        connected = self.nets.get(port) or [self.nets[name][0] for name in single if name in self.nets]
+        return [*connected, *((next(self.fresh) if output else "0") for _ in range(width - len(connected)))][:width]
 
     def number(self, parameter: str) -> int:
         return int(str(self.parameters.get(parameter, "0")), 2)
@@ -56,8 +56,8 @@ class Cell:
 
     def rows(self, prefix: str, bits: int) -> str:
         """Return the rows of initial content, lowest bit first."""
-        found = sorted(key for key in self.parameters if re.fullmatch(prefix + "[0-9A-F]{2}", key))
-        return "".join(self.parameters[key].replace("x", "0").zfill(bits)[::-1] for key in found)
+        keys = sorted(key for key in self.parameters if re.fullmatch(prefix + "[0-9A-F]{2}", key))
+        return "".join(self.parameters[key].replace("x", "0").zfill(bits)[::-1] for key in keys)
 
     def content(self) -> str:
         """Return the initial content, nine bits for each byte, lowest bit first."""
@@ -82,22 +82,21 @@ class Cell:
 def _memory(cell: Cell, sides: list[list[str]]) -> dict:
     """Return a block_ram."""
     content, clocks = cell.content(), set()
-    own = cell.kind == "DP16KD" or "X9" in cell.kind  # nine bits a byte in the ports already
+    nine_bits = cell.kind == "DP16KD" or "X9" in cell.kind  # nine bits a byte in the ports already
     wide = re.fullmatch(r"RAMB(18|36)E\d", cell.kind)
-    half = 18 if own else 32 if "36" in cell.kind else 16
+    half = 18 if nine_bits else 32 if "36" in cell.kind else 16
     # A word of the data of both sides: one side reads it, the other writes it.
-    joined = (wide or cell.kind == "DP16KD") and (36 if own else 9 * half // 4) in (cell.width(0), cell.width(1))
+    joined = (wide or cell.kind == "DP16KD") and (36 if nine_bits else 9 * half // 4) in (cell.width(0), cell.width(1))
     ports, values = {}, {"UNITS": len(content) // 9, "INIT": content[::-1]}
 
     def bus(k: int, first: int, output: bool) -> list:
         width = half if joined else cell.width(k)
-        found = [side[first : first + 2] for side in (sides if joined else [sides[k]])]
-        if own:
-            return [net for names in found for net in cell.nets_of(names[0], width, output)]
-        data, ninth = (half, half // 8) if joined else (width // 9 * 8 or width, width // 9)
-        nets = [[net for names in found for net in cell.nets_of(names[n], size, output)]
-                for n, size in enumerate((data, ninth))]  # fmt: skip
-        return [net for k, each in enumerate(nets[1]) for net in (*nets[0][8 * k : 8 * k + 8], each)] or nets[0]
+        pairs = [side[first : first + 2] for side in (sides if joined else [sides[k]])]
+        if nine_bits:
+            return [net for names in pairs for net in cell.nets_of(names[0], width, output)]
+        sizes = (half, half // 8) if joined else (width // 9 * 8 or width, width // 9)
+        data, ninths = ([net for names in pairs for net in cell.nets_of(names[n], sizes[n], output)] for n in (0, 1))
+        return [net for k, ninth in enumerate(ninths) for net in (*data[8 * k : 8 * k + 8], ninth)] or data
 
     for k, (clock, enable, write, address, *_) in enumerate(sides):
         side, width = "AB"[k], cell.width(k)

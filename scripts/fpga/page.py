@@ -38,20 +38,20 @@ def page(data: dict) -> TemplateModule:
 
     def sources(*datapaths: str) -> str:
         """Return commit and digest of the measured code, each datapath once."""
-        found = {d.datapath: data["designs"][d.name] for d in measured(data, *datapaths)}
-        return "; ".join(f"{name} as of commit `{of['commit']}`, sources `{of['rtl']}`" for name, of in found.items())
+        latest = {d.datapath: data["designs"][d.name] for d in measured(data, *datapaths)}
+        return "; ".join(f"{name} as of commit `{of['commit']}`, sources `{of['rtl']}`" for name, of in latest.items())
 
     def column(design: Design) -> dict:
         """Return the figures of a design for table 5."""
-        found = {"head": f"{design.datapath}, W = {design.width}", **data["designs"][design.name]}
-        found |= {family: run(design, family).get("cells", {}) for family in FAMILIES}
-        if found["xc2vp"]:
-            found["share"] = f"{found['xc2vp']['LUT']} ({tables.of_chip(found['xc2vp']['LUT'])})"
+        figures = {"head": f"{design.datapath}, W = {design.width}", **data["designs"][design.name]}
+        figures |= {family: run(design, family).get("cells", {}) for family in FAMILIES}
+        if figures["xc2vp"]:
+            figures["share"] = f"{figures['xc2vp']['LUT']} ({tables.of_chip(figures['xc2vp']['LUT'])})"
         if mhz := clock(data, design.datapath, design.width):
-            found |= {"mhz": mhz, "ns": 1000 * found["latency"] / mhz, "us": (found["latency"] + 100) / mhz}
-        return found
+            figures |= {"mhz": mhz, "ns": 1000 * figures["latency"] / mhz, "us": (figures["latency"] + 100) / mhz}
+        return figures
 
-    given = {
+    values = {
         "data": data,
         "run": run,
         "measured": partial(measured, data),
@@ -70,4 +70,4 @@ def page(data: dict) -> TemplateModule:
         "multiplier_mhz": f"{1000 / MULTIPLIER_NS:.0f}",
         "aim": {"paper": find("paper", 18).aims["ecp5"], **{f"w{w}": find("lean", w).aims["ecp5"] for w in (18, 32)}},
     }
-    return TEMPLATES.get_template("fpga.md.j2").make_module(given)
+    return TEMPLATES.get_template("fpga.md.j2").make_module(values)

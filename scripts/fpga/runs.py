@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs of Yosys and nextpnr, cached in build/fpga under a hash of sources, options and tools."""
+"""Runs of Yosys and nextpnr in build/fpga, with a hash of their sources, options and tools."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import os
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from scripts.fpga import netlist
@@ -60,15 +59,15 @@ SEEDS = range(1, 5)
 
 def commands() -> dict[str, str]:
     """Return family or tool -> its command, without file names."""
-    own = {"top": "TOP", "flatten": " -flatten"}
-    synthesis = {family: text.format(family=family, **own) for family, text in SYNTHESIZE.items()}
+    values = {"top": "TOP", "flatten": " -flatten"}
+    synthesis = {family: text.format(family=family, **values) for family, text in SYNTHESIZE.items()}
     place = {f"{text.split()[0]} for {family}": f"{text} --seed SEED" for family, text in PLACE.items()}
     return synthesis | place
 
 
 @dataclass(frozen=True)
 class Run:
-    """One or two tool runs: ``kind`` is synth (flat), tree (hierarchy kept, for counts by section) or place.
+    """Runs of the tools: ``kind`` is synth (flat), tree (hierarchy kept, for counts by section) or place.
 
     aim: the MHz at which no further seed of a placement is tried.
     """
@@ -78,7 +77,6 @@ class Run:
     top: str
     values: dict
     aim: float | None = None
-    seed: int = 1
     echo: bool = False
 
     @property
@@ -86,11 +84,6 @@ class Run:
         """Design and family."""
         parts = [self.top.removeprefix("ik_"), *(f"{k}{v}" for k, v in self.values.items()), *["echo"] * self.echo]
         return "-".join([*parts, self.family, *[self.kind] * (self.kind != "synth")])
-
-    @property
-    def name(self) -> str:
-        """The title, with the seed of a placement."""
-        return self.title + f"-seed{self.seed}" * (self.kind == "place")
 
     def files(self) -> list[Path]:
         """Return the source files, the module's own first; of the datapaths only the one that is instantiated."""
@@ -111,8 +104,8 @@ class Run:
         # deferred: a top has only one of the three datapaths
         lines = [f"read_verilog -defer{MACROS.get(self.family, '')} -I. {' '.join(files)}"]
         if self.kind != "place":
-            given = "".join(f" -chparam {key} {value}" for key, value in self.values.items())
-            lines.append(f"hierarchy -check -top {top}{given}")
+            values = "".join(f" -chparam {key} {value}" for key, value in self.values.items())
+            lines.append(f"hierarchy -check -top {top}{values}")
         flatten = "" if self.kind == "tree" else " -flatten"
         lines += SYNTHESIZE[self.family].format(top=top, family=self.family, flatten=flatten).split("; ")
         return "\n".join([*lines, "write_json netlist.json", "tee -o stat.json stat -json", ""])
@@ -123,102 +116,87 @@ class Run:
             return {"fpga_top.v": self.ports().wrapper(self.values, "fpga_top")}
         return {SRL16_MAP.name: SRL16_MAP.read_text()} if self.family == "xc2vp" else {}
 
-    def key(self, placed: bool = True) -> str:
-        """Return the hash of all inputs to the figures, or to the netlist alone."""
+    def key(self) -> str:
+        """Return the hash of all inputs to the figures."""
         parts = [self.kind, self.script(), *self.extra().values(), digest(self.files()), version("yosys"), "simulated"]
-        if self.kind == "place" and placed:
+        if self.kind == "place":
             command = PLACE[self.family]
-            parts += [command, str(self.seed), netlist.PACKER, version(command.split()[0])]
+            parts += [command, str(SEEDS[0]), netlist.PACKER, version(command.split()[0])]
             if self.family == "ecp5":
                 from scripts.fpga import floorplan  # needs scipy, which `make run` does not install
 
                 parts.append(floorplan.VERSION)
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
 
-    def _file(self) -> Path:
-        return BUILD / f"{self.name}-{self.key()}" / "figures.json"
-
-    def cached(self) -> dict | None:
-        """Return the cached figures, if nothing has changed since."""
-        file = self._file()
-        return json.loads(file.read_text()) if file.exists() else None
-
-    def cache(self, figures: dict) -> None:
-        file = self._file()
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(json.dumps(figures, indent=1) + "\n")
-
     def done(self) -> dict:
-        """Return the figures, cached ones if nothing has changed since."""
-        if known := self.cached():
-            return known
-        folder = self._file().parent
-        synthesized = BUILD / f"{self.title}-{self.key(placed=False)}"  # shared by all seeds
-        seconds = self._synthesis(synthesized)
+        """Synthesize, simulate and, if asked, place; return the figures. Raises LeftOutError."""
+        folder = BUILD / f"{self.title}-{self.key()}"
         folder.mkdir(parents=True, exist_ok=True)
-        stat = json.loads((synthesized / "stat.json").read_text())
+        for name, text in ({path.name: path.read_text() for path in self.files()} | self.extra()).items():
+            (folder / name).write_text(text)
+        (folder / "run.ys").write_text(self.script())
+        seconds = call([program("yosys"), "-q", "-l", "yosys.log", "run.ys"], folder, self.title)
+        stat = json.loads((folder / "stat.json").read_text())
         figures = {"rtl": digest(self.files()), "synthesis_s": seconds, "cells": netlist.counted(stat, self.family)}
-        design = json.loads((synthesized / "netlist.json").read_text())
+        design = json.loads((folder / "netlist.json").read_text())
         if self.kind == "place" and self.family != "up5k":
             figures["packed"] = netlist.pack_registers(design["modules"]["fpga_top"])
         rtl = (self.files(), self.ports(), self.values)
-        figures["simulated"] = simulated(synthesized, design, *rtl, self.family, self.kind == "place")
+        figures["simulated"] = simulated(folder, design, *rtl, self.family, self.kind == "place")
         if self.kind == "tree":
             figures["sections"] = netlist.by_section(stat, self.family)
         if self.kind == "place":
+            figures |= self.place(folder, design)
+        elif self.family == "up5k":  # a logic cell is a LUT, a flip-flop, or both
+            _, report = self._nextpnr(folder, "netlist.json", "--pack-only")
+            figures["cells"]["LUT"] = netlist.used(report)["ICESTORM_LC"]
+        return figures
+
+    def place(self, folder: Path, design: dict) -> dict:
+        """Place and route with one seed after the other until the clock reaches the aim; return the figures of the
+        fastest, and as `tried` the clocks of all. Raises LeftOutError if no seed is done in time."""
+        tried = []
+        for seed in SEEDS:
             if self.family == "ecp5":
                 from scripts.fpga import floorplan
 
-                floorplan.floorplan(design["modules"]["fpga_top"], self.seed)
-            packed = folder / "packed.json"
-            packed.write_text(json.dumps(design))
-            figures["place_s"], report = self._nextpnr(packed, folder, "--seed", str(self.seed))
-            figures |= netlist.placed(report)
-            packed.unlink()
-        elif self.family == "up5k":  # a logic cell is a LUT, a flip-flop, or both
-            _, report = self._nextpnr(synthesized / "netlist.json", folder, "--pack-only")
-            figures["cells"]["LUT"] = netlist.used(report)["ICESTORM_LC"]
-        self.cache(figures)
-        return figures
+                floorplan.floorplan(design["modules"]["fpga_top"], seed)
+            (folder / "packed.json").write_text(json.dumps(design))
+            try:
+                seconds, report = self._nextpnr(folder, "packed.json", "--seed", str(seed))
+            except LeftOutError as error:
+                print(error, file=sys.stderr)
+                continue
+            tried.append({"place_s": seconds, **netlist.placed(report), "seed": seed})
+            if tried[-1]["mhz"] >= self.aim:
+                break
+        if not tried:
+            raise LeftOutError(f"{self.title}: no seed was placed in time")
+        best = max(tried, key=lambda figures: figures["mhz"])
+        return best | {"tried": [figures["mhz"] for figures in tried]}
 
-    def _synthesis(self, folder: Path) -> int:
-        """Write stat.json and netlist.json to a folder; return the seconds it took."""
-        seconds = folder / "seconds.json"
-        if not seconds.exists():
-            folder.mkdir(parents=True, exist_ok=True)
-            texts = {path.name: path.read_text() for path in self.files()} | self.extra() | {"run.ys": self.script()}
-            for name, text in texts.items():
-                (folder / name).write_text(text)
-            command = [program("yosys"), "-q", "-l", "yosys.log", "run.ys"]
-            seconds.write_text(str(call(command, folder, self.name)))
-        return json.loads(seconds.read_text())
-
-    def _nextpnr(self, design: Path, folder: Path, *options: str) -> tuple[int, dict]:
+    def _nextpnr(self, folder: Path, design: str, *options: str) -> tuple[int, dict]:
         """Return the seconds it took and the report."""
         tool, *words = PLACE[self.family].split()
-        # An absolute path would fail below /tmp, where the tool has a private folder.
-        command = [program(tool), *words, *options, "--json", os.path.relpath(design, folder)]
-        command += ["--report", "report.json", "-q", "-l", "nextpnr.log"]
-        return call(command, folder, self.name), json.loads((folder / "report.json").read_text())
+        command = [
+            program(tool),
+            *words,
+            *options,
+            "--json",
+            design,
+            "--report",
+            "report.json",
+            "-q",
+            "-l",
+            "nextpnr.log",
+        ]
+        return call(command, folder, self.title), json.loads((folder / "report.json").read_text())
 
 
-def attempts(first: Run, cached: bool = False) -> list[dict]:
-    """Return the figures of a run, or of a placement by seeds up to the first that reaches the aim.
-
-    Runs that timed out, or whose netlist differs from the RTL, are left out. cached: use the cache only; return an
-    empty list if a run is missing there.
-    """
-    found = []
-    for seed in SEEDS if first.aim else [first.seed]:
-        run = replace(first, seed=seed)
-        try:
-            figures = run.cached() if cached else run.done()
-        except LeftOutError as error:
-            print(error, file=sys.stderr)
-            continue
-        if figures is None:
-            return []
-        found.append(figures | {"seed": seed} if first.aim else figures)
-        if first.aim and figures["mhz"] >= first.aim:
-            break
-    return found
+def done(run: Run) -> dict | None:
+    """Return the figures of a run, None if it timed out or its netlist differs from the RTL."""
+    try:
+        return run.done()
+    except LeftOutError as error:
+        print(error, file=sys.stderr)
+        return None

@@ -42,10 +42,9 @@ class Ports:
         self.name, parameters, header = HEADER.search(re.sub(r"//[^\n]*|\(\*.*?\*\)", "", text)).groups()
         self.parameters = parameters or ""
         self.all = PORT.findall(header)
-        ways = ("input", "output")
-        self.wide = {way: [(label, high) for side, high, label in self.all if side == way and high] for way in ways}
-        self.single = {way: [label for side, high, label in self.all if side == way and not high and label != "clk"]
-                       for way in ways}  # fmt: skip
+        ports = {way: [(label, high) for side, high, label in self.all if side == way] for way in ("input", "output")}
+        self.wide = {way: [(label, high) for label, high in of if high] for way, of in ports.items()}
+        self.single = {way: [label for label, high in of if not high and label != "clk"] for way, of in ports.items()}
         if "limits" in (label for label, _ in self.wide["input"]):
             self.single["input"].append("hold")  # of the wrapper
 
@@ -64,7 +63,7 @@ class Ports:
         wires = "\n".join(f"  wire [{high}:0] {label};" for of in self.wide.values() for label, high in of)
         wires += "".join(f"\n  wire {label};" for of in self.single.values() for label in of)
         pins = "".join(f"  assign {label} = pins[{k}];\n" for k, label in enumerate(self.single["input"], 1))
-        given = f"#({', '.join(f'.{p}({p})' for p in names)})" if names and not inner else ""
+        overrides = f"#({', '.join(f'.{p}({p})' for p in names)})" if names and not inner else ""
         feed = f"  assign {{{joined['input']}}} = in_q;\n" if joined["input"] else ""
         shifts = f"if (!in[{len(self.single['input'])}]) " if "hold" in self.single["input"] else ""
         return f"""module {name} {f"#({parameters})" if names else ""} (
@@ -83,7 +82,7 @@ class Ports:
     out_q <= {{1'b0, out_q[OUT-1:1]}} ^ wide;
     out <= {{{"".join(f"{label}, " for label in reversed(self.single["output"]))}out_q[0]}};
   end
-{feed}{pins}  {inner or self.name} {given} dut (
+{feed}{pins}  {inner or self.name} {overrides} dut (
     {", ".join(f".{label}({label})" for _, _, label in self.all)});
 endmodule
 """
@@ -192,9 +191,6 @@ def simulated(
     the results seen; a datapath gives at least 4000, jobs of ``ik_axi`` at least 1000. Raises DiffersError if any
     output differs in any clock.
     """
-    known = folder / "simulated.json"
-    if known.exists():
-        return json.loads(known.read_text())
     place = folder / "simulation"
     place.mkdir(exist_ok=True)
     modules = {n: deepcopy(of) for n, of in design["modules"].items() if "blackbox" not in of["attributes"]}
@@ -215,14 +211,12 @@ endmodule
     models = share(next(folder for name, folder in MODELS.items() if family.startswith(name)) + "/cells_sim.v")
     slow = values.get("DATAPATH") == 2  # a result each 88 clocks, from a small netlist
     short = (place / "gate.v").stat().st_size < SHORT
-    command = [
-        "nice", "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "-Wno-lint", "-Wno-SPECIFYIGN",
-        "-Wno-UNOPTFLAT", "--x-initial", "0", "--x-assign", "0", "--prefix", "Vtop", "--top-module", "bench",
-        "--Mdir", str(place / "obj"), f"-I{folder}", f"-I{models.parent}", "--output-split", "0" if short else "20000",
-        "-CFLAGS", "-std=gnu++20",
-        *map(str, (place / "bench.v", place / "gate.v", HERE / "cells.v", models, HERE / "netlist_bench.cpp")),
-        *(str(folder / path.name) for path in files if path.suffix == ".v"),
-    ]  # fmt: skip
+    command = ["nice", "verilator", "--cc", "--exe", "--build", "-O3", "--prefix", "Vtop", "--top-module", "bench"]
+    command += ["-Wno-fatal", "-Wno-lint", "-Wno-SPECIFYIGN", "-Wno-UNOPTFLAT", "--x-initial", "0", "--x-assign", "0"]
+    command += ["--Mdir", str(place / "obj"), f"-I{folder}", f"-I{models.parent}", "-CFLAGS", "-std=gnu++20"]
+    command += ["--output-split", "0" if short else "20000"]
+    command += map(str, (place / "bench.v", place / "gate.v", HERE / "cells.v", models, HERE / "netlist_bench.cpp"))
+    command += [str(folder / path.name) for path in files if path.suffix == ".v"]
     (place / "obj").mkdir(exist_ok=True)
     with runtime(place / "obj", f"netlist{int(slow)}", short) as shared:
         done = compiled([*command, "-MAKEFLAGS", shlex.join([*shared, f"OPT_FAST=-O{int(slow)}", "OPT_SLOW=-O0"])])
@@ -235,13 +229,12 @@ endmodule
     clocks = FOLDED_CLOCKS if slow else JOBS_CLOCKS if jobs else CLOCKS
     words = ports.stimuli(SETTLE + clocks, values.get("W", 0)).tobytes()
     command = [place / "obj" / "Vtop", *map(str, (SETTLE, valid, ready))]
-    found = subprocess.run(command, input=words, capture_output=True, check=True).stdout
-    clocks, differ, first, results = map(int, found.split())
+    output = subprocess.run(command, input=words, capture_output=True, check=True).stdout
+    clocks, differ, first, results = map(int, output.split())
     if differ:
         raise DiffersError(f"{folder.name}: {differ} of {clocks} clocks differ from the RTL, the first is {first}")
     results //= 4 if jobs else 1  # beats in a record
     if valid != 63 and results < (1000 if jobs else 4000):
         raise ToolError(f"{folder.name}: only {results} results in {clocks} clocks")
     shutil.rmtree(place)
-    known.write_text(json.dumps({"clocks": clocks, "results": results}))
-    return json.loads(known.read_text())
+    return {"clocks": clocks, "results": results}

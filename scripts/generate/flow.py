@@ -153,9 +153,9 @@ def q(fmt: Format) -> str:
 
 
 def tip(node: Node) -> str:
-    """Describe a node in one line: operation, operands, format, range, clocks."""
-    names, fmt = ", ".join(operands(node)), node.format
-    what = f"{node.name} {node.equation}".strip() + f": {KINDS[kind(node)]}" + (f" of {names}" if names else "")
+    """Describe a node in one line: equation, format, range, clocks."""
+    fmt = node.format
+    what = f"{node.equation} {node.name}".strip() + (f" = {node.right_side}" if node.operands else "")
     clocks = f"clocks {start(node)} to {node.time}" if node.latency else f"clock {node.time}"
     bits = fmt.width - fmt.signed - fmt.frac
     top = f"{2.0**bits:g}" if -3 <= bits <= 10 else f"2^{bits}"

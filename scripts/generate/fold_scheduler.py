@@ -78,35 +78,35 @@ class _Problem:
         at = {of.step.result: self.starts[name] + of.at + timing.WRITE for name, of in self.placed if of.step.result}
         early = (of.step for _, of in self.placed if of.step.name in timing.ELBOW and of.step.write)
         at |= {step.write.to: at[step.result] for step in early}
-        found: dict[str, tuple[str, int]] = {}
+        handed_over: dict[str, tuple[str, int]] = {}
         clocks = self.lowering.angle_clocks
         order = sorted(self.lowering.vectors.values(), key=lambda vector: not vector.opposite)
         for before, vector in zip([None, *order], order, strict=False):
             name, after = (before.angle, clocks.again) if vector.lengths else (vector.angle, 0)
-            found[vector.angle] = name, after
+            handed_over[vector.angle] = name, after
             if not vector.lengths:
                 x, y, over = at[vector.x], at[vector.y], self.starts[name]
                 self.model.add(y >= x + 2)
                 self.model.add(over >= y + clocks.iterated)
                 if before:
-                    name, after = found[before.angle]
+                    name, after = handed_over[before.angle]
                     self.model.add(x > self.starts[name] + after)
                     self.model.add(over > self.starts[name] + after + clocks.shown)
         if order:  # the wrist's is handed over in the lap of the next target's first one, which needs no reset so
-            name, after = found[order[-1].angle]
+            name, after = handed_over[order[-1].angle]
             over = self.starts[name] + after
             self.model.add(over >= self.period)
             self.model.add(over < at[order[0].x] + self.period)
             self.model.add(over + clocks.shown < self.starts[order[0].angle] + self.period)
-        return found
+        return handed_over
 
     def _written(self, by: Callable[[Placed], Iterable[timing.Use]], loaded: Iterable[str]) -> dict[str, list]:
         """Return word or register -> the clocks in which it is written. by: the writes of a step."""
-        found = {name: [self.loads[name]] for name in loaded}
+        clocks = {name: [self.loads[name]] for name in loaded}
         for name, placed in self.placed:
             for use in by(placed):
-                found.setdefault(use.of, []).append(self.starts[name] + use.at)
-        return found
+                clocks.setdefault(use.of, []).append(self.starts[name] + use.at)
+        return clocks
 
     def _words(self) -> None:
         """Constrain reads of a word to lie between its write and the next target's write."""
@@ -138,8 +138,8 @@ class _Problem:
         """Flags and tag leave with the first result. The last result precedes the next target's first one and stays
         clear of the last clocks of a lap, in which the core would begin another lap.  A joint's limit is compared
         after its angle."""
-        found = [(of.step.result, self.starts[name] + of.at + timing.WRITE) for name, of in self.placed]
-        written = {result: clock for result, clock in found if result}
+        results_written = [(of.step.result, self.starts[name] + of.at + timing.WRITE) for name, of in self.placed]
+        written = {result: clock for result, clock in results_written if result}
         over = {angle: self.starts[name] + clock for angle, (name, clock) in vectors.items()}
         shown = self.lowering.angle_clocks.shown
         joints = [over[joint.angle] + shown + joint.late for joint in self.lowering.joints.values()]
@@ -196,8 +196,8 @@ def main(parsed: SimpleNamespace) -> int:
             none = status == cp_model.INFEASIBLE
             print(f"no schedule within {LATENCY[name]} clocks" if none else f"none found in {parsed.seconds} s")
             return 1
-        found = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
-        made[longest] = Schedule(period, *found)
+        parts = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
+        made[longest] = Schedule(period, *parts)
         encode(lowering, groups, made[longest], name)  # raises where two steps need a field or a place
     written = {longest: asdict(of) for longest, of in made.items()}
     SCHEDULES[name].write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")

@@ -56,8 +56,8 @@ NAMES = KINDS | {"fifo": "output FIFO"}
 def by_region() -> Iterator[tuple[str, ...]]:
     """Yield rows: region, then for each datapath the median and largest hand error and the largest angle error."""
     for name in REGIONS:
-        found = [model_errors(region(name, TARGETS, WIDTH, 1), WIDTH, path) for path in DATAPATHS]
-        yield name, *(error(v) for hand, angle in found for v in (np.median(hand), hand.max(), angle))
+        errors = [model_errors(region(name, TARGETS, WIDTH, 1), WIDTH, path) for path in DATAPATHS]
+        yield name, *(error(v) for hand, angle in errors for v in (np.median(hand), hand.max(), angle))
 
 
 def arm_by_region(widths: Iterable[int]) -> Iterator[tuple[str, ...]]:
@@ -65,7 +65,7 @@ def arm_by_region(widths: Iterable[int]) -> Iterator[tuple[str, ...]]:
     orientation (rad), for reaches from 1 on."""
     for name in (name for name in REGIONS if name != "short arms"):
         poses = [(hand_poses(region(name, TARGETS, width, 1), width, 1), width) for width in widths]
-        yield name, *(error(each.max()) for own, width in poses for each in hand_errors(own, width, "arm")[0])
+        yield name, *(error(errors.max()) for words, width in poses for errors in hand_errors(words, width, "arm")[0])
 
 
 def scores_page(scores: dict[str, list[dict]]) -> str:
@@ -102,15 +102,15 @@ def lanes(nodes: Iterable[Node]) -> list[list[tuple[str, int, int, list[str]]]]:
     def key(node: Node) -> tuple[int, int, int]:
         return list(COLOURS).index(kind(node)), start(node), node.time
 
-    found: list[list] = []
+    lanes: list[list] = []
     working = sorted((node for node in nodes if node.time > start(node)), key=key)
-    for (of, begin, end), own in groupby(working, key):
-        bar = (list(COLOURS)[of], begin, end, [node.name for node in own])
-        free = (lane for lane in found if all(begin >= last or end <= first for _, first, last, _ in lane))
+    for (of, begin, end), operations in groupby(working, key):
+        bar = (list(COLOURS)[of], begin, end, [node.name for node in operations])
+        free = (lane for lane in lanes if all(begin >= last or end <= first for _, first, last, _ in lane))
         if (lane := next(free, None)) is None:
-            found.append(lane := [])
+            lanes.append(lane := [])
         lane.append(bar)
-    return found
+    return lanes
 
 
 def pipeline_svg(datapath: str) -> str:
@@ -124,7 +124,7 @@ def pipeline_svg(datapath: str) -> str:
         if name != "results"
     ]
     drawn.append(("output FIFO", [[("fifo", ready, total, ["ik_fifo"])]]))
-    used = {what for _, own in drawn for lane in own for what, *_ in lane}
+    used = {what for _, lanes in drawn for lane in lanes for what, *_ in lane}
     more = {"drawn": drawn, "colours": COLOURS, "kinds": NAMES, "used": used}
     return render("pipeline.svg", datapath=datapath, width=WIDTH, total=total, **more)
 

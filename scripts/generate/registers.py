@@ -29,8 +29,8 @@ TEMPLATES.filters |= {
 def texts() -> dict[Path, str]:
     """Return file -> its text."""
     codes = [(code.name, code.value, code.rdl_desc) for code in ENCODED]
-    given = {"top": TOP, "registers": REGISTERS, "codes": codes}
-    return {path: TEMPLATES.get_template(name).render(given) for path, name in FILES.items()}
+    values = {"top": TOP, "registers": REGISTERS, "codes": codes}
+    return {path: TEMPLATES.get_template(name).render(values) for path, name in FILES.items()}
 
 
 if __name__ == "__main__":

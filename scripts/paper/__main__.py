@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reproduce the paper: derivation, table 4, word lengths, figures 6 and 7, table 6 (make paper).
+"""Reproduce the paper: derivation, table 4, figures 6 and 7, table 6 (make paper).
 
-    python -m scripts.paper [--only derivation|operations|wordlengths|figures|table6]
+    python -m scripts.paper [--only derivation|operations|figures|table6]
 
 Each part writes its page in docs/generated; a failed check stops the command. Table 5 is `make fpga`.
 """
@@ -14,13 +14,12 @@ import click
 from model.bounds.ranges import RangeError
 from model.dataflow.nodes import FormatError
 from scripts.console import command, option
-from scripts.paper import derivation, figures, operations, wordlengths
+from scripts.paper import derivation, figures, operations
 from scripts.paper.table6 import __main__ as table6
 
 PARTS = {
     "derivation": derivation.write,
     "operations": operations.write,
-    "wordlengths": wordlengths.write,
     "figures": figures.write,
     "table6": lambda: table6.main([]),
 }

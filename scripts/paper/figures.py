@@ -79,13 +79,13 @@ def svg(text: str) -> str:
 def schedule(nodes: Nodes) -> str:
     """Return the pipeline schedule of nodes as SVG: stages, delays, critical path and wires."""
     path, steps = _critical(nodes)
-    own = ([node for node in nodes.values() if node.section == section] for section in SECTIONS)
-    sections = zip(SECTIONS.values(), (sorted(some, key=lambda n: (start(n), n.time)) for some in own), strict=True)
+    in_order = sorted(nodes.values(), key=lambda node: (start(node), node.time))
+    sections = [(title, [node for node in in_order if node.section == name]) for name, title in SECTIONS.items()]
     return render(
         "schedule.svg",
         title=f"Pipeline schedule of p_e_x (13), figure 7 of the paper, W = {WIDTH}",
         nodes=nodes,
-        sections=list(sections),
+        sections=sections,
         waits=delays(nodes),
         path=path,
         wires=[arrow for arrow in _arrows(nodes) if arrow not in steps],

@@ -1,32 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 4 of the paper: operation counts of equations (10)-(19), of the datapaths and of the RTL; operations.md.
+"""Table 4 of the paper: operation counts of the datapaths, by their dataflow; operations.md."""
 
-Expressions are parsed from model/reference/equations.py, the operations of a datapath come from its dataflow. For the
-operators that work at once, Verilator elaborates the RTL (``--json-only``). Nothing is simulated or compiled.
-"""
+from typing import NamedTuple
 
-import json
-import operator
-import subprocess
-import tempfile
-import textwrap
-from collections import Counter
-from collections.abc import Iterable, Iterator
-from functools import partial
-from pathlib import Path
-from typing import Any, NamedTuple
-
-import sympy
-
-from model.dataflow.fixed import latency
 from model.dataflow.paper import SECTIONS
-from model.reference.cga import symbol
-from model.reference.equations import TEXT
 from scripts.generate.flow import WIDTH, operations
 from scripts.generate.render import render
-from scripts.paper.derivation.proofs import parse
-from tb.sim.env import GENERATED, environment
-from tb.sim.sources import includes, sources
+from tb.sim.env import GENERATED
 
 PAGE = GENERATED / "operations.md"
 
@@ -40,134 +20,6 @@ class Ops(NamedTuple):
     div: int = 0
     scale: int = 0
     trig: int = 0
-
-    def __add__(self, other: "Ops") -> "Ops":
-        return Ops(*map(operator.add, self, other))
-
-
-UNOPTIMIZED, OPTIMIZED = Ops(147, 87, 8, 16), Ops(69, 42, 8, 10)
-"""Table 4 as printed."""
-
-
-PRINTED = {n: {name: parse(text, evaluate=False) for name, text in lines.items()} for n, lines in TEXT.items()}
-"""Equation -> line -> right side as printed, unevaluated, so that operations can be counted."""
-
-
-def count(expression: sympy.Expr) -> Ops:
-    """Count the operations of an expression tree, without sharing."""
-    if expression.is_Symbol or expression.is_Number:
-        return Ops()
-    if expression.is_Mul:
-        return _product(expression)
-    if expression.is_Pow:
-        return _power(*expression.args)
-    if isinstance(expression, (sympy.cos, sympy.sin)):
-        return Ops(trig=1)  # half an angle is wiring
-    if not isinstance(expression, (sympy.Add, sympy.Abs)):
-        raise ValueError(f"no rule for the operation {expression.func.__name__}")
-    return Ops(add=len(expression.args) - 1) + total(expression.args)
-
-
-def _factors(expression: sympy.Expr) -> list[sympy.Expr]:
-    return [f for a in expression.args for f in (_factors(a) if a.is_Mul else [a])]
-
-
-def _product(expression: sympy.Expr) -> Ops:
-    above, below, inside = 0, 0, Ops()
-    for f in _factors(expression):
-        if f.is_number:  # 2, 1/2: wiring
-            inside += Ops(scale=int(abs(f.doit()) != 1))
-        elif f.is_Pow and f.args[1].is_number and f.args[1] < 0:
-            below += 1
-            inside += _power(f.args[0], -f.args[1])
-        else:
-            above += 1
-            inside += count(f)
-    return inside + Ops(mul=max(above - 1, 0) + max(below - 1, 0), div=int(below > 0))
-
-
-def _power(base: sympy.Expr, exponent: sympy.Expr) -> Ops:
-    if exponent < 0:
-        return _power(base, -exponent) + Ops(div=0 if base.is_number else 1)
-    if exponent == sympy.Rational(1, 2):
-        return count(base) + Ops(root=1)
-    if not exponent.is_Integer:
-        raise ValueError(f"no rule for the power {exponent}")
-    # by repeated squaring: x^2 is one multiplication, x^3 and x^4 are two
-    n = int(exponent)
-    return count(base) + Ops(mul=n.bit_length() - 1 + n.bit_count() - 1)
-
-
-def total(expressions: Iterable[sympy.Expr]) -> Ops:
-    """Count the operations of several expressions, without sharing."""
-    return sum(map(count, expressions), Ops())
-
-
-def shared(lines: dict[str, sympy.Expr]) -> Ops:
-    """Count the operations after ``sympy.cse`` over all lines at once."""
-    trees, names = [e.doit() for e in lines.values()], sympy.numbered_symbols("shared_")
-    common, rest = sympy.cse(trees, symbols=names, optimizations="basic", order="canonical")
-    return total([e for _, e in common] + rest)
-
-
-def printed_lines() -> dict[str, sympy.Expr]:
-    """Return the lines of (10)-(18) in order."""
-    return {name: e for number, lines in PRINTED.items() if number != "(19)" for name, e in lines.items()}
-
-
-def lines_with_19() -> dict[str, sympy.Expr]:
-    """Return (10)-(18) with (19) replacing the last six lines of (12); (13) follows by substitution."""
-    to_19 = {}
-    for m in "123":
-        plus, minus = symbol(f"pp_{m}_plus"), symbol(f"pp_{m}_minus")
-        to_19 |= {symbol(f"pp_{m}5"): (plus + minus) / 2, symbol(f"pp_{m}4"): (plus - minus) / 2}
-    result = {}
-    for name, e in printed_lines().items():
-        if name in PRINTED["(13)"]:
-            e = e.doit().subs(to_19)
-            result[name] = sympy.expand(e) if name == "tmp1" else e
-        else:
-            result |= PRINTED["(19)"] if symbol(name) in to_19 else {name: e}
-    return result
-
-
-def operators(top: str, **parameters: int) -> Counter:
-    """Count the ``add`` and ``mul`` of all instances below `top` as elaborated by Verilator, except in constants,
-    functions and initial blocks, which are tables. Verilator copies the right side of an assignment to a concatenation
-    once per part, so operators with the same source location and generate block count once."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = ["verilator_bin", "--json-only", "--no-json-edit-nums", "--Mdir", folder, "--prefix", "top"]
-        command += ["--top-module", top, f"-GW={WIDTH}", *(f"-G{k}={v}" for k, v in parameters.items())]
-        command += ["-Wno-fatal", "-Wno-lint", *(f"-I{path}" for path in includes()), *map(str, sources())]
-        subprocess.run(command, env=environment(), stdout=subprocess.DEVNULL, check=True)
-        modules = json.loads((Path(folder) / "top.tree.json").read_text())["modulesp"]
-    by_address = {m["addr"]: m for m in modules}
-    kinds = {"ADD": "add", "SUB": "add", "MUL": "mul", "MULS": "mul"}
-
-    def inside(tree: Any, block: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], str]]:
-        """Yield a place and the operator or the address of the module there."""
-        if isinstance(tree, list):
-            for child in tree:
-                yield from inside(child, block)
-            return
-        kind = tree.get("type")
-        if kind in ("FUNC", "INITIAL"):
-            return
-        if kind == "CELL":
-            yield (*block, tree["addr"]), tree["modp"]
-        if kind == "GENBLOCK":
-            block = (*block, tree["name"])
-        if kind in kinds and any(side["type"] != "CONST" for side in tree["lhsp"] + tree["rhsp"]):
-            yield (*block, tree["loc"]), kinds[kind]
-        for name, child in tree.items():
-            if isinstance(child, list) and name not in ("lsbp", "bitp"):  # indices
-                yield from inside(child, block)
-
-    def of(module: dict) -> Counter:
-        found = dict(inside(module["stmtsp"], ())).values()
-        return sum((of(by_address[one]) if one in by_address else Counter([one]) for one in found), Counter())
-
-    return of(modules[0])
 
 
 def by_section(datapath: str) -> dict[str, Ops]:
@@ -184,23 +36,17 @@ def by_section(datapath: str) -> dict[str, Ops]:
     }
 
 
+def total(sections: dict[str, Ops]) -> Ops:
+    """Add the operations of sections."""
+    return Ops(*map(sum, zip(*sections.values(), strict=True)))
+
+
 def page() -> str:
     """Return operations.md."""
-    lines, lines_19, sections = printed_lines(), lines_with_19(), by_section("paper")
-    at_once = {
-        datapath: {**operators(f"ik_{datapath}", **digit), "clocks": latency(datapath, WIDTH)}
-        for datapath, digit in (("paper", {"DIGIT": 1}), ("lean", {}))  # dividers and roots built from rows
-    }
-    everything = sum(sections.values(), Ops())
-    counts = {"old": UNOPTIMIZED, "new": OPTIMIZED, "guard": sections["guard"], "everything": everything}
-    counts |= {"print": total(lines.values()), "print_19": total(lines_19.values())}
-    counts |= {"cse": shared(lines), "cse_19": shared(lines_19), "lean": sum(by_section("lean").values(), Ops())}
-    counts["rtl"] = Ops(*map(operator.sub, everything, sections["guard"]))
-    counts["equations"] = {number: total(rows.values()) for number, rows in PRINTED.items()}
-    named = {SECTIONS[section]: ops for section, ops in sections.items()}
-    indents = {"initial_indent": "- ", "subsequent_indent": "  "}
-    bullet = partial(textwrap.fill, width=118, break_long_words=False, break_on_hyphens=False, **indents)
-    return render("operations", sections=named, bullet=bullet, at_once=at_once, width=WIDTH, **counts)
+    paper = by_section("paper")
+    counts = {"guard": paper["guard"], "everything": total(paper), "lean": total(by_section("lean"))}
+    counts["rtl"] = total({name: ops for name, ops in paper.items() if name != "guard"})
+    return render("operations", sections={SECTIONS[name]: ops for name, ops in paper.items()}, width=WIDTH, **counts)
 
 
 def write() -> int:

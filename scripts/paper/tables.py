@@ -9,7 +9,7 @@ from rich.table import Table
 
 from model.io.scoring import Score
 from scripts.fpga.designs import CHIPS, clock, find, load, size
-from scripts.tables import CLOCKS, LATENCY, RATE, empty_table, figures, outcome
+from scripts.score_tables import CLOCKS, LATENCY, RATE, empty_table, figures, outcome
 
 TARGETS = 100
 FIRST_US, ALL_US, SOFTWARE_US = 5.0, 6.0, 860.0

@@ -50,8 +50,10 @@ def _robot(name: str, arm: Arm) -> dict[str, Any]:
     point = arm.base + place + (tool, 0.0, 0.0)
     phi = arm.choose_swivel(point[None], HAND, near=hanging(axis), margin=0.1).item()
     target = dict(zip(FIELDS, (*place.tolist(), phi, arm.d1, arm.d2), strict=True)) | {"turn": HAND}
-    own = zip(arm.names, arm.signs.tolist(), arm.offsets.tolist(), *np.array(centred(arm.limits)).tolist(), strict=True)
-    joints = [dict(zip(("name", "sign", "offset", "middle", "half"), each, strict=True)) for each in own]
+    middle, half = np.array(centred(arm.limits)).tolist()
+    columns = arm.names, arm.signs.tolist(), arm.offsets.tolist(), middle, half
+    keys = "name", "sign", "offset", "middle", "half"
+    joints = [dict(zip(keys, joint, strict=True)) for joint in zip(*columns, strict=True)]
     return {"name": name, "axis": axis, "tool": tool, "tip": arm.tip.tolist(), "target": target, "joints": joints}
 
 
@@ -65,7 +67,7 @@ def data(machines: Sequence[Machine]) -> dict[str, Any]:
         "flags": [{"name": name, "bit": int(flag), "meaning": flag.meaning} for name, flag in FLAGS.items()],
         "axes": {name: {"turn": to_z(name).tolist(), "matrix": matrix(to_z(name)).tolist()} for name in NAMED_AXES},
         "robots": [_robot(name, arm) for name, arm in ARMS.items()],
-        "trajectories": [{"name": name, "rows": own} for name, own in rows.items()],
+        "trajectories": [{"name": name, "rows": targets} for name, targets in rows.items()],
         "tools": tools(),
     }
 

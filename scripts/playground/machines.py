@@ -66,10 +66,10 @@ MACHINES = [
 def chosen(datapaths: list[str] | None, width: int | None) -> list[Machine]:
     """Return the cores with these datapaths and this width; None selects all. Raises InputError if none matches."""
     named = [machine for machine in MACHINES if machine.datapath in (datapaths or [machine.datapath])]
-    found = [machine for machine in named if machine.width == (width or machine.width)]
-    if not found:
+    machines = [machine for machine in named if machine.width == (width or machine.width)]
+    if not machines:
         raise InputError(f"no such core; there are {', '.join(machine.name for machine in MACHINES)}")
-    return found
+    return machines
 
 
 def tools() -> dict[str, str]:

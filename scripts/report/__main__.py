@@ -32,21 +32,24 @@ from model.motion.swivels import feasible_swivel
 from model.reference.equations import swivel_normal
 from scripts.console import command
 from scripts.generate.render import TEMPLATES
+from scripts.options import MOST_DATAPATHS, trajectory_options
 from scripts.report.figure import figure_data, joint_angles, packed
-from scripts.run import (
+from scripts.score_tables import figures, verdict
+from scripts.trajectory import (
     SCORES,
+    Prepared,
     by_joints,
+    csv_paths,
+    datapaths,
     elbow_errors,
-    of_datapath,
     outputs,
+    prepare,
     quaternions,
     result_paths,
     score_runs,
     simulated,
     write_results,
 )
-from scripts.tables import figures, verdict
-from scripts.trajectory import MOST_DATAPATHS, Prepared, datapaths, prepare, trajectory_options
 from tb.sim.simulate import Run
 
 HERE = Path(__file__).parent
@@ -119,29 +122,30 @@ def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     """
     targets, robot, hand = item.targets, item.robot, result.each.hand
     assert hand
-    found: dict[str, Any] = {"names": JOINTS, "joints": hand.joints, "limits": [(None, None)] * 7, "free": None}
+    hands: dict[str, Any] = {"names": JOINTS, "joints": hand.joints, "limits": [(None, None)] * 7, "free": None}
     if robot:
         lengths = targets.d1, targets.d2, 0.0
         swivels = feasible_swivel(targets.core_wrist, targets.core_hand, *lengths, robot.bounds, targets.branch)
-        found |= {"names": robot.names, "joints": robot.positions(hand.joints)}
-        found["free"] = [
-            _numbers(np.degrees(own[np.isfinite(own[:, 0])]), 4) if own.size else [] for own in swivels.intervals
+        hands |= {"names": robot.names, "joints": robot.positions(hand.joints)}
+        hands["free"] = [
+            _numbers(np.degrees(interval[np.isfinite(interval[:, 0])]), 4) if interval.size else []
+            for interval in swivels.intervals
         ]
-        found["limits"] = [
+        hands["limits"] = [
             [float(f"{end:.5g}") if np.isfinite(end) else None for end in pair] for pair in np.degrees(robot.limits)
         ]
     if item.clip is None:
         goal = targets.position - (0.0 if targets.origin is None else targets.origin)
         point, turn = np.ldexp(hand.point, -item.exponent), by_joints(item, ran, result.width)[2]
-        found |= {"goal": _numbers(goal), "point": _numbers(point), "turn": _numbers(turn, 5)}
+        hands |= {"goal": _numbers(goal), "point": _numbers(point), "turn": _numbers(turn, 5)}
     over = (hand.over_limit << np.arange(7)).sum(axis=1).tolist()
     errors = _numbers(hand.orientation_error, 3)
-    return found | {"joints": _numbers(np.degrees(found["joints"]), 5), "over": over, "error": errors}
+    return hands | {"joints": _numbers(np.degrees(hands["joints"]), 5), "over": over, "error": errors}
 
 
 def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     """Return one datapath's results for a trajectory."""
-    width, each = result.width, result.each
+    width, scores = result.width, result.each
     qs, qe = quaternions(item, ran, width)
     of_clip = {}
     if item.clip:
@@ -149,17 +153,17 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     return of_clip | {
         "datapath": result.datapath,
         "angles": _numbers(joint_angles(item, ran, width), 5),
-        "elbow": _numbers(np.ldexp(each.elbow, -item.exponent)),
-        "wrist": _numbers(np.ldexp(each.wrist, -item.exponent)),
+        "elbow": _numbers(np.ldexp(scores.elbow, -item.exponent)),
+        "wrist": _numbers(np.ldexp(scores.wrist, -item.exponent)),
         "qs": _numbers(qs),
         "qe": _numbers(qe[:, :2]),
         "flags": [flag_bits.names(int(bits)) for bits in ran.flags],
-        "clamped": each.clamped.tolist(),
-        "hand": _numbers(each.judged_error),
-        "predicted": None if each.predicted is None else _numbers(each.predicted),
+        "clamped": scores.clamped.tolist(),
+        "hand": _numbers(scores.judged_error),
+        "predicted": None if scores.predicted is None else _numbers(scores.predicted),
         "bar": result.hand_error_bar if result.hand_error_bar is not None else result.clamped_error_bar,
-        "shoulderAngle": _numbers(each.shoulder_angle_error),
-        "elbowAngle": _numbers(each.elbow_angle_error),
+        "shoulderAngle": _numbers(scores.shoulder_angle_error),
+        "elbowAngle": _numbers(scores.elbow_angle_error),
         "latency": result.latency_cycles,
         "cycles": result.total_cycles,
         "figures": figures(result, ran.flags),
@@ -174,8 +178,8 @@ def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> 
     names = [item.targets.name for item in prepared]
     links: dict[str, list[str]] = {name: [] for name in (*names, "")}
     for folder in folders:
-        tables = dict(zip(result_paths(folder, prepared), names, strict=True))
-        for path in of_datapath(folder, prepared):
+        tables = dict(zip(csv_paths(folder, prepared), names, strict=True))
+        for path in result_paths(folder, prepared):
             links[tables.get(path.with_suffix(".csv"), "")].append(path.relative_to(out).as_posix())
     return links | {"": [*links[""], SCORES]}
 
@@ -210,7 +214,7 @@ def main(parsed: SimpleNamespace) -> int:
     with outputs(parsed.out, folders.values(), prepared, path) as files:
         runs = [simulated(parsed, datapath, prepared) for datapath in folders]
         done = [score_runs(parsed, datapath, prepared, ran) for datapath, ran in zip(folders, runs, strict=True)]
-        shown = [trajectory_data(item, each) for item, *each in zip(prepared, *done, strict=True)]
+        shown = [trajectory_data(item, scored) for item, *scored in zip(prepared, *done, strict=True)]
         links = _links(parsed.out, list(folders.values()), prepared)
         text = page(shown, links, names=list(folders), width=parsed.width, simulator=parsed.sim)
         files(path).write_bytes(text.encode())

@@ -20,8 +20,7 @@ from model.motion.clip import Arm, Clip, Motion, outward_and_up, rest_up
 from model.reference import cga, geometry
 from model.reference.cga import e3
 from model.reference.kinematics import conjugate, rotate
-from scripts.run import quaternions, turned
-from scripts.trajectory import Prepared
+from scripts.trajectory import Prepared, quaternions, turned
 from tb.sim.simulate import Run
 
 UNITS = 32000
@@ -43,29 +42,29 @@ def entities(item: Prepared, width: int) -> tuple[dict[str, np.ndarray], dict[st
     lengths = [values / asked.reach for values in (asked.x, asked.y, asked.z, asked.d1, asked.d2)]
     d1, d2 = lengths[3:]
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = geometry.solve(*lengths[:3], asked.phi, d1, d2)
-        P_w, Q_s, Q_e, Q_12 = (found[name] for name in ("P_w", "Q_s", "Q_e", "Q_12"))
+        solution = geometry.solve(*lengths[:3], asked.phi, d1, d2)
+        P_w, Q_s, Q_e, Q_12 = (solution[name] for name in ("P_w", "Q_s", "Q_e", "Q_12"))
         # The rest pose after the rotation about the elbow, before the rotation about the shoulder.
         rest = cga.rotate(Q_e, e3 * cga.scalar(-d2)) + e3 * cga.scalar(d1)
         coordinates = {
             "axis": (0 * d1, 0 * d1, 0 * d1 + 1),  # L_z
-            "along": cga.direction(found["L_sw"]),
+            "along": cga.direction(solution["L_sw"]),
             "vertical": cga.direction(geometry.swivel_plane(P_w, 0 * d1)[2]),  # normal of the swivel plane at phi = 0
-            "swivel": cga.direction(found["pi_swivel"]),
-            "centre": cga.euclidean_coordinates(cga.centre(found["Z_e"])),
-            "elbow": cga.euclidean_coordinates(found["P_e"]),
-            "other": cga.euclidean_coordinates(geometry.elbow_point(-found["PP"])),
+            "swivel": cga.direction(solution["pi_swivel"]),
+            "centre": cga.euclidean_coordinates(cga.centre(solution["Z_e"])),
+            "elbow": cga.euclidean_coordinates(solution["P_e"]),
+            "other": cga.euclidean_coordinates(geometry.elbow_point(-solution["PP"])),
             # The wrist before the rotation by Q_e, by Q_12 and by Q_3.
             "folded": cga.euclidean_coordinates(cga.rotate(Q_s, cga.point(0 * d1, 0 * d1, d1 - d2))),
             "rest": _vector(rest),
             "half": _vector(cga.rotate(Q_12, rest)),
-            "middle": cga.direction(found["L_m"]),
-            "yz2": cga.direction(found["pi_yz2"]),
+            "middle": cga.direction(solution["L_m"]),
+            "yz2": cga.direction(solution["pi_yz2"]),
         }
-        vectors = {name: np.column_stack(np.broadcast_arrays(*each)) for name, each in coordinates.items()}
-        q3_w, _, _, q3_k = cga.quaternion_coefficients(found["Q_3"])
-        angles = {"theta4": np.arccos(np.clip(found["c4"], -1, 1)), "theta3": 2 * np.arctan2(q3_k, q3_w)}
-        radius = cga.radius(found["Z_e"])
+        vectors = {name: np.column_stack(np.broadcast_arrays(*values)) for name, values in coordinates.items()}
+        q3_w, _, _, q3_k = cga.quaternion_coefficients(solution["Q_3"])
+        angles = {"theta4": np.arccos(np.clip(solution["c4"], -1, 1)), "theta3": 2 * np.arctan2(q3_k, q3_w)}
+        radius = cga.radius(solution["Z_e"])
         wrist = np.column_stack(_vector(cga.rotate(Q_s, rest)))
         met = np.abs(np.linalg.norm(vectors["elbow"], axis=1) - d1) < NEAR
         home = met & (np.linalg.norm(wrist - np.column_stack(lengths[:3]), axis=1) < NEAR)
@@ -148,11 +147,11 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
     turn = place(clip.up)
     nodes = turned(item, ran, width).positions @ turn.T
     root = nodes[:, :1].copy()
-    own = clip.positions[:, [joint for move in moves for joint in (move.arm.fore, move.arm.hand)]] @ turn.T - root
+    clip_arms = clip.positions[:, [joint for move in moves for joint in (move.arm.fore, move.arm.hand)]] @ turn.T - root
     low, high = float(nodes[..., 2].min()), float(nodes[..., 2].max())
     size = np.linalg.norm(np.ptp(nodes - root, axis=1), axis=1).max()
     unit = float(f"{size / STEPS:.3g}")
-    from_middle = np.concatenate((nodes - root, own), axis=1)
+    from_middle = np.concatenate((nodes - root, clip_arms), axis=1)
     # If the figure climbs or flies, the view follows its height.
     middle = (low + high) / 2 if np.ptp(root[..., 2]) < size / 2 else None
     if middle is not None:
@@ -171,7 +170,7 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
         "parts": _parts(clip, moves),
         "unit": unit,
         "nodes": whole(np.concatenate((root, (nodes - root)[:, 1:]), axis=1)),
-        "own": whole(own),
+        "own": whole(clip_arms),
         "place": turn.tolist(),
         "facing": round(_facing(item, turn), 4),
         "floor": low,

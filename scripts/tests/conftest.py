@@ -7,7 +7,7 @@ import pytest
 from vcd.writer import VCDWriter
 
 from model.dataflow.datapaths import MODELS
-from scripts import run
+from scripts import trajectory
 from scripts.waves import model_bits, place, variable
 from tb.core import random_targets
 from tb.sim import native_run
@@ -86,7 +86,7 @@ class FakeSimulator:
 @pytest.fixture
 def simulator(monkeypatch):
     fake = FakeSimulator()
-    for module in (run, random_targets):
+    for module in (trajectory, random_targets):
         monkeypatch.setattr(module, "simulate", fake)
     monkeypatch.setattr(native_run, "program", lambda datapath, width: None)
     return fake

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from scripts import run
+from scripts import trajectory
 from tb.core import worst_targets
 from tb.sim.env import ROOT
 
@@ -106,7 +106,7 @@ BAD_INPUT = [
 
 @pytest.mark.parametrize("row", BAD_INPUT, ids=lambda row: row[0][:60])
 def test_bad_input_is_one_line_and_status_2(command, monkeypatch, tmp_path, row):
-    monkeypatch.setattr(run, "simulate", lambda *_, **__: pytest.fail("simulates"))
+    monkeypatch.setattr(trajectory, "simulate", lambda *_, **__: pytest.fail("simulates"))
     monkeypatch.setattr(worst_targets, "LIST", tmp_path / "kept.csv")
     for folder in ("folder", "o/score.json", "o/report.html", "o/hardest.csv"):
         Path(folder).mkdir(parents=True)

@@ -18,7 +18,7 @@ import pytest
 from examples.icebreaker import host
 from examples.icebreaker.frames import ANSWER
 from model.dataflow import fixed
-from scripts import run
+from scripts import run, trajectory
 from tb.icebreaker.bench import run as simulated
 from tb.sim.env import ROOT
 
@@ -96,7 +96,7 @@ def few(tmp_path):
 
 
 def test_all_trajectories(command, files, monkeypatch):
-    monkeypatch.setattr(run, "hand_bar", lambda words, *_: np.ones(len(words)))
+    monkeypatch.setattr(trajectory, "hand_bar", lambda words, *_: np.ones(len(words)))
     status, out, err = command(host.main, Board().port, "--trajectory", "all", "--timeout", "5")
     assert (status, err) == (0, []) and any(", 0 sent again" in line for line in out)
     assert sum(name.endswith("results.csv") for name in files()) == len(run.trajectories.TRAJECTORIES)

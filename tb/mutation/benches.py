@@ -93,10 +93,10 @@ class Replaced:
             return "" if mutant else error, ""
         declared = "".join(f"  parameter {key} = {value};\n" for key, value in parameters.items())
         head = re.compile(r"^module [^;]*;\n", re.M)
-        file.write_text(head.sub(lambda found: found[0] + declared, file.read_text(), count=1))
+        file.write_text(head.sub(lambda match: match[0] + declared, file.read_text(), count=1))
         (place / LIST).write_text(f"{file.name}\n{others.name}\n")
-        given = self.given | {"env": self.given["env"] | {"COCOTB_MAX_FAILURES": "1"}}
-        status, output = finished(command(**given, sim="icarus", root=place, build=place / "sim"), seconds)
+        options = self.given | {"env": self.given["env"] | {"COCOTB_MAX_FAILURES": "1"}}
+        status, output = finished(command(**options, sim="icarus", root=place, build=place / "sim"), seconds)
         if status is None:
             return TIMEOUT, ""
         failed = re.search(r"Failed: (\S+)::(.*)", output)
@@ -106,11 +106,11 @@ class Replaced:
 @functools.cache
 def unit_benches() -> dict[str, Case]:
     """Return module of rtl/ -> its bench in tb/units."""
-    found = {}
+    benches = {}
     for file in sorted((ROOT / "tb" / "units").glob("test_*.py")):
         for test in vars(importlib.import_module(f"tb.units.{file.stem}")).values():
-            found |= {case.module: case for case in getattr(test, "cases", ())}
-    return found
+            benches |= {case.module: case for case in getattr(test, "cases", ())}
+    return benches
 
 
 def unit_bench(mutant: Mutant) -> Replaced | None:
@@ -138,15 +138,15 @@ def fault(bench: Nodes | Replaced, mutant: Mutant, place: Path) -> str:
     with alone(passed.parent):
         if not passed.exists():
             begin = time.monotonic()
-            found, measured = bench.run(None, netlist, emptied(place), 10 * SECONDS)
-            if found and not bench.name.startswith("unit"):
-                raise SimulationError(f"{bench.name}: the netlist {netlist.name} without mutants fails: {found}")
-            passed.write_text(json.dumps([found, measured, time.monotonic() - begin]))
+            error, measured = bench.run(None, netlist, emptied(place), 10 * SECONDS)
+            if error and not bench.name.startswith("unit"):
+                raise SimulationError(f"{bench.name}: the netlist {netlist.name} without mutants fails: {error}")
+            passed.write_text(json.dumps([error, measured, time.monotonic() - begin]))
     wrong, right, taken = json.loads(passed.read_text())
     if wrong:
         return ""
-    found, measured = bench.run(mutant, netlist, emptied(place), max(LEAST, TIMES * taken))
-    return found or (f"latency or clocks: {measured} instead of {right}" if measured != right else "")
+    error, measured = bench.run(mutant, netlist, emptied(place), max(LEAST, TIMES * taken))
+    return error or (f"latency or clocks: {measured} instead of {right}" if measured != right else "")
 
 
 def emptied(place: Path) -> Path:

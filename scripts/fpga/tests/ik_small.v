@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Products, tiles in logic on ECP5, a shift register, a table and a memory that is written. test_netlists.py replaces FACTOR, an
-// operand, and PRODUCT, 1 for a square.
+// operand, PRODUCT, 1 for a square, and PART, 1 for products some of whose registers cannot be packed.
 
 module ik_small (
     input  wire clk,
@@ -14,7 +14,8 @@ module ik_small (
     output wire [37:0] square,
     output wire [21:0] late,
     output wire [31:0] y,
-    output reg  [12:0] row
+    output reg  [12:0] row,
+    output reg  [35:0] part
 );
   reg [12:0] rom[0:511];
   integer n;
@@ -30,4 +31,22 @@ module ik_small (
   wire [21:0] shifted;
   ik_delay #(.W(22), .N(20)) u_delay (.clk(clk), .d(word), .q(shifted));
   ik_ring #(.W(22), .N(300)) u_ring (.clk(clk), .rst(rst), .d(shifted), .q(late));
+  generate
+    if (PART) begin : g_part
+      // an operand that is no register, a register that logic reads too, products that logic reads
+      reg signed [17:0] f, g;
+      reg [35:0] first, second;
+      wire signed [17:0] mixed = word[17:0] ^ a[17:0];
+      wire signed [35:0] fm = f * mixed, fg = f * g, gm = g * mixed;
+      always @(posedge clk) begin
+        f <= b[17:0] & ~word[17:0];
+        g <= a[17:0] | word[17:0];
+        first <= fm;
+        second <= fg;
+        part <= first ^ second ^ {g, g} ^ gm ^ {35'd0, ^fg};
+      end
+    end else begin : g_none
+      always @(posedge clk) part <= 36'd0;
+    end
+  endgenerate
 endmodule

@@ -21,7 +21,9 @@ def mapped(folder, family, factor="a", square=0):
     files = [path for name in ("ik_exact", "ik_delay", "ik_ring", "ik_quadratic") for path in closure(name)]
     for path in (*files, SRL16_MAP):
         (folder / path.name).write_text(path.read_text())
-    text = SMALL.read_text().replace("FACTOR", factor).replace("PRODUCT", str(square))
+    text = SMALL.read_text()
+    for name, value in {"FACTOR": factor, "PRODUCT": square, "PART": int(family == "ecp5")}.items():
+        text = text.replace(name, str(value))
     ports = simulation.Ports(text)
     (folder / "ik_small.v").write_text(text)
     (folder / "fpga_top.v").write_text(ports.wrapper({}, "fpga_top"))
@@ -35,7 +37,9 @@ def mapped(folder, family, factor="a", square=0):
     call([program("yosys"), "-q", "-l", "yosys.log", "run.ys"], folder, family)
     design = json.loads((folder / "netlist.json").read_text())
     if family == "ecp5":
-        assert netlist.pack_registers(design["modules"]["fpga_top"])["flip_flops"]
+        packed = netlist.pack_registers(design["modules"]["fpga_top"])
+        assert packed.pop("flip_flops") > 200
+        assert packed == {"multipliers": 13, "memory": 2, "input": 11, "output": 11}
     return simulation.simulated(folder, design, [folder / "ik_small.v", *files], ports, {}, family, True)
 
 

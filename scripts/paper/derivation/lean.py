@@ -301,7 +301,9 @@ def length(step: Step) -> None:
     step.prove("w_1**2 + i_1**2 + j_1**2 + k_1**2 = length_sq")
     cosines = {name: symbol(name) for name in ("u_y", "sin_el", "cos_a")}
     squares = evaluate("triangle", evaluate("direction", cosines))
-    whole = evaluate("turn", squares)["length_sq"]
+    values = evaluate("turn", squares)
+    whole = values["length_sq"]
+    step.prove("m_q = length_sq", m_q=values["m_q"], length_sq=whole)
     step.prove("length_sq = (1 + Abs(u_y))*(1 + Abs(sin_el))*(1 + Abs(cos_a))/8", length_sq=whole)
     unscaled = {f"{part}_1": symbol(f"{part}_1") for part in "wijk"} | {"inv_q": 1 / (2 * symbol("length"))}
     values = evaluate("turn", unscaled)

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table 6 of the paper again: its arm solved by today's software and by the core (make paper ONLY=table6).
 
-    python -m scripts.paper.table6 [--targets 1000000] [--seed 1] [--only KEY [--keep]] [--hardware] [--page]
+    python -m scripts.paper.table6 [--only KEY | --hardware | --page]
 
-Times the software in one run on the 100 targets of `reach` and on random targets, counts the clocks of the RTL on the
-former, and writes docs/generated/table6.json and its page, table6.md. --only measures the named software and writes
-nothing, or with --keep its rows, dated; `--only jax-gpu --keep` on a machine with a GPU writes the rows that another
-one lacks, and a later run without a GPU keeps them. --hardware counts clocks and keeps the software times; --page only
-writes the page.
+Times the software on the 100 targets of `reach` and on random targets, counts the clocks of the RTL on the former, and
+writes docs/generated/table6.json and its page, table6.md. --only measures the named software again and dates its rows:
+`--only jax-gpu` on a machine with a GPU writes the rows that another one lacks, and a later run without a GPU keeps
+them. --hardware counts clocks and keeps the software times; --page only writes the page.
 """
 
 from __future__ import annotations
@@ -21,6 +20,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -32,20 +32,22 @@ from model.dataflow import fixed
 from model.io.scoring import hand_errors
 from model.io.stimuli import random_reachable
 from model.io.trajectories import make
-from model.io.words import Targets, from_words, result_values, to_words
-from scripts.console import InputError, command, option, switch, whole
+from model.io.words import FIELDS, Targets, from_words, result_values, to_words
+from scripts.console import InputError, command, option, switch
 from scripts.fpga.designs import clock, load
 from scripts.generate.pages import measured
 from scripts.generate.render import render
 from scripts.paper import tables
 from scripts.paper.table6.compiled import FLAGS, compiler_version
-from scripts.paper.table6.contenders import Contender, contenders, first
+from scripts.paper.table6.contenders import Contender, contenders
 from tb.sim.env import GENERATED, SIMULATORS
 from tb.sim.simulate import Job, SimulationError, simulate
 
 FIGURES = GENERATED / "table6.json"
 PAGE = GENERATED / "table6.md"
 
+TARGETS, SEED = 1_000_000, 1
+"""Random targets."""
 REPEATS = 7
 """Measurements per median."""
 SHORT = 0.02
@@ -105,23 +107,23 @@ def figure(value: float) -> float:
     return float(f"{value:.4g}")
 
 
-def accuracy(errors: np.ndarray) -> tuple[float | None, int]:
-    """Return the largest hand error / reach of the answers and the number of targets without one."""
-    answered = errors[np.isfinite(errors)]
-    return (figure(answered.max()) if len(answered) else None), len(errors) - len(answered)
-
-
 def row(contender: Contender, reach: Targets, random: Targets) -> dict[str, Any]:
-    """Return a contender's row: what it lacks, or its times and errors."""
-    found: dict[str, Any] = {"key": contender.key, "group": contender.group, "name": contender.name}
+    """Return a contender's row: what it lacks, or its times and errors; a target without an answer has no error."""
+    cells: dict[str, Any] = {"key": contender.key, "group": contender.group, "name": contender.name}
     if contender.lacks:
-        return found | {"lacks": contender.lacks}
-    for name, targets in (("reach", reach), ("random", first(random, contender.most))):
-        again, errors = contender.bind(targets)
-        error, unanswered = accuracy(errors())
-        ns = figure(1e9 * seconds(again) / len(targets))
-        found[name] = {"targets": len(targets), "ns": ns, "error": error, "unanswered": unanswered}
-    return found
+        return cells | {"lacks": contender.lacks}
+    random = replace(random, **{name: getattr(random, name)[: contender.most] for name in FIELDS})
+    for name, targets in (("reach", reach), ("random", random)):
+        again, errors_of = contender.bind(targets)
+        errors = errors_of()
+        answered = errors[np.isfinite(errors)]
+        cells[name] = {
+            "targets": len(targets),
+            "ns": figure(1e9 * seconds(again) / len(targets)),
+            "error": figure(answered.max()) if len(answered) else None,
+            "unanswered": len(errors) - len(answered),
+        }
+    return cells
 
 
 def stream_to_stream(datapath: str) -> dict:
@@ -184,16 +186,15 @@ def page(figures: dict, fpga: dict) -> str:
     """Return table6.md."""
     machine = figures["machine"]
     unanswered = [r for r in figures["software"] if r["key"][:2] == "c-" and r["random"]["unanswered"]]
-    found = {"c_unanswered": unanswered, "busy": machine["load"] > BUSY * machine["cores"], "paper": tables}
-    return render("table6", figures=figures, machine=machine, clock_of=partial(clock_of, fpga), **found)
+    more = {"c_unanswered": unanswered, "busy": machine["load"] > BUSY * machine["cores"], "paper": tables}
+    return render("table6", figures=figures, machine=machine, clock_of=partial(clock_of, fpga), **more)
 
 
-def write(figures: dict[str, Any] | None = None) -> int:
-    """Write table6.json, if there are new figures, and table6.md; return 0."""
-    if figures:
-        FIGURES.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
-    PAGE.write_text(page(json.loads(FIGURES.read_text()), load()), encoding="utf-8")
-    print(f"wrote {f'{FIGURES.name} and ' if figures else ''}{PAGE.name}")
+def write(figures: dict[str, Any]) -> int:
+    """Write table6.json and table6.md; return 0."""
+    FIGURES.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    PAGE.write_text(page(figures, load()), encoding="utf-8")
+    print(f"wrote {FIGURES.name} and {PAGE.name}")
     return 0
 
 
@@ -201,52 +202,36 @@ def write(figures: dict[str, Any] | None = None) -> int:
     "table6",
     __doc__.splitlines()[0],
     [
-        option("--targets", "random targets", whole(1), default=1_000_000, metavar="N"),
-        option("--seed", "random seed", whole(0), default=1, metavar="N"),
-        option("--only", "only software with this in its key; writes no file", multiple=True, metavar="KEY"),
-        switch("--keep", "with --only: write these rows with the date, keep the others, their targets and seed"),
-        switch("--hardware", "only the core's rows; keeps the software's figures"),
+        option("--only", "only software with this in its key; dates these rows", multiple=True, metavar="KEY"),
+        switch("--hardware", "only the core's rows"),
         switch("--page", "only write the page from the figures"),
     ],
     passes="all is measured",
     fails="the RTL differs from its model",
 )
 def main(options: SimpleNamespace) -> int:
-    if options.page:
-        return write()
-    if options.keep and not options.only:
-        raise InputError("--keep goes with --only")
     kept = json.loads(FIGURES.read_text())
+    if options.page:
+        return write(kept)
+    words = random_reachable(TARGETS, WIDTH, SEED)
     if options.hardware:
-        words = random_reachable(kept["targets"], WIDTH, kept["seed"])
         return write(kept | {"hardware": list(core(words))})
     about, every = machine(), contenders()
-    chosen = [c for c in every if not options.only or any(part in c.key for part in options.only)]
+    chosen = [one for one in every if not options.only or any(part in one.key for part in options.only)]
     if not chosen:
-        raise InputError(f"no software of that key; there is {', '.join(c.key for c in every)}")
-    drawn = kept if options.keep else vars(options)
-    report(f"{drawn['targets']} random targets, seed {drawn['seed']} ...")
-    words = random_reachable(drawn["targets"], WIDTH, drawn["seed"])
+        raise InputError(f"no software of that key; there is {', '.join(one.key for one in every)}")
     reach, random = make("reach"), from_words(words, 0, WIDTH, "random")
-    software, before = [], {one["key"]: one for one in kept["software"]}
-    for n, contender in enumerate(chosen, 1):
-        report(f"[{n}/{len(chosen)}] {contender.group}: {contender.name} {contender.lacks or '...'}")
-        elsewhere = contender.lacks and "date" in before.get(contender.key, {})
-        software.append(before[contender.key] if elsewhere else row(contender, reach, random))
-        print(f"{contender.key:24} {_short(software[-1])}")
-    today = datetime.date.today().isoformat()
-    if options.keep:
-        new = {one["key"]: {"date": today, **one} for one in software if "lacks" not in one}
-        return write(kept | {"software": [*(before | new).values()]})
+    rows, before = {}, {one["key"]: one for one in kept["software"]}
+    today = {"date": datetime.date.today().isoformat()}
+    for n, one in enumerate(chosen, 1):
+        report(f"[{n}/{len(chosen)}] {one.group}: {one.name} {one.lacks or '...'}")
+        elsewhere = one.lacks and "date" in before.get(one.key, {})
+        rows[one.key] = before[one.key] if elsewhere else row(one, reach, random)
     if options.only:
-        return 0
-    run = {"date": today, "targets": options.targets, "seed": options.seed, "machine": about}
-    return write(run | {"software": software, "hardware": list(core(words))})
-
-
-def _short(found: dict[str, Any]) -> str:
-    parts = [found[name] for name in ("reach", "random") if name in found]
-    return found.get("lacks") or "   ".join(f"{part['ns']:10.4g} ns, error {part['error']:.1e}" for part in parts)
+        dated = {key: today | one for key, one in rows.items() if "lacks" not in one}
+        return write(kept | {"software": [*(before | dated).values()]})
+    run = {**today, "targets": TARGETS, "seed": SEED, "machine": about}
+    return write(run | {"software": [*rows.values()], "hardware": list(core(words))})
 
 
 if __name__ == "__main__":

@@ -30,10 +30,10 @@ REALS = {"double": np.float64, "float": np.float32}
 
 def compiler() -> str:
     """Return the path of cc. Raises InputError if it is not in PATH."""
-    found = shutil.which("cc")
-    if not found:
+    path = shutil.which("cc")
+    if not path:
         raise InputError("no C compiler: cc is not in PATH (on Debian: apt-get install gcc)")
-    return found
+    return path
 
 
 def compiler_version() -> str:

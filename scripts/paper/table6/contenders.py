@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Software in table 6: C, numpy, JAX and EAIK. Each solves its targets repeatedly.
 
-The lean equations for arrays are made from the table of :mod:`model.reference.lean_equations`. Like equations.c, they
-are for targets in reach: each sum is rounded and there are no flags.
+The lean equations for arrays are as in equations.c, for targets in reach: each sum is rounded, there are no flags.
 
 EAIK solves another problem than ours, which is to find one pose from the hand's position and the swivel angle. It
 solves this arm in closed form, but from the full pose of the hand. It gets the forearm's frame of the model's answer,
@@ -18,15 +17,11 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-import sympy
-from sympy.printing.pycode import PythonCodePrinter
 
 from model.io.scoring import hand_errors
-from model.io.words import FIELDS, LENGTHS, RESULT_FIELDS, Targets
-from model.reference.cga import symbol
+from model.io.words import FIELDS, LENGTHS, Targets
 from model.reference.kinematics import forward, matrix, multiply
-from model.reference.lean_equations import LEAN, solve_lean
-from scripts.paper.derivation.proofs import parse, rsqrt
+from model.reference.lean_equations import solve_lean
 from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Solver
 
 Bound = tuple[Callable[[int], Any], Callable[[], np.ndarray]]
@@ -60,11 +55,6 @@ def columns(targets: Targets) -> list[np.ndarray]:
     return [getattr(targets, name) for name in FIELDS]
 
 
-def first(targets: Targets, count: int | None) -> Targets:
-    """Return the first ``count`` targets."""
-    return replace(targets, **{name: getattr(targets, name)[:count] for name in FIELDS})
-
-
 def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> Bound:
     """Bind a function that solves all targets once; ``errors`` takes its result."""
 
@@ -77,46 +67,33 @@ def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> 
     return again, lambda: errors(again())
 
 
-CHEAPER = {
-    "root_far": "sqrt(where(a_far > zero, a_far, zero))",
-    "root_near": "sqrt(where(b_near > zero, b_near, zero))",
-    "inv_12": "half/sqrt(d1*d2)",
-    "inv_law": "half*inv_s/d1",
-    "az_c": "where(u_y <= zero, az_sq, half*u_x)",
-    "az_s": "where(u_y <= zero, half*u_x, az_sq)",
-    "inv_q": "where(k_1 < zero, -one, one)/sqrt(length_sq)",
-}
-"""Lines with other arithmetic: a library has roots, and computes a reciprocal root as 1/sqrt. `az_sq` is a part of the
-half angle quaternion, and the sign of Qs belongs to `inv_q`."""
+def lean(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any) -> tuple:
+    """Return the results by the lean equations; the library has numpy's function names."""
+    sqrt, where = library.sqrt, library.where
+    d_sum, d_dif = d1 + d2, d1 - d2
+    rho_sq = x * x + y * y
+    s = rho_sq + z * z
+    inv_rho, inv_s = 1 / sqrt(rho_sq), 1 / sqrt(s)
+    root_far, root_near = (sqrt(library.maximum(v, 0)) for v in (d_sum * d_sum - s, s - d_dif * d_dif))
+    inv_12, inv_law = 0.5 / sqrt(d1 * d2), 0.5 * inv_s / d1
+    u_x, u_y, sin_el, cos_el = x * inv_rho, y * inv_rho, z * inv_s, rho_sq * inv_rho * inv_s
+    cos_bend, sin_bend = (s + d_sum * d_dif) * inv_law, root_far * root_near * inv_law
 
+    def half(c: Any, s: Any) -> tuple[Any, Any, Any]:
+        """Return the quaternion along half an angle, and its squared length."""
+        square = 0.5 + 0.5 * abs(c)
+        return where(c >= 0, square, 0.5 * s), where(c >= 0, 0.5 * s, square), square
 
-def lines() -> list[tuple[sympy.Symbol, sympy.Expr]]:
-    """Return the lines that the results need. Numbers are symbols, so that they can have the arrays' type."""
-    zero, half, one, where = *map(symbol, ("zero", "half", "one")), sympy.Function("where")
-    found, needed = [], {*map(symbol, RESULT_FIELDS)}
-    for name, text in reversed([line for group in LEAN.values() for line in group.items()]):
-        if symbol(name) not in needed:
-            continue
-        length_sq = symbol(name[:-1] + "sq")  # of half an angle's quaternion: half_c, half_s
-        halves = {part: partial(sympy.Function(part), length_sq) for part in ("half_c", "half_s")}
-        value = parse(CHEAPER.get(name, text), halves | {"where": where})
-        if name not in CHEAPER:
-            value = value.xreplace({sympy.S.Half: half}).replace(rsqrt, lambda v: one / sympy.sqrt(v))
-        value = value.replace(sympy.Function("half_c"), lambda large, c, s: where(c >= zero, large, half * s))
-        value = value.replace(sympy.Function("half_s"), lambda large, c, s: where(c >= zero, half * s, large))
-        found.append((symbol(name), value))
-        needed |= value.free_symbols
-    return found[::-1]
-
-
-def lean_of(library: Any, real: Any) -> Callable[..., tuple]:
-    """Return a solver (x, y, z, phi, d1, d2) -> (qs_w, qs_i, qs_j, qs_k, qe_w, qe_i) for a library with numpy's
-    function names, all of type `real`; an integer among floats would promote them to double."""
-    functions = {name: getattr(library, name) for name in ("sqrt", "sin", "cos", "where")}
-    names = functions | {"zero": real(0), "half": real(0.5), "one": real(1)}
-    results = tuple(map(symbol, RESULT_FIELDS))
-    printer = PythonCodePrinter({"fully_qualified_modules": False, "allow_unknown_functions": True, "order": "none"})
-    return sympy.lambdify([*map(symbol, FIELDS)], results, [names], printer, cse=lambda _: (lines(), results))
+    (az_c, az_s, az_sq), (tilt_c, tilt_s, tilt_sq) = half(-u_y, u_x), half(sin_el, cos_el)
+    bend_c, bend_s, bend_sq = half(cos_bend, sin_bend)
+    sin_h, cos_h = library.sin(0.5 * phi), library.cos(0.5 * phi)
+    cc, ss, sc, cs = az_c * cos_h, az_s * sin_h, az_s * cos_h, az_c * sin_h
+    w_0, i_0, j_0, k_0 = tilt_c * (cc - ss), tilt_s * (cc + ss), tilt_s * (sc - cs), tilt_c * (sc + cs)
+    w_1, i_1 = w_0 * bend_c + i_0 * bend_s, i_0 * bend_c - w_0 * bend_s
+    j_1, k_1 = j_0 * bend_c - k_0 * bend_s, k_0 * bend_c + j_0 * bend_s
+    length = sqrt(az_sq * tilt_sq * bend_sq)
+    inv_q = 1 / where(k_1 < 0, -length, length)
+    return w_1 * inv_q, i_1 * inv_q, j_1 * inv_q, k_1 * inv_q, root_far * inv_12, -root_near * inv_12
 
 
 def _bind_c(equations_: str, real: str, way: str, targets: Targets) -> Bound:
@@ -125,16 +102,16 @@ def _bind_c(equations_: str, real: str, way: str, targets: Targets) -> Bound:
 
 
 def _bind_numpy(kind: type, targets: Targets) -> Bound:
-    solve, given = lean_of(np, kind), [np.ascontiguousarray(c, dtype=kind) for c in columns(targets)]
-    return _repeated(lambda: solve(*given), lambda answers: hand_errors(np.stack(answers, axis=1), targets))
+    arrays = [np.ascontiguousarray(c, dtype=kind) for c in columns(targets)]
+    return _repeated(lambda: lean(np, *arrays), lambda answers: hand_errors(np.stack(answers, axis=1), targets))
 
 
 def _bind_jax(device: Any, kind: type, targets: Targets) -> Bound:
     jax = found("jax")
-    given = [jax.device_put(c.astype(kind), device) for c in columns(targets)]
-    compiled = jax.jit(lean_of(found("jax.numpy"), kind))
+    arrays = [jax.device_put(c.astype(kind), device) for c in columns(targets)]
+    compiled = jax.jit(partial(lean, found("jax.numpy")))
     return _repeated(
-        lambda: jax.block_until_ready(compiled(*given)),
+        lambda: jax.block_until_ready(compiled(*arrays)),
         lambda answers: hand_errors(np.stack([np.asarray(c) for c in answers], axis=1), targets),
     )
 
@@ -183,11 +160,11 @@ def _bind_eaik(targets: Targets) -> Bound:
     asked = [(robots[arm], pose) for arm, pose in zip(arms, _hand_poses(targets), strict=True)]
 
     def errors(solutions: list) -> np.ndarray:
-        found = []
+        distances = []
         for (robot, _), solution, position in zip(asked, solutions, targets.position, strict=True):
             hands = (robot.fwdKin(angles)[:3, 3] for angles in solution.Q)
-            found.append(min((float(np.linalg.norm(hand - position)) for hand in hands), default=np.nan))
-        return np.array(found)
+            distances.append(min((float(np.linalg.norm(hand - position)) for hand in hands), default=np.nan))
+        return np.array(distances)
 
     return _repeated(lambda: [robot.IK(pose) for robot, pose in asked], errors)
 

@@ -17,10 +17,11 @@ from scripts.fpga.designs import load
 from scripts.paper.table6 import __main__ as table6
 from scripts.paper.table6 import compiled
 from scripts.paper.table6.compiled import REALS, WAYS, Solver
-from scripts.paper.table6.contenders import Contender, columns, contenders, first, lean_of
+from scripts.paper.table6.contenders import Contender, columns, contenders, lean
 
 needs_cc = pytest.mark.needs("cc")
 REACH, RANDOM = make("reach"), from_words(random_reachable(3000, 32, 7), 0, 32, "random")
+FEW = from_words(random_reachable(5, 32, 7), 0, 32, "few")
 
 
 def by_model(targets, solve=solve_lean):
@@ -50,7 +51,7 @@ def test_c_gives_the_models_answers(way, real):
 
 
 def test_single_precision_arrays_stay_single():
-    single = lean_of(np, np.float32)(*(c.astype(np.float32) for c in columns(RANDOM)))
+    single = lean(np, *(c.astype(np.float32) for c in columns(RANDOM)))
     assert {c.dtype for c in single} == {np.dtype(np.float32)}
 
 
@@ -62,7 +63,7 @@ def test_software_reaches_the_hand(key):
     for contender in (one for one in contenders() if one.key.startswith(key)):
         assert contender.lacks != "not installed"
         if not contender.lacks:
-            targets = first(REACH, 5) if contender.most else RANDOM
+            targets = FEW if contender.most else RANDOM
             exact = contender.most is None and "float" not in contender.key
             assert contender.bind(targets)[1]().max() < (1e-12 if exact else 1e-5)
 
@@ -89,56 +90,51 @@ def test_clocks_on_the_page_are_those_of_the_present_core():
 @pytest.mark.parametrize("path", table6.PATHS)
 def test_the_rtl_takes_the_clocks_on_the_page(path):
     kept = next(row for row in figures()["hardware"] if (row["datapath"], row["path"]) == ("lean", path))
-    found = table6.PATHS[path]("lean")
+    counted = table6.PATHS[path]("lean")
     stale = "the RTL has changed: run `python -m scripts.paper.table6 --hardware`"
-    assert found == {name: kept[name] for name in found}, stale
+    assert counted == {name: kept[name] for name in counted}, stale
     assert 0 < table6.random_error(random_reachable(500, 32, 3), "lean") <= kept["random_error"]
 
 
-def test_missing_software_has_a_row():
+def test_missing_software_has_a_row_and_a_target_without_an_answer_no_error(monkeypatch):
+    monkeypatch.setattr(table6, "seconds", lambda again: 1e-6)
     row = table6.row(Contender("x", "X", "some solver", lambda targets: None, "not installed"), REACH, RANDOM)
     assert row == {"key": "x", "group": "X", "name": "some solver", "lacks": "not installed"}
     kept = figures()
     kept["software"].append(row)
     assert "| X | some solver | not installed | - | - | - | - | - |" in table6.page(kept, load())
+    errors = np.array([1e-13, np.nan, 1e-15])
+    row = table6.row(Contender("y", "Y", "another", lambda targets: (None, lambda: errors)), REACH, FEW)
+    assert (row["random"]["error"], row["random"]["unanswered"]) == (1e-13, 1)
 
 
-def test_a_target_without_an_answer_is_counted_and_is_no_error():
-    assert table6.accuracy(np.array([1e-13, np.nan, 1e-15])) == (1e-13, 1)
-
-
-@needs_cc
-def test_only_writes_nothing(command):
-    keys = ["c-lean-float-vector", "numpy-float"]
-    before = table6.FIGURES.read_text(), table6.PAGE.read_text()
-    status, out, err = command(table6.main, "--targets", "50", "--only", keys[0], "--only", keys[1])
-    assert status == 0 and [line.split()[0] for line in out] == keys
-    assert "[2/2] numpy: lean, float ..." in err
-    assert (table6.FIGURES.read_text(), table6.PAGE.read_text()) == before
-
-
-@needs_cc
-def test_keep_writes_the_named_rows_and_a_computer_without_the_software_keeps_them(command, monkeypatch, tmp_path):
-    before = figures() | {"targets": 50}
+@pytest.fixture
+def copy(monkeypatch, tmp_path):
+    """Write figures and page to a folder, with 50 random targets; return the figures before."""
+    before = figures()
     for name in ("FIGURES", "PAGE"):
         monkeypatch.setattr(table6, name, tmp_path / name)
+    monkeypatch.setattr(table6, "TARGETS", 50)
+    monkeypatch.setattr(table6, "core", lambda words: before["hardware"])
     table6.FIGURES.write_text(json.dumps(before))
-    assert command(table6.main, "--keep")[0] == 2
-    assert command(table6.main, "--only", "numpy-float", "--keep")[0] == 0
-    (new,) = (new for new, old in zip(figures()["software"], before["software"], strict=True) if new != old)
+    return before
+
+
+def test_the_named_rows_are_dated_and_kept_without_their_software(copy, command, monkeypatch):
+    assert command(table6.main, "--only", "numpy-float")[0] == 0
+    (new,) = (new for new, old in zip(figures()["software"], copy["software"], strict=True) if new != old)
     assert new["key"] == "numpy-float" and new["random"]["targets"] == 50
-    assert figures()["hardware"] == before["hardware"]
+    assert figures() | {"software": copy["software"]} == copy
     assert f"| numpy | lean, float, {new['date']} |" in table6.PAGE.read_text()
     missing = [Contender(name, "X", name, lambda targets: None, "not here") for name in ("numpy-float", "numpy-double")]
     monkeypatch.setattr(table6, "contenders", lambda: missing)
-    monkeypatch.setattr(table6, "core", lambda words: before["hardware"])
-    assert command(table6.main, "--targets", "50")[0] == 0
+    assert command(table6.main)[0] == 0
     kept, lacks = figures()["software"]
     assert kept == new and "lacks" in lacks
 
 
 @needs_cc
-def test_errors_are_one_line(command, monkeypatch, tmp_path):
+def test_errors_are_one_line(copy, command, monkeypatch, tmp_path):
     broken = tmp_path / "broken.c"
     broken.write_text("int main(void) { return nonsense; }\n")
     monkeypatch.setattr(compiled, "SOURCE", broken)
@@ -148,5 +144,6 @@ def test_errors_are_one_line(command, monkeypatch, tmp_path):
     for key, path, expected in cases:
         if path is not None:
             monkeypatch.setenv("PATH", path)
-        status, out, err = command(table6.main, "--targets", "50", "--only", key)
+        status, out, err = command(table6.main, "--only", key)
         assert (status, out) == (2, []) and expected in err[-1]
+    assert figures() == copy

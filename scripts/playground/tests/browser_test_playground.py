@@ -73,18 +73,18 @@ def step(page, clocks):
 
 def rows_of(name):
     """Return the targets of a trajectory, x to d2; the page scales each target separately."""
-    return next(each["rows"] for each in playground.data([])["trajectories"] if each["name"] == name)
+    return next(trajectory["rows"] for trajectory in playground.data([])["trajectories"] if trajectory["name"] == name)
 
 
 def bits(node):
     return [int(word) & ((1 << node.format.width) - 1) for word in node.value.tolist()]
 
 
-def assert_answers(found, words, width, datapath):
+def assert_answers(answers, words, width, datapath):
     """Assert that results and flags equal the model's; return the model's run."""
     model = fixed.run(words, width, datapath)
-    assert [each["result"] for each in found] == model.results.tolist()
-    assert [each["flags"] for each in found] == model.flags.tolist()
+    assert [answer["result"] for answer in answers] == model.results.tolist()
+    assert [answer["flags"] for answer in answers] == model.flags.tolist()
     return model
 
 
@@ -99,25 +99,25 @@ def test_every_core_equals_the_model(page, browser, tmp_path, machine):
         parts = ["--datapath", machine.datapath, "--width", str(width), "--out", str(tmp_path)]
         assert playground.main(parts) == 0
         page = browser((tmp_path / "index.html").as_uri())
-    found = page.run(f"playground.answer('{machine.name}', {json.dumps(words.tolist())})")
-    model = assert_answers(found, words, width, machine.datapath)
-    assert {each["latency"] for each in found} == {fixed.latency(machine.datapath, width)}
+    answers = page.run(f"playground.answer('{machine.name}', {json.dumps(words.tolist())})")
+    model = assert_answers(answers, words, width, machine.datapath)
+    assert {answer["latency"] for answer in answers} == {fixed.latency(machine.datapath, width)}
     for name, node in model.bits.nodes.items():
-        assert [int(each["nodes"][name], 16) for each in found] == bits(node), name
+        assert [int(answer["nodes"][name], 16) for answer in answers] == bits(node), name
 
 
 def test_double_precision(page):
     """The page's double-precision solution and flags equal the model's."""
     words = stimuli.mixed(400, 32, seed=17)
-    found = page.run(f"{json.dumps(words.tolist())}.map((words) => playground.solve(words, 32))")
+    answers = page.run(f"{json.dumps(words.tolist())}.map((words) => playground.solve(words, 32))")
     asked = from_words(words, 0, 32, "mixed")
     exact = solve_lean(*(getattr(asked, name) for name in FIELDS))
     for names, of in ((("qs_w", "qs_i", "qs_j", "qs_k"), "qs"), (("qe_w", "qe_i"), "qe")):
-        ours, theirs = np.array([each[of] for each in found]), np.column_stack([exact[name] for name in names])
+        ours, theirs = np.array([answer[of] for answer in answers]), np.column_stack([exact[name] for name in names])
         same_sign = np.sign((ours * theirs).sum(axis=1))  # at k = 0 either sign is right
         assert np.abs(ours * same_sign[:, None] - theirs).max() < 1e-12
     bit = {flag["name"]: flag["bit"] for flag in playground.data([])["flags"]}
-    flags = [sum(bit[name] for name, on in each["flag"].items() if on) for each in found]
+    flags = [sum(bit[name] for name, on in answer["flag"].items() if on) for answer in answers]
     assert flags == expected_flags(words, 32).tolist()
 
 
@@ -128,11 +128,11 @@ def test_words_equal_the_model(page, width):
         [random.uniform(-0.9, 0.9, (300, 3)), random.uniform(-9, 9, 300), 10.0 ** random.uniform(-2, 2, (300, 2))]
     )
     rows[:, :3] *= rows[:, 4:].sum(axis=1)[:, None]
-    given = [dict(zip(FIELDS, row, strict=True)) for row in rows.tolist()]
-    found = page.run(f"{json.dumps(given)}.map((target) => playground.toWords(target, {width}))")
-    for row, each in zip(rows, found, strict=True):
+    targets = [dict(zip(FIELDS, row, strict=True)) for row in rows.tolist()]
+    answers = page.run(f"{json.dumps(targets)}.map((target) => playground.toWords(target, {width}))")
+    for row, answer in zip(rows, answers, strict=True):
         words, exponent = to_words(Targets("one", *row), width)
-        assert (each["words"], each["exponent"], each["fits"]) == (words[0].tolist(), exponent, True)
+        assert (answer["words"], answer["exponent"], answer["fits"]) == (words[0].tolist(), exponent, True)
 
 
 def test_every_axis_gives_the_hand_its_target(page):
@@ -273,7 +273,7 @@ def test_a_receiver_that_stalls_loses_nothing(page):
     page.run(f"playground.seen = {MACHINE}.flying.map((one) => one)")
     step(page, places + 2)
     seen = page.run("playground.seen.map(({ words, result, flags }) => ({ words, result, flags }))")
-    words = np.array([each["words"] for each in seen])
+    words = np.array([one["words"] for one in seen])
     assert words.tolist() == [to_words(Targets("one", *row), 32)[0][0].tolist() for row in rows_of("reach")[:places]]
     assert_answers(seen, words, 32, "lean")
     assert page.run(f"{MACHINE}.lost") == 0
@@ -314,17 +314,17 @@ def test_the_vcd_holds_every_node(page, tmp_path, machine):
     step(page, 200)
     (tmp_path / "waves.vcd").write_text(page.run("playground.vcd()"))
     nodes = nodes_of(machine.datapath, machine.width)
-    found = read(tmp_path / "waves.vcd", machine.datapath, nodes)
-    assert len(found.admitted) == (200 if machine.datapath == "lean" else 3)
+    recording = read(tmp_path / "waves.vcd", machine.datapath, nodes)
+    assert len(recording.admitted) == (200 if machine.datapath == "lean" else 3)
     inputs = {node.name: node for node in nodes if node.kind == "input"}
     last = 200 - fixed.latency(machine.datapath, machine.width)
-    whole = [n for n, clock in enumerate(found.admitted) if clock < last]
+    whole = [n for n, clock in enumerate(recording.admitted) if clock < last]
     half = 1 << (machine.width - 1)
-    words = np.array([[(int(found.word(inputs[f], n), 2) ^ half) - half for f in FIELDS] for n in whole])
+    words = np.array([[(int(recording.word(inputs[f], n), 2) ^ half) - half for f in FIELDS] for n in whole])
     asked = [to_words(Targets("one", *row), machine.width)[0][0] for row in rows_of("overhead")]
     assert words.tolist() == [asked[n % len(asked)].tolist() for n in whole] and whole
     for name, node in fixed.run(words, machine.width, machine.datapath).bits.nodes.items():
-        assert [int(found.word(node, n), 2) for n in whole] == bits(node), name
+        assert [int(recording.word(node, n), 2) for n in whole] == bits(node), name
 
 
 def test_signals_are_shown_and_hidden(page):

@@ -136,10 +136,10 @@ class Page:
 
     def open(self, url: str) -> Page:
         """Load a page and wait until its script has run."""
-        for each in ("about:blank", url):  # a change of only the #hash would not reload the page
+        for address in ("about:blank", url):  # a change of only the #hash would not reload the page
             self.requests.clear()
             self.loaded = False
-            self.call("Page.navigate", url=each)
+            self.call("Page.navigate", url=address)
             while not self.loaded:
                 self._browser.read()
         return self

@@ -267,7 +267,7 @@ def test_datapaths_side_by_side(three, browser, size, scheme):
     folder, names = Path(three.removeprefix("file://")).parent, ("lean", "fold", "paper")
     badges = page.run(BADGES)
     assert [label for label, _ in badges] == [*names] * 4, "of target, score, errors, pipeline"
-    assert len({tuple(each) for each in badges}) == 3, "each has one colour"
+    assert len({tuple(badge) for badge in badges}) == 3, "each has one colour"
     scores = {score["datapath"]: score for score in json.loads((folder / "score.json").read_text())}
     for place, name in zip(("", "2", "3"), names, strict=True):
         assert page.text(f"verdict{place}") == scores[name]["outcome"]

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from model.motion.tests import figure
-from scripts import run
+from scripts import trajectory
 from scripts.report import __main__ as report
 from scripts.tests.conftest import FakeSimulator
 from tb.sim.env import simulator as simulator_name
@@ -14,8 +14,8 @@ from tb.sim.env import simulator as simulator_name
 def without_rtl(patch):
     """Replace the simulator by the bit-true model, and the predicted errors by a ramp; return the fake."""
     fake = FakeSimulator()
-    patch.setattr(run, "simulate", fake)
-    patch.setattr(run, "hand_bar", lambda words, width, _: np.linspace(1, 2, len(words)) * 2.0 ** (8 - width))
+    patch.setattr(trajectory, "simulate", fake)
+    patch.setattr(trajectory, "hand_bar", lambda words, width, _: np.linspace(1, 2, len(words)) * 2.0 ** (8 - width))
     return fake
 
 

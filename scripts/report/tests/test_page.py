@@ -39,8 +39,8 @@ def cli(simulator, command):
 def data_in(path, key="trajectories"):
     """Return data of a page, delimited as a browser does."""
     text = Path(path).read_text(encoding="utf-8")
-    (found,) = re.findall(r'<script type="application/json" id="data">(.*?)</script', text, re.S)
-    return json.loads(found)[key]
+    (content,) = re.findall(r'<script type="application/json" id="data">(.*?)</script', text, re.S)
+    return json.loads(content)[key]
 
 
 @pytest.fixture
@@ -121,16 +121,16 @@ def test_hands_of_a_robot(shown):
     assert angle_between(np.array(hands["turn"]), poses.hand).max() < 1e-4
     along = np.array(hands["point"]) - data["wrist"]
     np.testing.assert_allclose(along, rotate(np.array(hands["turn"]), arm.tool), atol=1e-5)
-    own = np.degrees(np.column_stack([run[name] for name in hands["names"]]))
-    np.testing.assert_allclose(hands["joints"], own, rtol=1e-4)
+    degrees = np.degrees(np.column_stack([run[name] for name in hands["names"]]))
+    np.testing.assert_allclose(hands["joints"], degrees, rtol=1e-4)
     np.testing.assert_allclose(hands["limits"], np.degrees(arm.limits), rtol=1e-4)
     over = np.array(hands["over"])
     assert (over[:, None] >> np.arange(7) & 1 == run["over_limit"]).all() and 20 < np.count_nonzero(over) < 80
     angles = np.degrees(poses.phi)[:, None] + (0, 360)
-    for own, phi, beyond in zip(hands["free"], angles, over, strict=True):
-        assert any(low - 0.1 <= one <= high + 0.1 for low, high in own for one in phi) or beyond
-        assert not beyond or not any(low + 0.1 < one < high - 0.1 for low, high in own for one in phi)
-    np.testing.assert_array_equal(hands["error"], [float(f"{each:.3g}") for each in run["orientation_error"]])
+    for intervals, phi, beyond in zip(hands["free"], angles, over, strict=True):
+        assert any(low - 0.1 <= one <= high + 0.1 for low, high in intervals for one in phi) or beyond
+        assert not beyond or not any(low + 0.1 < one < high - 0.1 for low, high in intervals for one in phi)
+    np.testing.assert_array_equal(hands["error"], [float(f"{error:.3g}") for error in run["orientation_error"]])
 
 
 def test_hands_without_a_robot(shown):
@@ -172,10 +172,10 @@ def test_the_page_is_self_contained_and_reproducible(cli, shown, tmp_path):
 
 def points(clip):
     """Return nodes (F, K, 3) and the clip's elbows and wrists (F, 2 A, 3) in the page's frame and the clip's unit."""
-    nodes, own = (np.array(clip[key], dtype=float).reshape(len(clip[key]), -1, 3) for key in ("nodes", "own"))
+    nodes, limbs = (np.array(clip[key], dtype=float).reshape(len(clip[key]), -1, 3) for key in ("nodes", "own"))
     root = nodes[:, :1].copy()
     nodes[:, 1:] += root
-    return nodes * clip["unit"], (own + root) * clip["unit"]
+    return nodes * clip["unit"], (limbs + root) * clip["unit"]
 
 
 FORWARD = {"x": ("y", (1, 0, 0)), "y": ("y", (0, 0, -1)), "z": ("z", (0, 1, 0))}
@@ -191,7 +191,7 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
         mine = clips.read(Path("t.bvh").absolute())
     data = shown("--trajectory", "t.bvh", "--phi", phi)
     clip = data["clip"]
-    nodes, own = points(clip)
+    nodes, limbs = points(clip)
     turn, unit = np.array(clip["place"]), clip["unit"]
     assert np.linalg.det(turn) == pytest.approx(1) and turn[2]["xyz".index(FORWARD[up][0])] == 1
     turned = clips.read(PAGE.parent / "clip.bvh")
@@ -201,12 +201,12 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
         assert names["side"] == arm.side
         for k, part in enumerate(("fore", "hand")):
             theirs = mine.positions[:, getattr(arm, part)] @ turn.T
-            np.testing.assert_allclose(own[:, 2 * n + k], theirs, atol=2 * unit)
+            np.testing.assert_allclose(limbs[:, 2 * n + k], theirs, atol=2 * unit)
             core = np.array(data["elbow" if part == "fore" else "wrist"])[n::2] @ turn.T
             np.testing.assert_allclose(nodes[:, names[part]] - nodes[:, names["upper"]], core, atol=3 * unit)
         assert clip["parts"][names["fore"]] == UPPER and clip["parts"][names["hand"]] == FORE
     assert clip["parts"].count(UPPER) == 2 and clip["parts"].count(FORE) == 2
-    moved = np.linalg.norm(own[:, 0] - nodes[:, clip["arms"][0]["fore"]], axis=1).max()
+    moved = np.linalg.norm(limbs[:, 0] - nodes[:, clip["arms"][0]["fore"]], axis=1).max()
     assert moved > 0.1 if phi == "1.5" else moved < 3 * unit
     assert (np.array(data["elbowError"]).max() > 0.1) == (phi == "1.5")
 
@@ -219,7 +219,7 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
         centre[..., 2] = clip["middle"]
     else:
         assert clip["middle"] is None
-    far = np.linalg.norm(np.concatenate((nodes, own), axis=1) - centre, axis=2).max()
+    far = np.linalg.norm(np.concatenate((nodes, limbs), axis=1) - centre, axis=2).max()
     assert far == pytest.approx(clip["radius"], abs=2 * unit)
 
 
@@ -260,9 +260,9 @@ def unpack(data):
     words = np.frombuffer(base64.b64decode(data["rows"]), "<i2").astype(float)
     words[words == data["nothing"]] = np.nan
     columns = words.reshape(-1, 3 * len(vectors) + len(angles) + len(lengths)).T / data["steps"]
-    found = {name: columns[3 * i : 3 * i + 3].T for i, name in enumerate(vectors)}
+    vectors_by_name = {name: columns[3 * i : 3 * i + 3].T for i, name in enumerate(vectors)}
     scalars = dict(zip((*angles, *lengths), columns[3 * len(vectors) :], strict=True))
-    return found | scalars | {name: np.pi * scalars[name] for name in angles}
+    return vectors_by_name | scalars | {name: np.pi * scalars[name] for name in angles}
 
 
 def turn(v, axis, angle):

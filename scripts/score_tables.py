@@ -132,27 +132,27 @@ def verdict(name: str, scores: Sequence[Score]) -> int:
     return 0 if all(result.passed for result in scores) else 1
 
 
-def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
+def table_of_soak(what: str, core: Core, totals: Found, rate: float) -> Table:
     """Return the figures of all targets. Only passing targets are counted, so no bit differs."""
     most, norm = tolerances.hand(core.width, core.datapath), tolerances.norm(core.width, core.datapath)
-    ratio = found.by_hand[0].hand_error / found.by_hand[0].tolerance if found.by_hand else 0.0
+    ratio = totals.by_hand[0].hand_error / totals.by_hand[0].tolerance if totals.by_hand else 0.0
     limit = f"{tolerances.lean(core.width):.2e}"
     table = empty_table(f"soak: {what}", ("figure", "measured", "tolerance"))
     for row in (
-        ("targets", str(found.targets)),
-        ("of them in reach", str(found.reachable)),
+        ("targets", str(totals.targets)),
+        ("of them in reach", str(totals.reachable)),
         ("bits that differ from the bit-true model", "0", "0"),
         (
             f"{MODELS[core.datapath].error}, largest",
-            f"{found.hand_error_max:.2e}",
+            f"{totals.hand_error_max:.2e}",
             "none" if most is None else f"{most:.2e}",
         ),
         (f"hand error / {'tolerance' if most else 'prediction'}, largest", f"{ratio:.3f}", "1" if most else ""),
-        *([] if most else [("targets seen above their prediction", str(found.above))]),
-        ("abs(norm^2 - 1) of Qs and Qe, largest", f"{found.norm_error_max:.2e}", f"{norm:.2e}"),
+        *([] if most else [("targets seen above their prediction", str(totals.above))]),
+        ("abs(norm^2 - 1) of Qs and Qe, largest", f"{totals.norm_error_max:.2e}", f"{norm:.2e}"),
         *(
             (f"{of}, {n} targets: largest difference of a result", f"{apart:.2e}", limit)
-            for of, (n, apart) in found.apart.items()
+            for of, (n, apart) in totals.apart.items()
         ),
         ("targets a second, build excluded", f"{rate:.0f}"),
     ):
@@ -160,13 +160,13 @@ def table_of_soak(what: str, core: Core, found: Found, rate: float) -> Table:
     return table
 
 
-def table_of_hardest(found: Found) -> Table:
+def table_of_hardest(totals: Found) -> Table:
     """Return the hardest targets: first by hand error relative to its tolerance, then by norm error."""
-    words = next((hard.words for hard in found.by_hand + found.by_norm), [])
+    words = next((hard.words for hard in totals.by_hand + totals.by_norm), [])
     names = FIELDS if len(words) == len(FIELDS) else ()  # poses have too many words for a line
     headings = ("target", "hand", "/ tol.", "norm", *names)
     table = empty_table("the hardest targets", headings, left=0, padding=(0, 1, 0, 0))
-    for hards in (found.by_hand, found.by_norm):
+    for hards in (totals.by_hand, totals.by_norm):
         for hard in hards:
             figures = f"{hard.hand_error:.2e}", f"{hard.hand_error / hard.tolerance:.3f}", f"{hard.norm_error:.2e}"
             table.add_row(str(hard.target), *figures, *map(str, hard.words[: len(names)]))
