@@ -85,8 +85,7 @@ class Arm:
 
     def _wrists(self, points: ArrayLike, hand: ArrayLike) -> tuple[Floats, Floats]:
         """Return wrist targets (N, 3) and orientations of the hand (N, 4) in the shoulder's frame."""
-        q = Hands(hand, 0.0, 0).part(slice(None))[0].T
-        q = multiply(multiply(conjugate(self.mount), q), conjugate(self.tip))
+        q = multiply(multiply(conjugate(self.mount), Hands.checked(hand, 0.0, 0).q.T), conjugate(self.tip))
         return rotate(conjugate(self.mount), np.asarray(points, dtype=np.float64) - self.base) - rotate(q, self.tool), q
 
     def positions(self, th: ArrayLike) -> Floats:

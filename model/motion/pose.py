@@ -16,39 +16,23 @@ further turn about z changes azimuth and Qs by the same angle, and leaves phi un
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from itertools import product
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..dataflow import fixed
 from ..dataflow.datapaths import CONFIGURATIONS
 from ..dataflow.nodes import WIDTHS
-from ..io.words import (
-    DEFAULT_D1,
-    DEFAULT_D2,
-    FIELDS,
-    RESULT_FIELDS,
-    Targets,
-    angle_doubt,
-    from_words,
-    result_values,
-    scale_exponent,
-    to_words,
-)
+from ..io.words import DEFAULT_D1, DEFAULT_D2, FIELDS, Targets, angle_doubt
 from ..reference import kinematics
-from ..reference.equations import solve_clamped
-from ..reference.joints import angles, flexion, outside, settled, wrist_quaternion
-from ..reference.kinematics import conjugate, matrix, multiply
-from ..reference.lean_equations import solve_direct
-from .hands import Hands, checked_limits, refuse
+from ..reference.kinematics import matrix, multiply
+from .hands import Floats, Hands, check_order, checked_limits, refuse
+from .solver import Solver
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
-
-Floats = NDArray[np.float64]
 
 Order = Literal["wxyz", "xyzw"]
 """Position of a quaternion's scalar part: first, or last as in scipy and most engines."""
@@ -183,98 +167,79 @@ def solve(
     that is no unit quaternion, limits in the wrong order, an unknown width, datapath, order or branch, and (as its
     subclass TargetError) for a target that does not fit the core's format together with the others.
     """
-    if datapath not in CONFIGURATIONS:
-        raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
-    widths = [w for w in CONFIGURATIONS[datapath].widths if w in WIDTHS] if width is not None else []
-    if width is not None and (not isinstance(width, (int, np.integer)) or width not in widths):
-        raise ValueError(f"width {width!r} must be None or one of {', '.join(map(str, widths))}")
-    if order not in ("wxyz", "xyzw"):
-        raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
-    if nan not in ("raise", "pass"):
-        raise ValueError(f"nan {nan!r} is neither 'raise' nor 'pass'")
+    _check_options(width, datapath, order, nan)
     if hand is not None and width is not None and datapath != "lean":
         raise ValueError(f"datapath {datapath!r}: with hand and width it must be 'lean'")
-    hands = None if hand is None else Hands(hand, tool, branch, order)
-    bounds = None if limits is None else checked_limits(limits)
+    hands = None if hand is None else Hands.checked(hand, tool, branch, order, nan)
+    joint_limits = None if limits is None else checked_limits(limits)
+    table, missing = _table(points, hanging(axis) if phi is None else phi, d1, d2, hands, nan)
+    frame = None if isinstance(axis, str) and axis == "z" else to_z(axis)
+    solver = Solver(frame, width, datapath).scaled(table, hands)
+
+    count, step = table.shape[1], LONG_CHUNK if width or hands else CHUNK
+    arrays: dict[str, Any] = {}
+    for rows in (slice(start, start + step) for start in range(0, max(count, 1), step)):
+        if hands is None:
+            pose = solver.wrists(table[:, rows])
+        else:
+            pose = solver.hands(table[:, rows], hands.part(rows), joint_limits)
+        for name, values in pose.items():
+            arrays.setdefault(name, np.empty((count, *values.shape[1:]), values.dtype))[rows] = values
+    for name, values in arrays.items():
+        values[missing] = np.nan if values.dtype.kind == "f" else 0
+        if name in ("qs", "qe", "qw"):
+            arrays[name] = _rolled(order, values, -1)
+    return Pose(**arrays, order=order) if hands is None else ArmPose(**arrays, order=order)
+
+
+def _check_options(width: int | None, datapath: str, order: str, nan: str) -> None:
+    """Raise ValueError for an option of :func:`solve` with an unknown value."""
+    if datapath not in CONFIGURATIONS:
+        raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
+    widths = [w for w in CONFIGURATIONS[datapath].widths if w in WIDTHS]
+    if width is not None and (not isinstance(width, (int, np.integer)) or width not in widths):
+        raise ValueError(f"width {width!r} must be None or one of {', '.join(map(str, widths))}")
+    check_order(order)
+    if nan not in ("raise", "pass"):
+        raise ValueError(f"nan {nan!r} is neither 'raise' nor 'pass'")
+
+
+def _table(
+    points: ArrayLike, phi: ArrayLike, d1: ArrayLike, d2: ArrayLike, hands: Hands | None, nan: str
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Check targets; return them as a table (6, N) with rows as ``FIELDS``, and the columns (N,) with a nan.
+
+    A column with a nan repeats another column, so that all can be solved.
+    """
     position = np.asarray(points, dtype=np.float64)
     position = position.reshape(-1, 3) if position.ndim < 2 and position.size in (0, 3) else position
     if position.ndim != 2 or position.shape[1] != 3:
         raise ValueError(f"points have the shape {position.shape}, not (N, 3)")
-    given = [np.asarray(v, dtype=np.float64) for v in (hanging(axis) if phi is None else phi, d1, d2)]
-    count = ({len(position), *(v.size for v in given), hands.count if hands else 1} - {1} or {1}).pop()
-    table = np.empty((len(FIELDS), count))
-    table[:3], table[3], table[4], table[5] = position.T, *given
-    lost: Any = None  # rows of nan, which repeat another row until the end
-    if hands and hands.lost.any():
-        refuse("hand and tool", hands.lost & (nan == "raise"), "not finite")
-        table[0, hands.lost if len(hands.lost) > 1 else slice(None)] = np.nan
+    columns = [np.asarray(v, dtype=np.float64) for v in (phi, d1, d2)]
+    sizes = dict(zip(("points", *FIELDS[3:]), (len(position), *(v.size for v in columns)), strict=True))
+    sizes |= hands.sizes if hands else {}
+    if len(counts := set(sizes.values()) - {1} or {1}) > 1:
+        listed = ", ".join(f"{name} has {size}" for name, size in sizes.items())
+        raise ValueError(f"numbers of rows do not broadcast: {listed}")
+    table = np.empty((len(FIELDS), *counts))
+    table[:3], table[3], table[4], table[5] = position.T, *columns
+    missing = np.zeros(table.shape[1], dtype=bool)
+    if hands:
+        missing |= hands.missing
+        table[:, missing] = np.nan
     if np.count_nonzero(np.isfinite(table)) < table.size:
         _refuse(table, np.isinf(table) if nan == "pass" else ~np.isfinite(table), "not finite")
-        lost = np.isnan(table).any(axis=0)
-        table[:, lost] = 1.0 if lost.all() else table[:, [np.argmin(lost)]]
-    if np.count_nonzero(table[4:] > 0.0) < 2 * count:
+        missing |= np.isnan(table).any(axis=0)
+        table[:, missing] = 1.0 if missing.all() else table[:, [np.argmin(missing)]]
+    if np.count_nonzero(table[4:] > 0.0) < table[4:].size:
         _refuse(table, (table <= 0) & (np.arange(len(FIELDS)) > 3)[:, None], "not positive")
     if np.count_nonzero(np.abs(table[3]) > 2 * np.pi):
-        warnings.warn(angle_doubt(table[3]), stacklevel=2)
-
-    frame = None if isinstance(axis, str) and axis == "z" else to_z(axis)
-    targets = partial(Targets, "targets", frame=frame)
-    of_hand = {"hand": hands.part(slice(None))[0].T, "tool": hands.tool} if hands else {}
-    exponent = scale_exponent(targets(*table, **of_hand), width) if width and count else 0
-    qs, qe, flags, asked = np.empty((count, 4)), np.zeros((count, 4)), np.empty(count, dtype=np.int64), table[3].copy()
-    elbow, wrist = np.empty((2, count, 3))
-    w, i = (0, 1) if order == "wxyz" else (3, 0)
-    qw, found, reached = (np.empty((count if hands else 0, size)) for size in (4, 7, 3))
-    over = np.zeros(found.shape, dtype=bool)
-    step = LONG_CHUNK if width or hands else CHUNK
-    for rows in (slice(start, start + step) for start in range(0, count, step)):
-        part = table[:, rows]
-        if hands and width is None:
-            q, offset, own_branch = hands.part(rows)
-            part = np.concatenate((part[:3] - offset, part[3:]))
-        if width is None:
-            part = part if frame is None else np.concatenate((targets(*part).core_position.T, part[3:]))
-            results, flags[rows] = solve_direct(part) if datapath != "paper" else _by_the_paper(part)
-        elif hands:
-            solved = hands.in_words(rows, targets(*part), exponent, width, bounds)
-            results, flags[rows], asked[rows], turn, th, own_over = solved
-        else:
-            results, flags[rows], asked[rows] = _in_words(targets(*part), width, exponent, datapath)
-        turned = results[:4].T if frame is None else multiply(conjugate(frame), results[:4].T)
-        elbow[rows], wrist[rows] = kinematics.forward(turned, results[4:].T, part[4], part[5])
-        qs[rows], qe[rows, w], qe[rows, i] = _rolled(order, turned, -1), results[4], results[5]
-        if hands and width is None:
-            turn = wrist_quaternion(turned.T, results[4:], q)
-            th = angles(results[:4], flexion(results[4:]), turn, own_branch)
-            if bounds is not None:
-                th = settled(th, bounds)
-                over[rows] = outside(th, bounds).T
-        elif hands:
-            offset, over[rows] = hands.reached(rows, turned.T, results[4:], turn), own_over.T
-        if hands:
-            qw[rows], reached[rows], found[rows] = _rolled(order, turn.T, -1), wrist[rows] + offset.T, th.T
-    if lost is not None:
-        for values in (qs, qe, elbow, wrist, asked, flags, *((qw, found, reached, over) if hands else ())):
-            values[lost] = np.nan if values.dtype.kind == "f" else 0
-    if hands is None:
-        return Pose(qs, qe, flags, elbow, wrist, asked, order)
-    return ArmPose(qs, qe, flags, elbow, wrist, asked, order, qw=qw, hand=reached, joints=found, over_limit=over)
-
-
-def _by_the_paper(part: Floats) -> tuple[Floats, NDArray[np.int64]]:
-    found = solve_clamped(*part)
-    return np.array([found[field] for field in RESULT_FIELDS]), found["flags"]
-
-
-def _in_words(targets: Targets, width: int, exponent: int, datapath: str) -> tuple[Floats, Floats, Floats]:
-    """Return the results (6, N), flags and swivel angles (N,) of the core; its nodes are released."""
-    words, _ = to_words(targets, width, exponent)
-    run = fixed.run(words, width, datapath)
-    return result_values(run.results, width).T, run.flags, from_words(words, exponent, width, targets.name).phi
+        warnings.warn(angle_doubt(table[3]), stacklevel=3)
+    return table, missing
 
 
 def _refuse(table: Floats, wrong: NDArray[np.bool_], reason: str) -> None:
-    """Raise ValueError, which names the first rows with a number (6, N) that is wrong, if there are any."""
+    """Raise ValueError, which names the first columns with a wrong number (6, N), if there are any."""
     for name, rows in (("points", wrong[:3].any(axis=0)), *zip(FIELDS[3:], wrong[3:], strict=True)):
         refuse(name, rows, reason)
 
@@ -379,8 +344,7 @@ def _hanging(axis: str | tuple[float, ...]) -> float:
 
 def _rolled(order: Order, q: Floats, places: int) -> Floats:
     """Return quaternions in another order: `places` is -1 from wxyz to `order`, 1 from `order` to wxyz."""
-    if order not in ("wxyz", "xyzw"):
-        raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
+    check_order(order)
     return q if order == "wxyz" else np.roll(q, places, axis=-1)
 
 

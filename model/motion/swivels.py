@@ -108,8 +108,8 @@ def feasible_swivel(
     Arguments as for :func:`solve`; without limits every angle is feasible.  Isolated angles count as intervals of
     length 0.  ``bent`` is upper and fore of an :class:`Arm`.  Raises ValueError, as :func:`solve` does.
     """
-    q, offset, branch = Hands(hand, tool, branch, order).part(slice(None))
-    wrists = np.asarray(points, dtype=np.float64) - offset.T
+    hands = Hands.checked(hand, tool, branch, order)
+    wrists = np.asarray(points, dtype=np.float64) - hands.offset.T
     poses = [solve(wrists, phi, d1, d2, axis=axis) for phi in (0.0, np.pi / 2, np.pi)]
     count, frame = len(poses[0].qs), to_z(axis)
     bounds = checked_limits(limits if limits is not None else [(-np.inf, np.inf)] * 7)
@@ -117,7 +117,7 @@ def feasible_swivel(
     reach = np.column_stack((np.abs(lengths[0] - lengths[1]), lengths[0] + lengths[1]))
     distance = np.broadcast_to(np.linalg.norm(np.atleast_2d(wrists), axis=1), count)
     unreachable = _beyond(distance, *reach.T)
-    hand_q, branches = np.broadcast_to(q, (4, count)), np.broadcast_to(branch, count)
+    hand_q, branches = np.broadcast_to(hands.q, (4, count)), np.broadcast_to(hands.branch, count)
     parts = []
     for rows in (slice(start, start + CHUNK) for start in range(0, max(count, 1), CHUNK)):
         at_0, at_quarter, at_half = (pose.qs[rows].T for pose in poses)
