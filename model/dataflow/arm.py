@@ -24,7 +24,8 @@ turn or negate them, as in :mod:`model.reference.joints`.  over_k: th_k is outsi
 
 from functools import partial
 
-from ..io.words import BRANCHES, JOINTS, RESULT_FIELDS
+from ..io.words import JOINTS, RESULT_FIELDS
+from ..reference.joints import NEGATED, TURNED
 from . import lean
 from . import operations as ops
 from .angles import ANGLE
@@ -46,10 +47,6 @@ TURN = Within(-1.0, 1.0, "a binary angle, which wraps", below=True)
 GAINED = Within(0.0, 1.68, "K times the length of two parts, K = 1.6468")
 
 ROUNDED_SUM = Growth(added=True)
-
-TURNED = {"th1": BRANCHES[:1], "th3": BRANCHES[:2], "th5": BRANCHES[1:], "th7": BRANCHES[2:]}
-NEGATED = dict(zip(("th2", "th4", "th6"), BRANCHES, strict=True))
-"""Joint -> the bits of the branch that turn it by half a turn, or the bit that negates it."""
 
 
 def arm(d: Domain, target: dict[str, Node]) -> None:

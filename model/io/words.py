@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ..reference.joints import BRANCHES, JOINTS
 from ..reference.kinematics import conjugate, matrix, multiply, rotate
 from .flags import BAD_HAND
 
@@ -31,11 +32,6 @@ LENGTHS = ("x", "y", "z", *ARMS)
 ARM_FIELDS = ("hand_x", "hand_y", "hand_z", "phi", "d1", "d2", "tool", "qh_w", "qh_i", "qh_j", "qh_k")
 """Fields of a target word of the whole arm, lowest bits first: the hand's point and orientation; all but phi have
 width-2 fraction bits."""
-
-BRANCHES = ("branch_shoulder", "branch_elbow", "branch_wrist")
-"""Bits of a target of the whole arm above its tag, lowest first: which of the eight solutions for the joints."""
-
-JOINTS = tuple(f"th{k}" for k in range(1, 8))  # joint angles of the whole arm, one turn = 2^width
 
 WRIST_FIELDS = ("qw_w", "qw_i", "qw_j", "qw_k")
 """Quaternion of the wrist, with width-2 fraction bits."""

@@ -26,9 +26,17 @@ class Branch(IntFlag):
     WRIST = 4  # th5 + pi, -th6, th7 + pi
 
 
-TURNED = np.array(((1, 0, 0), (0, 0, 0), (1, 1, 0), (0, 0, 0), (0, 1, 1), (0, 0, 0), (0, 0, 1)))
-NEGATED = np.array(((0, 0, 0), (1, 0, 0), (0, 0, 0), (0, 1, 0), (0, 0, 0), (0, 0, 1), (0, 0, 0)))
-"""Joints (7) that each bit of a branch (3) turns by pi, or negates."""
+JOINTS = tuple(f"th{k}" for k in range(1, 8))
+
+BRANCHES = tuple(f"branch_{bit.name.lower()}" for bit in Branch)  # bits of a branch, lowest first
+
+TURNED = {"th1": BRANCHES[:1], "th3": BRANCHES[:2], "th5": BRANCHES[1:], "th7": BRANCHES[2:]}
+NEGATED = dict(zip(("th2", "th4", "th6"), BRANCHES, strict=True))
+"""Joint -> the bits of the branch that turn it by half a turn, or the bit that negates it."""
+
+TURNED_BY = np.array([[bit in TURNED.get(joint, ()) for bit in BRANCHES] for joint in JOINTS], dtype=int)
+NEGATED_BY = np.array([[bit == NEGATED.get(joint) for bit in BRANCHES] for joint in JOINTS], dtype=int)
+"""The same as tables (7, 3) of 0 and 1."""
 
 
 def wrap(angle):
@@ -39,7 +47,7 @@ def wrap(angle):
 def branched(joints, branch):
     """Return joints (7, ...) of branch 0 in another branch, an integer or (...), wrapped."""
     bits = np.asarray(branch) >> np.arange(3).reshape(3, *[1] * np.ndim(branch)) & 1
-    turned, negated = (np.tensordot(which, bits, 1) & 1 for which in (TURNED, NEGATED))
+    turned, negated = (np.tensordot(which, bits, 1) & 1 for which in (TURNED_BY, NEGATED_BY))
     turned, negated = (which.reshape(7, *which.shape[1:] or [1] * (joints.ndim - 1)) for which in (turned, negated))
     return wrap(np.where(negated, -joints, joints) + np.pi * turned)
 
