@@ -12,7 +12,7 @@ import numpy as np
 
 from ..dataflow import fixed
 from ..dataflow.angles import gain
-from ..dataflow.datapaths import MODELS
+from ..dataflow.datapaths import DEFAULT, MODELS
 from ..dataflow.nodes import EXACT, Domain, Node, real_value
 from ..io.words import ARMS, RESULT_FIELDS
 from ..reference.kinematics import forward
@@ -104,7 +104,7 @@ CORNERS = 32
 """Number of random combinations of rounding ends that :func:`hand_bar` tries besides the first-order worst case."""
 
 
-def hand_bar(words: np.ndarray, width: int, datapath: str = "paper") -> np.ndarray:
+def hand_bar(words: np.ndarray, width: int, datapath: str = DEFAULT) -> np.ndarray:
     """Return the largest hand error / reach explained by the roundings of a datapath, for input words (N, 6); shape
     (N,).
 

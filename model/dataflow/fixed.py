@@ -15,7 +15,7 @@ import numpy as np
 from ..io.words import FIELDS
 from . import arm
 from .angles import TABLE_BITS, atan_table, iterate, vector
-from .datapaths import MODELS
+from .datapaths import DEFAULT, MODELS
 from .nodes import Domain, Format, Limits, Node, effective_width
 from .operations import even, mul3, round_shift, wrap
 from .quadratic import SINE_FRACS, half_sincos, rsqrt
@@ -103,7 +103,7 @@ def sincos_bound(width: int) -> float:
 class Bits(Domain):
     """Dataflow in integers.  ``overflow`` maps every product, sum and quotient to a mask of words that did not fit."""
 
-    def __init__(self, width: int, datapath: str = "paper", limits: Limits | None = None) -> None:
+    def __init__(self, width: int, datapath: str = DEFAULT, limits: Limits | None = None) -> None:
         path = MODELS[datapath]
         super().__init__(width, path.widths, path.tile)
         self.datapath, self.limits = datapath, limits
@@ -185,7 +185,7 @@ class Answer:
     bits: Bits
 
 
-def run(words: np.ndarray, width: int, datapath: str = "paper", branch=0, limits: Limits | None = None) -> Answer:
+def run(words: np.ndarray, width: int, datapath: str = DEFAULT, branch=0, limits: Limits | None = None) -> Answer:
     """Run N targets, input words in the order of the datapath's inputs, through a datapath.
 
     For the whole arm: ``branch``, a number or (N,), and the joints' limits, seven pairs of words; none by default.

@@ -51,7 +51,7 @@ def shown(nodes: dict[str, Node]) -> list[str]:
 
 def observe(into: Observed, words: np.ndarray, width: int) -> None:
     """Run targets through the bit-true model and in double precision; add ranges and errors to ``into``."""
-    bits = fixed.run(words, width).bits
+    bits = fixed.run(words, width, "paper").bits
     clamped = np.asarray(bits.nodes["clamp"].value).astype(bool)
     good = np.ones(len(words), dtype=bool)
     for name, node in bits.nodes.items():

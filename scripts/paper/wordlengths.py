@@ -42,7 +42,7 @@ def regular_poses(count: int, seed: int) -> Targets:
 def errors_of(width: int, poses: Targets) -> np.ndarray:
     """Return hand error / reach of the paper's datapath against the unrounded targets."""
     words, _ = to_words(poses, width, 0)
-    return hand_errors(result_values(fixed.run(words, width).results, width), poses)
+    return hand_errors(result_values(fixed.run(words, width, "paper").results, width), poses)
 
 
 def proved_cells() -> dict[str, list[str]]:

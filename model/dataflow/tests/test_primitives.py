@@ -54,7 +54,7 @@ def check(bits: Bits, result: Node, exact: list[Fraction]) -> None:
 @example(list(product(ENDS, repeat=2)), 0, True, 0)
 @example(list(product(ENDS, repeat=2)), -1, True, 1)
 def test_product_is_rounded_and_saturated(pairs, integer_bits, narrow, scale):
-    bits = Bits(W)
+    bits = Bits(W, "paper")
     one, two = zip(*pairs, strict=True)
     a, b = node(bits, "a", one, bits.word(1)), node(bits, "b", two, bits.word(0))
     fmt = bits.word(integer_bits) if narrow else bits.wide(integer_bits)
@@ -68,7 +68,7 @@ def test_product_is_rounded_and_saturated(pairs, integer_bits, narrow, scale):
 @example(list(product(ENDS, repeat=3)), 0, -1, -1, True)
 @example(list(product(ENDS, repeat=3)), 2, 1, -1, True)
 def test_sum_is_rounded_and_saturated(triples, integer_bits, b_sign, c_sign, three):
-    bits = Bits(W)
+    bits = Bits(W, "paper")
     a, b, c = (node(bits, *pair, bits.word(0)) for pair in zip("abc", zip(*triples, strict=True), strict=True))
     terms = [a, b if b_sign > 0 else -b, c if c_sign > 0 else -c]
     result = bits.sum("q", *terms[: 2 + three], fmt=bits.word(integer_bits))
