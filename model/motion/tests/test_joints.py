@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 from model.io.flags import Flag
 from model.motion.pose import solve, to_z
 from model.motion.swivels import Swivels, continuous_joints, feasible_swivel
-from model.motion.tests.benchmark import targets
 from model.reference.joints import outside, turned
 from model.reference.kinematics import matrix, multiply
 
@@ -38,9 +37,17 @@ def branches_of(joints):
     return found
 
 
+def wrists(count, seed=1):
+    """Return points (N, 3) and swivel angles (N,) of reachable wrist targets."""
+    random = np.random.default_rng(seed)
+    points = random.normal(size=(count, 3))
+    points *= (random.uniform(0.1, 0.59, count) / np.linalg.norm(points, axis=1))[:, None]
+    return points, random.uniform(-np.pi, np.pi, count)
+
+
 def poses(count, seed=1, tool=TOOL):
     """Return points (N, 3), hands (N, 4) and swivel angles (N,) of reachable poses."""
-    wrist, phi, *_ = targets(count, seed)
+    wrist, phi = wrists(count, seed)
     q = Rotation.random(count, seed).as_quat(scalar_first=True)
     return wrist + tool * matrix(q)[..., 2], q, phi
 
@@ -152,6 +159,7 @@ def test_poses_without_an_answer():
         ({"limits": [*LIMITS[:4], (1.0, 0.5), *LIMITS[5:]]}, "limits of joint 5: 1 to 0.5"),
         ({"limits": [*LIMITS[:6], (np.nan, 0.5)]}, "limits of joint 7: nan to 0.5"),
         ({"tool": np.inf}, "tool: not finite"),
+        ({"hand": (np.nan, 0.0, 0.0, 1.0)}, "hand and tool: not finite in row 0"),
         ({"width": 32, "datapath": "paper"}, "datapath 'paper': with hand and width it must be 'lean'"),
         ({"width": 32, "tool": 20.0}, "column tool: .20.0. is too long"),
         ({"order": "ijkw"}, "order 'ijkw'"),
@@ -208,9 +216,14 @@ def test_limits_in_words_are_rounded_inward(width):
     unit = 2 * np.pi / 2**width
     for joint in range(7):
         limits, at = FREE.copy(), th[joint, joint]
-        for low, high, over in ((at - 0.1 * unit, at + 0.1 * unit, False), (at + 0.1 * unit, at + 1.0, True),
-                                (at - 1.0, at - 0.1 * unit, True), (at + 0.1 * unit, at + 0.9 * unit, True),
-                                (at - 0.9 * unit + 2 * np.pi, at + 0.1 + 2 * np.pi, False)):  # fmt: skip
+        a_turn_up = at + 2 * np.pi
+        for low, high, over in (
+            (at - 0.1 * unit, at + 0.1 * unit, False),
+            (at + 0.1 * unit, at + 1.0, True),
+            (at - 1.0, at - 0.1 * unit, True),
+            (at + 0.1 * unit, at + 0.9 * unit, True),
+            (a_turn_up - 0.9 * unit, a_turn_up + 0.1, False),
+        ):
             limits[joint] = low, high
             found = solve(points[joint], phi[joint], hand=q[joint], tool=TOOL, width=width, limits=limits).over_limit
             assert found[0].tolist() == [k == joint and over for k in range(7)]
