@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flag bits above the tag in `m_axis_tuser`, and the exact rule for each.
-
-A flagged result is still a defined value: a clamped pose, or a pose by convention.
-"""
+"""Flag bits above the tag in `m_axis_tuser`, and the exact rule for each."""
 
 from enum import IntFlag
 
@@ -10,7 +7,7 @@ import numpy as np
 
 
 class Flag(IntFlag):
-    """Why a pose is not the target's own, or by convention; `meaning` is one line for the user."""
+    """Flag of a result; `meaning` is one line for the user."""
 
     meaning: str
 
@@ -24,10 +21,7 @@ class Flag(IntFlag):
     ON_AXIS = 4, "target on the z axis: azimuth 0 is taken"
     AT_SHOULDER = 8, "target at the shoulder: it has no direction"
     BAD_LENGTH = 16, "d1 or d2 is not positive"
-    SATURATED = (
-        32,
-        "the wrist of a hand pose is outside the format: its nearest edge is taken; always 0 for a wrist target",
-    )
+    SATURATED = 32, "the wrist of a hand pose is clamped to the number range; always 0 for a wrist target"
     BAD_HAND = 256, "the hand's quaternion is not of length 1: no rotation and no tool are taken"
 
 
@@ -36,20 +30,15 @@ TOO_FAR, TOO_NEAR, ON_AXIS, AT_SHOULDER, BAD_LENGTH, SATURATED, BAD_HAND = map(i
 FLAG_BITS = 8  # width of the flag field; unnamed bits are 0
 
 UNREACHABLE = TOO_FAR | TOO_NEAR | BAD_LENGTH
-"""Flags of a target whose pose is clamped: the hand cannot reach the target."""
+"""Flags of a target that the hand cannot reach; its pose is clamped."""
 
+ARM_FLAG_BITS = 16  # the same of the whole arm
+OVER_BIT = 9  # bit of over_1: joint 1 is outside its limits
 
 FLAGS = {name.lower(): flag for name, flag in Flag.__members__.items() if flag < 1 << FLAG_BITS}
-"""The flags by the names of the dataflow's nodes."""
-
-CORE_FLAGS = {name: flag for name, flag in FLAGS.items() if flag != SATURATED}  # flags of the core
-
+CORE_FLAGS = {name: flag for name, flag in FLAGS.items() if flag != SATURATED}
 ARM_FLAGS = {**FLAGS, "bad_hand": BAD_HAND, **{f"over_{k}": BAD_HAND << k for k in range(1, 8)}}
-"""Flags of the whole arm: a wrist target outside the format is saturated; a joint is over its limits."""
-
-ARM_FLAG_BITS = 16
-
-OVER_BIT = 9  # bit of over_1
+"""Flags of a result, of the core and of the whole arm, by the names of the dataflow's nodes."""
 
 
 def names(flags: int) -> str:
@@ -59,10 +48,7 @@ def names(flags: int) -> str:
 
 
 def expected_flags(words: np.ndarray, width: int) -> np.ndarray:
-    """Return the exact flags of input words (N, 6) of `width` bits; (N,) int64.
-
-    `SATURATED` is reserved. Raises ValueError for a word that does not fit `width` bits.
-    """
+    """Return the exact flags (N,) of input words (N, 6).  Raises ValueError for a word that does not fit."""
     words = np.asarray(words, dtype=np.int64)
     half = 2 ** (width - 1)
     if ((words < -half) | (words >= half)).any():
