@@ -27,12 +27,10 @@ class Flag(IntFlag):
 
 TOO_FAR, TOO_NEAR, ON_AXIS, AT_SHOULDER, BAD_LENGTH, SATURATED, BAD_HAND = map(int, Flag)
 
-FLAG_BITS = 8  # width of the flag field; unnamed bits are 0
-
 UNREACHABLE = TOO_FAR | TOO_NEAR | BAD_LENGTH
 """Flags of a target that the hand cannot reach; its pose is clamped."""
 
-ARM_FLAG_BITS = 16  # the same of the whole arm
+FLAG_BITS, ARM_FLAG_BITS = 8, 16  # widths of the flag field of the core and the whole arm; unnamed bits are 0
 OVER_BIT = 9  # bit of over_1: joint 1 is outside its limits
 
 FLAGS = {name.lower(): flag for name, flag in Flag.__members__.items() if flag < 1 << FLAG_BITS}

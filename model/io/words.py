@@ -257,7 +257,7 @@ def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targe
 
 
 def pack(fields: np.ndarray, width: int) -> list[int]:
-    """Return tdata of signed words (N, n), field 0 in the lowest bits.  Raises ValueError for a word that does not fit."""
+    """Return tdata of signed words (N, n), field 0 in the lowest bits.  Raises ValueError for a word too long."""
     half = 2 ** (width - 1)
     array = np.asarray(fields, dtype=np.int64)
     if ((array < -half) | (array >= half)).any():
