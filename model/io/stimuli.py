@@ -439,7 +439,7 @@ def any_hands(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def arithmetic_corners(width: int, tile: int) -> np.ndarray:
-    """Return targets of all magnitudes with few significant bits, and of angles whose sine or cosine sum is one unit below
+    """Return targets of all magnitudes with few significant bits, and angles whose sine or cosine sum is one unit below
     the rounding boundary."""
     sizes = itertools.product(range(0, width - 6, 3), range(width - 11))
     shifted = [(29 << j, -26 << j, -25 << j, -10647, 0, 999 << k) for j, k in sizes]
