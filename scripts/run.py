@@ -128,7 +128,7 @@ def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
     """Return the elbows and wrists (N, 3) of the turned clip, from the shoulder, and of hand poses the orientations
     (N, 4)."""
     clip = turned(item, ran, width)
-    places, arms = clip.positions, [move.arm for move in item.moves]
+    places, arms = clip.positions, [move.limb for move in item.moves]
     found = [[places[:, arm.fore] - places[:, arm.upper] for arm in arms]]
     found += [[places[:, arm.hand] - places[:, arm.upper] for arm in arms]]
     found += [[clips.hands(clip, arm) for arm in arms]] if item.targets.hand is not None else []

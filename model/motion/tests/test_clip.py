@@ -42,7 +42,7 @@ def off(ours, theirs, move):
 def test_hand_and_elbow_of_a_figure(tmp_path, way, width, axis):
     clip = read(figure.write(tmp_path / "clip.bvh", **way))
     moves = followed(clip, axis, width)
-    assert [move.arm.side for move, *_ in moves] == ["left", "right"]
+    assert [move.limb.side for move, *_ in moves] == ["left", "right"]
     for move, qs, qe in moves:
         assert (move.d1[0], move.d2[-1]) == pytest.approx((figure.UPPER, figure.FORE), abs=1e-5)
         elbow, wrist = forward(qs, qe, move.d1, move.d2)
@@ -331,7 +331,7 @@ def test_motion_capture(path, tmp_path):
         torso, upper = conjugate(clip.turn[:, arm.torso]), clip.turn[:, arm.upper]
         own, ours = multiply(torso, upper), multiply(torso, qs)
         fastest = [angle_between(q[1:-1], q[2:]).max() for q in (ours, own)]
-        assert fastest[0] <= 1.5 * fastest[1], move.arm
+        assert fastest[0] <= 1.5 * fastest[1], move.limb
 
 
 # -- the animated file -----------------------------------------------------------------------------
