@@ -394,7 +394,7 @@ def _hinge(along: np.ndarray, normals: np.ndarray) -> np.ndarray:
 
 
 def _roll(axis: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Return the quaternions (F, 4) of rotations about axes (F, 3) that take directions, seen along the axes, to others."""
+    """Return the quaternions (F, 4) of rotations about axes that take start to end, seen along the axes; all (F, 3)."""
     across = np.cross(axis, start)
     along = (start * axis).sum(axis=1) * (end * axis).sum(axis=1)
     half = np.arctan2((across * end).sum(axis=1), (start * end).sum(axis=1) - along) / 2

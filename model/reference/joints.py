@@ -28,7 +28,7 @@ class Branch(IntFlag):
 
 JOINTS = tuple(f"th{k}" for k in range(1, 8))
 
-BRANCHES = tuple(f"branch_{bit.name.lower()}" for bit in Branch)  # bits of a branch, lowest first
+BRANCHES = tuple(f"branch_{name.lower()}" for name in Branch.__members__)  # bits of a branch, lowest first
 
 TURNED = {"th1": BRANCHES[:1], "th3": BRANCHES[:2], "th5": BRANCHES[1:], "th7": BRANCHES[2:]}
 NEGATED = dict(zip(("th2", "th4", "th6"), BRANCHES, strict=True))
