@@ -108,7 +108,7 @@ class Arm:
         if np.isnan(phi).all():
             chosen = self.choose_swivel(poses.position, poses.hand, poses.branch, margin=0.1)
             phi = np.where(np.isnan(chosen), hanging(), chosen)
-        lengths = {"d1": self.d1, "d2": self.d2, "tool": self.tool[None], "default_arm": ()}
+        lengths: dict[str, Any] = {"d1": self.d1, "d2": self.d2, "tool": self.tool[None], "default_arm": ()}
         return replace(poses, phi=phi, hand=q, origin=self.base, frame=conjugate(self.mount), **lengths)
 
     def solve(self, points: ArrayLike, hand: ArrayLike, phi: ArrayLike | None = None, branch: ArrayLike = 0) -> ArmPose:

@@ -141,7 +141,7 @@ def test_iiwa14(tmp_path):
         urdf(tmp_path / "iiwa14.urdf", chain, tip, np.stack((-bounds, bounds), axis=1).tolist()), "base", "tip"
     )
     np.testing.assert_array_equal(IIWA14.limits, arm.limits)
-    one, other = (each.solve(points, q, 0.3, np.arange(200) % 8) for each in (arm, IIWA14))
+    one, other = (robot.solve(points, q, 0.3, np.arange(200) % 8) for robot in (arm, IIWA14))
     assert apart(one.joints, other.joints).max() < 1e-12
     np.testing.assert_array_equal(one.over_limit, other.over_limit)
 

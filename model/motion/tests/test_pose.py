@@ -189,8 +189,8 @@ def test_soft_reach_is_smooth_and_stays_in_reach():
 @pytest.mark.parametrize(("aside", "rows"), [(0.001, [150, 151, 152]), (0.2, [])])
 def test_elbow_jumps_are_found_with_a_better_axis(aside, rows):
     path = np.linspace(-0.3, 0.3, 302), aside, 0.4
-    found, better = elbow_jumps(Targets("path", *path, np.pi, D1, D2))
-    assert found.tolist() == rows
+    jumps, better = elbow_jumps(Targets("path", *path, np.pi, D1, D2))
+    assert jumps.tolist() == rows
     assert not len(elbow_jumps(Targets("path", *path, hanging(better), D1, D2, frame=to_z(better)))[0])
 
 
