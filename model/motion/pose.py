@@ -181,7 +181,8 @@ def solve(
         for name, values in pose.items():
             arrays.setdefault(name, np.empty((count, *values.shape[1:]), values.dtype))[rows] = values
     for name, values in arrays.items():
-        values[missing] = np.nan if values.dtype.kind == "f" else 0
+        if missing is not None:
+            values[missing] = np.nan if values.dtype.kind == "f" else 0
         if name in ("qs", "qe", "qw"):
             arrays[name] = _rolled(order, values, -1)
     return Pose(**arrays, order=order) if hands is None else ArmPose(**arrays, order=order)
@@ -201,8 +202,8 @@ def _check_options(width: int | None, datapath: str, order: str, nan: str) -> No
 
 def _table(
     points: ArrayLike, phi: ArrayLike, d1: ArrayLike, d2: ArrayLike, hands: Hands | None, nan: str
-) -> tuple[Floats, NDArray[np.bool_]]:
-    """Check targets; return them as a table (6, N) with rows as ``FIELDS``, and which of its columns (N,) had a nan.
+) -> tuple[Floats, NDArray[np.bool_] | None]:
+    """Check targets; return them as a table (6, N) with rows as ``FIELDS``, and which columns (N,) had a nan, if any.
 
     Those repeat another column, so that all can be solved.
     """
@@ -218,13 +219,12 @@ def _table(
         raise ValueError(f"numbers of rows do not broadcast: {listed}")
     table = np.empty((len(FIELDS), *counts))
     table[:3], table[3], table[4], table[5] = position.T, *columns
-    missing = np.zeros(table.shape[1], dtype=bool)
-    if hands:
-        missing |= hands.missing
-        table[:, missing] = np.nan
+    missing: Any = None
+    if hands and hands.missing.any():
+        table[0, np.broadcast_to(hands.missing, table.shape[1])] = np.nan
     if np.count_nonzero(np.isfinite(table)) < table.size:
         _refuse(table, np.isinf(table) if nan == "pass" else ~np.isfinite(table), "not finite")
-        missing |= np.isnan(table).any(axis=0)
+        missing = np.isnan(table).any(axis=0)
         table[:, missing] = 1.0 if missing.all() else table[:, [np.argmin(missing)]]
     if np.count_nonzero(table[4:] > 0.0) < table[4:].size:
         _refuse(table, (table <= 0) & (np.arange(len(FIELDS)) > 3)[:, None], "not positive")

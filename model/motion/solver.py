@@ -94,8 +94,9 @@ class Solver(NamedTuple):
         qs, qe = core.results[:4].T, core.results[4:].T
         qs = qs if self.frame is None else multiply(conjugate(self.frame), qs)
         elbow, wrist = kinematics.forward(qs, qe, table[4], table[5])
-        qe = np.pad(qe, ((0, 0), (0, 2)))
-        return {"qs": qs, "qe": qe, "flags": core.flags, "elbow": elbow, "wrist": wrist, "phi": core.phi}
+        whole_qe = np.zeros((len(qe), 4))
+        whole_qe[:, :2] = qe
+        return {"qs": qs, "qe": whole_qe, "flags": core.flags, "elbow": elbow, "wrist": wrist, "phi": core.phi}
 
 
 def _of_hands(point: Floats, qw: Floats, th: Floats, over: NDArray[np.bool_]) -> dict[str, Any]:
