@@ -132,7 +132,7 @@ def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
 
 
 def _check_header(path: str, row: int, header: list[str]) -> list[str]:
-    """Return the names of the columns, those of targets in lower case.  Raises TargetError."""
+    """Return the names of the columns; columns of targets get lower case.  Raises TargetError."""
     columns = [cell.strip() for cell in header]
     of_hands = OF_HANDS if {column.lower() for column in columns} & set(QUATERNION) else ()
     columns = [column.lower() if column.lower() in (*FIELDS, *of_hands) else column for column in columns]

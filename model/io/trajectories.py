@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Built-in trajectories: 100 targets each, in metres and radians.
 
-Frame and swivel angle are those of docs/targets.md; the arm is a right arm.  All but `out_of_reach` stay within reach.
+docs/targets.md defines frame and swivel angle; the arm is a right arm.  Only `out_of_reach` leaves the reach.
 
     python -m model.io.trajectories NAME > FILE.csv      write one as a target file
 """
@@ -47,7 +47,7 @@ def describe(name: str) -> str:
 def _registered(place: dict[str, Callable[[], Targets]], function: Callable[[], tuple]) -> Callable[[], tuple]:
     """Register a trajectory under the name of its function.
 
-    It returns positions (N, 3) in m and swivel angles (rad), then d1, d2 (m) if not those of the default arm, then for
+    It returns positions (N, 3) in m and swivel angles (rad), then d1, d2 (m) unless the arm is the default, then for
     hand poses orientations (N, 4) and the tool (m).
     """
 

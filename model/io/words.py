@@ -176,7 +176,7 @@ def scale_exponent(targets: Targets, width: int) -> int:
     """Return the exponent e of the host's scaling: the core works on lengths times 2^e.
 
     The largest reach d1+d2 comes to [1, 2). Where a coordinate would then leave [-2, 2), e is lowered by at most
-    `HEADROOM_BITS`, at the cost of as many bits of precision.
+    `HEADROOM_BITS`, each at the cost of one bit of precision.
 
     Raises TargetError for a coordinate beyond that, and for an arm length whose word would be 0.
     """
@@ -306,7 +306,7 @@ class Records:
         return (np.column_stack([column.astype(np.int64) for column in columns]) & 0xFFFFFFFF).astype("<u4").tobytes()
 
     def _unpacked(self, records: bytes, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the first signed words (N, count) of records but for the tags', and the tags' words (N,)."""
+        """Return the first signed words (N, count) of records, tags excepted, and the tags' words (N,)."""
         table = np.frombuffer(records, dtype="<i4").astype(np.int64).reshape(-1, self.size // 4)
         return np.delete(table, self.tag, axis=1)[:, :count], table[:, self.tag]
 

@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 class ArmWords(NamedTuple):
     """Output of ``ik_arm`` for n hand poses.
 
-    * results (6, n): Qs and Qe, as ``RESULT_FIELDS``; flags (n,): those of the wrist and the hand
+    * results (6, n): Qs and Qe, as ``RESULT_FIELDS``; flags (n,), without over_limit
     * phi (n,): the swivel angle that the words represent, rad
     * qw (4, n): wrist quaternion; joints (7, n): rad; over_limit (7, n)
     """
@@ -51,7 +51,7 @@ class Hands:
     * q (4, N): orientations, unit quaternions w, i, j, k
     * tool (N,): distance from the wrist to the hand's point, along the hand's z axis
     * branch (N,): bits of :class:`Branch`
-    * missing (N,): poses with a nan in hand or tool, which have substitutes here
+    * missing (N,): poses with a nan in hand or tool, replaced here
     """
 
     q: Floats

@@ -206,8 +206,8 @@ def _intervals(ends, flexion, bounds, branch, unreachable):
         intervals[..., side][present] = roots[row, place // 2]
     wrapped = intervals[:, :1, 1] < intervals[:, :1, 0]  # the first end belongs to the last interval
     for n in np.flatnonzero(wrapped[:, 0]) if wrapped.size else ():
-        ends = intervals[n, : counts[n], 1]
-        ends[:] = np.append(ends[1:], ends[0] + TURN)
+        lasts = intervals[n, : counts[n], 1]
+        lasts[:] = np.append(lasts[1:], lasts[0] + TURN)
     return intervals, fewest
 
 
