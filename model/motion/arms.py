@@ -8,7 +8,7 @@ in are `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, a left arm with anatomica
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
@@ -175,16 +175,26 @@ class Arm:
                 for side in ("parent", "child")
             )
             base, tip = base or _only("base", parents - children), tip or _only("tip", children - parents)
-            names, axes, points, limits, end = _chain(robot, base, tip)
-            return cls(**_from_axes(np.array(axes), np.array(points), end), limits=limits, names=names)
+            chain = _chain(robot, base, tip)
+            return cls(**_from_axes(chain.axes, chain.points, chain.end), limits=chain.limits, names=chain.names)
         except (ElementTree.ParseError, KeyError) as error:
             raise ValueError(f"{path}: not a URDF file: {error}") from None
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
 
 
-def _chain(robot: ElementTree.Element, base: str, tip: str) -> tuple[list, list, list, list, Floats]:
-    """Return names, axes, points and limits of the joints of a URDF between two links, and the tip (4, 4), all at 0."""
+class _Chain(NamedTuple):
+    """Seven joints with axes (7, 3) through points (7, 3), and the tip's frame (4, 4), all joints at 0."""
+
+    names: list[str]
+    axes: Floats
+    points: Floats
+    limits: list[list[float]]
+    end: Floats
+
+
+def _chain(robot: ElementTree.Element, base: str, tip: str) -> _Chain:
+    """Return the joints of a URDF between two links."""
     above = {
         _attributes(joint, "child")["link"]: joint for joint in robot.iter("joint") if joint.find("child") is not None
     }
@@ -217,7 +227,7 @@ def _chain(robot: ElementTree.Element, base: str, tip: str) -> tuple[list, list,
         limits.append([_numbers(joint, "limit", *side)[0] for side in sides])
     if len(names) != 7:
         raise ValueError(f"{len(names)} joints between {base} and {tip}; an arm has 7")
-    return names, axes, points, limits, frame
+    return _Chain(names, np.array(axes), np.array(points), limits, frame)
 
 
 def _only(what: str, links: set[str]) -> str:

@@ -12,6 +12,7 @@ Arrays here have components first: quaternions (4, N), angles (7, N) in radians,
 """
 
 from enum import IntFlag
+from typing import NamedTuple
 
 import numpy as np
 
@@ -88,8 +89,17 @@ def angles(qs, th4, qw, branch=0):
     return branched(th, branch) if np.any(branch) else th
 
 
+class Turns(NamedTuple):
+    """Arguments of :func:`angles`: Qs (4, N), th4 (N,), Qw (4, N), branch."""
+
+    qs: np.ndarray
+    th4: np.ndarray
+    qw: np.ndarray
+    branch: np.ndarray
+
+
 def bent(qs, th4, qw, branch, upper, fore):
-    """Return Qs, th4, Qw and the branch for bent links.
+    """Return the turns of the axes for bent links.
 
     upper, fore (4,): upper arm in the frame of axis 3, frame of axis 5 in the forearm's. The elbow's other solution
     turns the bones by pi about themselves, which changes all joints.
@@ -98,7 +108,7 @@ def bent(qs, th4, qw, branch, upper, fore):
     half, back = np.array((0.0, 0.0, 0.0, 1.0)), np.array((0.0, 0.0, 0.0, -1.0))
     qs, qw = np.where(other, product(qs, half), qs), np.where(other, product(back, qw), qw)
     qs, qw = product(qs, conjugate(upper)), product(conjugate(fore), qw)
-    return qs, np.where(other, -th4, th4), qw, branch & ~Branch.ELBOW
+    return Turns(qs, np.where(other, -th4, th4), qw, branch & ~Branch.ELBOW)
 
 
 def turned(a, b, c):

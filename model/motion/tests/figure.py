@@ -120,8 +120,10 @@ def kinematics(clip):
 
 
 def compare(path, again, free=(), positions=1e-6, angles=1e-6, frames=slice(None)):
-    """Check that a written clip has the original's nodes, positions, relative to the size of the body, and orientations,
-    rad.  `free` joints, by number, may move and turn."""
+    """Check that a written clip has the original's nodes, positions (relative to the body's size) and orientations (rad).
+
+    `free` joints, by number, may move and turn.
+    """
     clip, clip_again = read(Path(path)), read(Path(again))
     (places, turns), (places_again, turns_again) = kinematics(clip), kinematics(clip_again)
     assert clip.nodes == clip_again.nodes and clip.table.shape == clip_again.table.shape
