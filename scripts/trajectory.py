@@ -301,7 +301,7 @@ def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
     """Return the elbows and wrists (N, 3) of the turned clip, from the shoulder, and of hand poses the orientations
     (N, 4)."""
     clip = turned(item, ran, width)
-    at, limbs = clip.positions, [move.arm for move in item.moves]
+    at, limbs = clip.positions, [move.limb for move in item.moves]
     by_limb = [[at[:, limb.fore] - at[:, limb.upper] for limb in limbs]]
     by_limb += [[at[:, limb.hand] - at[:, limb.upper] for limb in limbs]]
     by_limb += [[clips.hands(clip, limb) for limb in limbs]] if item.targets.hand is not None else []

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..dataflow import fixed
+from ..dataflow.datapaths import DEFAULT
 from ..dataflow.expressions import EXACT
 from ..dataflow.nodes import Node
 from ..io.words import ARMS, RESULT_FIELDS
@@ -60,7 +61,7 @@ CORNERS = 32
 """Number of random combinations of rounding ends that :func:`hand_bar` tries besides the first-order worst case."""
 
 
-def hand_bar(words: np.ndarray, width: int, datapath: str = "paper") -> np.ndarray:
+def hand_bar(words: np.ndarray, width: int, datapath: str = DEFAULT) -> np.ndarray:
     """Return the largest hand error / reach explained by the roundings of a datapath, for input words (N, 6); shape
     (N,).
 

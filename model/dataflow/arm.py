@@ -22,7 +22,8 @@ K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  Bits
 turn or negate them, as in :mod:`model.reference.joints`.  over_k: th_k is outside its limits, exactly.
 """
 
-from ..io.words import BRANCHES, JOINTS, RESULT_FIELDS
+from ..io.words import JOINTS, RESULT_FIELDS
+from ..reference.joints import NEGATED, TURNED
 from . import choices
 from .angles import Angle, Gained
 from .annotations import SAME, Growth, Limited, Within
@@ -49,11 +50,6 @@ TURN = Within(-1.0, 1.0, "a binary angle, which wraps", below=True)
 GAINED = Within(0.0, 1.68, "K times the length of two parts, K = 1.6468")
 
 ROUNDED_SUM = Growth(added=True)
-
-TURNED = {"th1": BRANCHES[:1], "th3": BRANCHES[:2], "th5": BRANCHES[1:], "th7": BRANCHES[2:]}
-NEGATED = dict(zip(("th2", "th4", "th6"), BRANCHES, strict=True))
-"""Joint -> the bits of the branch that turn it by half a turn, or the bit that negates it."""
-
 
 MOST_H = "66049/65536"
 """Largest squared length of a good hand: (1 + 2^-8)^2."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..io.words import FIELDS
 from . import arm
-from .datapaths import MODELS
+from .datapaths import DEFAULT, MODELS
 from .nodes import Dataflow, Limits, Node
 
 FIFO_CLOCKS = 2
@@ -60,7 +60,7 @@ class Answer:
     bits: Bits
 
 
-def run(words: np.ndarray, width: int, datapath: str = "paper", branch=0, limits: Limits | None = None) -> Answer:
+def run(words: np.ndarray, width: int, datapath: str = DEFAULT, branch=0, limits: Limits | None = None) -> Answer:
     """Run N targets, input words in the order of the datapath's inputs, through a datapath.
 
     For the whole arm: ``branch``, a number or (N,), and the joints' limits, seven pairs of words; none by default.

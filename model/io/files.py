@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Target files: CSV with a header, in the user's units; and atomic writing of any file.
 
-Every error in a file is a `TargetError`, whose text is one line that names file, row, column and value.
+A `TargetError` is one line that names file, row, column and value.
 """
 
 import codecs
@@ -20,12 +20,11 @@ from .words import DEFAULT_D1, DEFAULT_D2, FIELDS, LENGTH_TOLERANCE, TargetError
 
 REQUIRED = ("x", "y", "z")
 QUATERNION = ("qw", "qx", "qy", "qz")
-OF_HANDS = (*QUATERNION, "tool", "branch")
-"""Columns of a hand's orientation; with it tool and branch may stand as well."""
+OF_HANDS = (*QUATERNION, "tool", "branch")  # columns of hand poses; the last two are optional
 
 SEPARATORS = (",", ";", "\t")
 
-Place = Callable[[Path], Path]  # function that returns where to write a file for now
+Place = Callable[[Path], Path]  # path -> temporary path to write to
 
 # Other forms that float() accepts (underscores, non-ASCII digits) are errors in a target file.
 _NUMBER = re.compile(r"[+-]?(([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?|nan|inf|infinity)", re.IGNORECASE)
@@ -36,14 +35,8 @@ def read_csv(
 ) -> Targets:
     """Read targets from a CSV file with a header.
 
-    Columns x, y, z are required; phi (rad), d1 and d2 are optional and default to the arguments (None: the default arm,
-    a phi of nan; pi: the elbow below). Columns may be in any order, with names in either case; other columns are kept
-    for the results file, and a column arm names the arm of each row. With qw, qx, qy, qz, unit quaternions, x, y, z are
-    the hand's points; tool and branch are then optional, and default to 0. Cells are separated by commas, semicolons
-    (then a comma may also be the decimal point) or tabs, whichever the header uses. A byte order mark, CRLF, blank
-    lines and lines that begin with # are accepted. Row numbers in messages are line numbers, as in an editor.
-
-    Raises TargetError for any error in the file or in a value.
+    docs/targets.md describes the file. d1, d2, phi (rad) replace columns that it lacks; None stands for the default arm
+    and for a phi of nan. Rows in messages are line numbers, as in an editor. Raises TargetError.
     """
     path = os.fspath(path)
     defaults = {
@@ -76,7 +69,7 @@ def read_csv(
                 others[column].append(cell)
             else:
                 values[column][n] = _parse(path, row, column, cell, separator)
-    default_arm = tuple(name for name, given in (("d1", d1), ("d2", d2)) if given is None and name not in columns)
+    default_arm = tuple(name for name, d in (("d1", d1), ("d2", d2)) if d is None and name not in columns)
     lines = np.array([row for row, _ in rows[1:]])
     arm = next((np.array(cells) for name, cells in others.items() if name.lower() == "arm"), None)
     others |= {column: [repr(v) for v in values[column].tolist()] for column in of_hands if column in values}
@@ -86,7 +79,7 @@ def read_csv(
 
 
 def _hands(path: str, rows: np.ndarray, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return the fields of targets with hands from the columns of :data:`OF_HANDS`, if there are any."""
+    """Return the fields of targets that come from the columns of :data:`OF_HANDS`, if there are any."""
     if not values:
         return {}
     q = np.column_stack([values[column] for column in QUATERNION])
@@ -106,7 +99,7 @@ def _hands(path: str, rows: np.ndarray, values: dict[str, np.ndarray]) -> dict[s
 
 
 def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
-    """Return the rows that are not blank or comments, each with its first line number, and the cell separator."""
+    """Return rows with their first line numbers, without blank rows and comments, and the separator of cells."""
     try:
         data = Path(path).read_bytes()
     except FileNotFoundError:
@@ -139,8 +132,7 @@ def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
 
 
 def _check_header(path: str, row: int, header: list[str]) -> list[str]:
-    """Return the column names in the file's order, target columns in lower case. Raises TargetError for repeated, empty
-    or missing ones."""
+    """Return the names of the columns; columns of targets get lower case.  Raises TargetError."""
     columns = [cell.strip() for cell in header]
     of_hands = OF_HANDS if {column.lower() for column in columns} & set(QUATERNION) else ()
     columns = [column.lower() if column.lower() in (*FIELDS, *of_hands) else column for column in columns]
@@ -157,7 +149,7 @@ def _check_header(path: str, row: int, header: list[str]) -> list[str]:
 
 
 def _length_error(path: str, row: int, cells: list[str], columns: list[str]) -> TargetError:
-    """Return the error for a row whose number of cells differs from the header's."""
+    """Return the error of a row with more or fewer cells than the header."""
     count = f"the header has {len(columns)} columns, this row has {len(cells)}"
     if len(cells) > len(columns):
         extra = len(columns)
@@ -180,7 +172,7 @@ def _parse(path: str, row: int, column: str, cell: str, separator: str) -> float
 
 
 def number(text: str) -> float:
-    """Return the finite number in a text. Raises ValueError, even for text that float() accepts, such as 1_0."""
+    """Return a text as a finite number.  Raises ValueError, even for forms that float() accepts, such as 1_0."""
     value = float(text) if _NUMBER.fullmatch(text) else math.nan
     if not math.isfinite(value):
         raise ValueError(f"{text!r} is not a finite number")
@@ -197,8 +189,7 @@ def _value_reason(column: str, value: float) -> str | None:
 
 
 def format_csv(targets: Targets) -> str:
-    """Return the text of a target file, exact to the last bit: a header with all six columns (hand poses: the columns
-    :data:`OF_HANDS` as well) and one row per target."""
+    """Return the text of a target file, exact to the last bit."""
     cells = {field: [*map(repr, getattr(targets, field).tolist())] for field in FIELDS}
     cells |= {column: targets.others[column] for column in OF_HANDS if column in targets.others}
     lines = [",".join(cells), *map(",".join, zip(*cells.values(), strict=True))]
@@ -207,11 +198,10 @@ def format_csv(targets: Targets) -> str:
 
 @contextlib.contextmanager
 def whole_files() -> Iterator[Place]:
-    """Yield a function that returns a temporary path in the folder of a path; rename all temporary files at the end, or
-    remove them after an error.
+    """Yield a function path -> temporary path in the same folder; rename all files at the end, or remove them after an
+    error, so that either all old or all new files remain.
 
-    After Ctrl-C or on a full disk the user finds all the old files, otherwise all the new ones. An OSError names the
-    path, without a filename the one asked for last.
+    The filename of an OSError is the path, or if it has none the last path.
     """
     paths: dict[str, Path] = {}
 
@@ -236,6 +226,6 @@ def whole_files() -> Iterator[Place]:
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
-    """Write a file in one step. Raises OSError, whose filename is `path`."""
+    """Write a file in one step.  Raises OSError, whose filename is `path`."""
     with whole_files() as temporary:
         temporary(path).write_bytes(content.encode() if isinstance(content, str) else content)

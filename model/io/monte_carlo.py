@@ -18,9 +18,9 @@ CHUNK = 20000  # targets in one chunk
 
 def chunk(number: int, count: int, width: int, seed: int) -> np.ndarray:
     """Return the ``number``-th chunk of random targets: 3/4 in reach, 1/8 clamped, 1/8 most likely to overflow."""
-    own = seed + 1000003 * number
-    parts = [unreachable(count // 8, width, own), edges(count // 8, width, own)]
-    parts.append(random_reachable(count - sum(map(len, parts)), width, own))
+    seed += 1000003 * number
+    parts = [unreachable(count // 8, width, seed), edges(count // 8, width, seed)]
+    parts.append(random_reachable(count - sum(map(len, parts)), width, seed))
     return np.concatenate(parts)
 
 
@@ -36,7 +36,10 @@ class Seen:
 
 @dataclass
 class Observed:
-    """Observations of all nodes.  Targets with a node beyond its format are only counted, in ``beyond``."""
+    """Observations of all nodes.
+
+    * beyond: number of targets, not observed otherwise, in which a node is beyond its format; first: the first of them
+    """
 
     nodes: dict[str, Seen] = field(default_factory=dict)
     beyond: dict[str, int] = field(default_factory=dict)
@@ -50,8 +53,8 @@ def shown(nodes: dict[str, Node]) -> list[str]:
 
 
 def observe(into: Observed, words: np.ndarray, width: int) -> None:
-    """Run targets through the bit-true model and in double precision; add ranges and errors to ``into``."""
-    bits = fixed.run(words, width).bits
+    """Run targets in words and in double precision; add ranges and errors to ``into``."""
+    bits = fixed.run(words, width, "paper").bits
     clamped = np.asarray(bits.nodes["clamp"].value).astype(bool)
     good = np.ones(len(words), dtype=bool)
     for name, node in bits.nodes.items():

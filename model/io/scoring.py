@@ -1,19 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scores of a trajectory run through the core: the hand's error, and whether it meets the bar.
+"""Scores of a trajectory run through the core: errors, and whether they meet the tolerances.
 
-Comparisons:
-
-* the hand: forward kinematics of the core's quaternions, with the user's arm, against the user's target;
-  quantisation of the target therefore counts as an error of the core
-* the hand of a pose: its point and orientation, by forward kinematics of the seven joint angles, against the user's
+* the hand: the wrist by forward kinematics of the core's quaternions, or of hand poses the point and orientation by
+  forward kinematics of the joints, against the user's target; so quantisation of the target counts as an error
 * angles and elbow point: against double precision at the core's input words
-* an unreachable target: the hand against the clamped pose's, separately from the reachable targets
+* an unreachable target: the hand against the clamped pose's, apart from the reachable targets
 
-Lengths are scaled by the power of two from `targets.scale_exponent` before anything is squared, so arms in any unit are
-scored alike; errors of the hand and the elbow are relative to d1+d2.
-
-The bar for an error comes from one table, `model.bounds.tolerances`, unless the user requests an accuracy. Without
-either, `outcome` states that no accuracy was requested.
+Lengths are scaled by the power of two from `words.scale_exponent` before anything is squared, so arms in any unit are
+scored alike.  Tolerances come from `model.bounds.tolerances`, unless the user requests an accuracy.
 """
 
 import csv
@@ -44,7 +38,7 @@ def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
 
     The singularities are: wrist and elbow on the z axis (either pole; the distance is the angle to it), and the half
     angles theta_3/2 and theta_4/2 at 0 or pi/2, where a square root in (14) or (17) ends at 0; theta_4 is the elbow's.
-    An unreachable target has a straight or folded arm. Raises ValueError for lengths outside `equations.LENGTH_RANGE`.
+    Raises ValueError for lengths outside `equations.LENGTH_RANGE`.
     """
     pose = solve_clamped(targets.x, targets.y, targets.z, targets.phi, targets.d1, targets.d2)
     wrist = np.arctan2(np.hypot(targets.x, targets.y), np.abs(targets.z))
@@ -69,8 +63,7 @@ def singular_distance(targets: Targets) -> np.ndarray:
 
 def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
     """Return the hand errors / reach (N,) of answers (N, 6)."""
-    answers = np.asarray(answers, dtype=np.float64)
-    wrist = forward(answers[:, :4], answers[:, 4:], targets.d1, targets.d2)[1]
+    _, wrist = forward(answers[:, :4], answers[:, 4:], targets.d1, targets.d2)
     return np.linalg.norm(wrist - targets.position, axis=1) / targets.reach
 
 
@@ -79,10 +72,15 @@ def model_errors(words: np.ndarray, width: int, datapath: str) -> tuple[np.ndarr
     (N,), and the largest difference of a joint angle from double precision (rad)."""
     values = result_values(fixed.run(words, width, datapath).results, width)
     asked = from_words(words, 0, width, "words")
-    found = solve_lean(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
-    pose = np.column_stack([found[name] for name in RESULT_FIELDS])
-    elbow = angle_between(*(np.pad(each[:, 4:], ((0, 0), (0, 2))) for each in (values, pose)))
-    return hand_errors(values, asked), max(angle_between(values[:, :4], pose[:, :4]).max(), elbow.max())
+    pose = solve_lean(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
+    exact = np.column_stack([pose[name] for name in RESULT_FIELDS])
+    elbow = angle_between(_whole(values[:, 4:]), _whole(exact[:, 4:]))
+    return hand_errors(values, asked), max(angle_between(values[:, :4], exact[:, :4]).max(), elbow.max())
+
+
+def _whole(q: np.ndarray) -> np.ndarray:
+    """Return quaternions (N, 4) of their first two components, or of all."""
+    return np.pad(q, ((0, 0), (0, 4 - q.shape[1])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,11 +100,10 @@ class Hand:
 
 @dataclass(frozen=True, eq=False)
 class Each:
-    """Score components per target: points (N, 3) in scaled lengths and the user's frame; errors (N,), relative to the
-    reach (with a hand's tool) or in rad.
+    """Figures of each target: points (N, 3) in scaled lengths and the user's frame; errors (N,), relative to the reach
+    (with a hand's tool) or in rad.
 
-    `hand_error` is against the target; for an unreachable one (`clamped`), `judged_error` is against the nearest pose
-    instead.
+    `judged_error` is `hand_error`, but of an unreachable target (`clamped`) it is against the nearest pose.
     """
 
     elbow: np.ndarray
@@ -124,12 +121,11 @@ class Each:
 class Score:
     """Scores of one trajectory; all but `each` are stored in score.json under the same names.
 
-    Errors named `_max` and `_rms` are over the reachable targets and None when there are none; `clamped_error` is over
-    the unreachable targets. `hand_error_bar` and `clamped_error_bar` are their limits, None without one.
-    `hand_error_over_bar` is the largest error in units of its bar. `hand_error_target` is the number of the target with
-    the largest error and `hand_error_pose` its distance from the nearest singular pose. `failures` is empty exactly
-    when `passed`, and `outcome` states the requested and the measured accuracy. Orientations, and `over_limit`, the
-    number of targets with a joint outside its limits, are of hand poses only.
+    * `_max`, `_rms`: over the reachable targets, None when there are none; `clamped_error`: over the others
+    * `_bar`: the tolerance of an error, None without one; `hand_error_over_bar`: the largest error in units of it
+    * `hand_error_target`: the target with the largest error; `hand_error_pose`: how near it is to a singular pose
+    * `outcome`: the required and the measured accuracy; `failures` is empty exactly when `passed`
+    * `orientation_error`, `over_limit`, the number of targets with a joint outside its limits: hand poses only
     """
 
     trajectory: str
@@ -188,17 +184,15 @@ def score(
 ) -> Score:
     """Score the core's results.
 
-    * targets: N of them, in the user's units
-    * words (N, 6), or of hands (N, 12), exponent: output of `targets.to_words`
+    * targets: N of them, in the user's units; words, exponent: output of `words.to_words`
     * run: the core's output, with the attributes of `tb.sim.job.Run`
-    * predicted (N,): hand error / reach explained by word length and conditioning; None if not computed
-    * bar: hand error / reach requested by the user, replacing the table of tolerances
+    * predicted (N,): hand error / reach that rounding can cause; None if not computed
+    * bar: hand error / reach requested by the user, in place of the table of tolerances
     * placed: elbows and wrists (N, 3) to score, from the shoulder, in the user's units, and orientations (N, 4) of
       hands without a tool; by default from forward kinematics
-    * limits: of the joints of hand poses, words; none by default
+    * limits: words, of the joints of hand poses; none by default
 
-    Raises ValueError for arrays whose shapes do not match, since a lost result would otherwise go undetected, and for a
-    prediction that is not positive and finite.
+    Raises ValueError for arrays whose shapes do not match, and for a prediction that is not positive and finite.
     """
     count, path = len(targets), MODELS[datapath]
     shapes: dict[str, tuple[int, ...]] = {"words": (count, len(path.inputs) + bool(path.side))}
@@ -224,7 +218,7 @@ def score(
     if placed is not None:
         elbow, wrist = (np.ldexp(targets.points_to_core(points), exponent) for points in placed[:2])
     _, pose_wrist = forward(pose_qs, pose_qe, asked.d1, asked.d2)
-    end, nearest, size, table, of_hand, turn_bar = wrist, pose_wrist, reach, None, None, None
+    end, nearest, size, table, of_hand, turn_tolerance = wrist, pose_wrist, reach, None, None, None
     if path.side:
         of_hand = _hand(targets, exponent, value, width, limits)
         if placed is not None:
@@ -232,14 +226,14 @@ def score(
             of_hand = dataclasses.replace(of_hand, point=wrist, orientation_error=turn)
         tool, end = np.ldexp(targets.tool, exponent), of_hand.point
         size, nearest = reach + np.linalg.norm(tool, axis=1), pose_wrist + rotate(targets.core_hand, tool)
-        table, turn_bar = tolerances.pose(words, width, np.ldexp(np.linalg.norm(tool[:, :2], axis=1), width - 2))
+        table, turn_tolerance = tolerances.pose(words, width, np.ldexp(np.linalg.norm(tool[:, :2], axis=1), width - 2))
         table = np.ldexp(table, 2 - width) / size
         expected = expected | (of_hand.over_limit << flag_bits.OVER_BIT + np.arange(len(JOINTS))).sum(axis=1)
     hand_error = np.linalg.norm(end - np.ldexp(targets.core_position, exponent), axis=1) / size
     clamped_error = np.linalg.norm(end - nearest, axis=1) / size
     elbow_error = np.linalg.norm(elbow - pose_elbow, axis=1) / reach
     shoulder_angle = angle_between(qs, pose_qs)
-    elbow_angle = angle_between(*(np.pad(q, ((0, 0), (0, 2))) for q in (qe, pose_qe)))
+    elbow_angle = angle_between(_whole(qe), _whole(pose_qe))
     qs_norm = np.abs((qs**2).sum(axis=1) - 1)
     qe_norm = np.abs((qe**2).sum(axis=1) - 1)
 
@@ -250,10 +244,10 @@ def score(
     distance = np.min(list(distances.values()), axis=0)
     if bar is None and not path.side:
         bar = tolerances.hand(width, datapath, regular=bool((distance >= tolerances.REGULAR_DISTANCE).all()))
-    bars = table if bar is None else np.full(count, bar)
+    tolerance = table if bar is None else np.full(count, bar)
     worst = int(np.argmax(np.where(reachable, hand_error, -1.0))) if reachable.any() else None
     nearest_singular = "" if worst is None else min(distances, key=lambda what: distances[what][worst])
-    norm_bar = tolerances.norm(width, datapath)
+    norm_tolerance = tolerances.norm(width, datapath)
     everywhere = np.ones(count, dtype=bool)
 
     clocks = None if run.total_cycles is None else run.total_cycles - (run.latency_cycles or 0)
@@ -263,11 +257,11 @@ def score(
     failures = [
         *([mismatch] if run.bit_mismatches else []),
         *_flag_failures(np.asarray(run.flags), expected),
-        *_bar_failures("hand error", hand_error, bars, reachable),
-        *_bar_failures("error of the clamped hand", clamped_error, bars, clamped),
-        *(_bar_failures("orientation error", of_hand.orientation_error, turn_bar, everywhere) if of_hand else ()),
-        *_bar_failures("abs(norm^2-1) of Qs", qs_norm, norm_bar, everywhere),
-        *_bar_failures("abs(norm^2-1) of Qe", qe_norm, norm_bar, everywhere),
+        *_large_errors("hand error", hand_error, tolerance, reachable),
+        *_large_errors("error of the clamped hand", clamped_error, tolerance, clamped),
+        *(_large_errors("orientation error", of_hand.orientation_error, turn_tolerance, everywhere) if of_hand else ()),
+        *_large_errors("abs(norm^2-1) of Qs", qs_norm, norm_tolerance, everywhere),
+        *_large_errors("abs(norm^2-1) of Qe", qe_norm, norm_tolerance, everywhere),
     ]
     largest, furthest = _max(hand_error, reachable), _max(clamped_error, clamped)
     judged, at = np.where(clamped, clamped_error, hand_error), targets.points_from_core
@@ -283,20 +277,20 @@ def score(
         bit_mismatches=int(run.bit_mismatches),
         hand_error_max=largest,
         hand_error_rms=float(np.sqrt(np.mean(hand_error[reachable] ** 2))) if reachable.any() else None,
-        hand_error_bar=None if bars is None or worst is None else float(bars[worst]),
+        hand_error_bar=None if tolerance is None or worst is None else float(tolerance[worst]),
         hand_error_predicted=None if predicted is None else _max(predicted, reachable),
-        hand_error_over_bar=None if bars is None else _max(hand_error / bars, reachable),
+        hand_error_over_bar=None if tolerance is None else _max(hand_error / tolerance, reachable),
         hand_error_target=worst,
         hand_error_pose=None if worst is None else f"{distance[worst]:.3f} rad from singular: {nearest_singular}",
         orientation_error_max=_max(of_hand.orientation_error, everywhere) if of_hand else None,
-        orientation_error_bar=turn_bar,
+        orientation_error_bar=turn_tolerance,
         angle_error_max=_max(np.maximum(shoulder_angle, elbow_angle), reachable),
         shoulder_angle_error_max=_max(shoulder_angle, reachable),
         elbow_angle_error_max=_max(elbow_angle, reachable),
         elbow_point_error_max=_max(elbow_error, reachable),
         norm_error_max=float(np.max([qs_norm, qe_norm])),
         clamped_error_max=furthest,
-        clamped_error_bar=None if bars is None else _max(bars, clamped & (clamped_error == furthest)),
+        clamped_error_bar=None if tolerance is None else _max(tolerance, clamped & (clamped_error == furthest)),
         singular_distance_min=float(distance.min()),
         latency_cycles=run.latency_cycles,
         total_cycles=run.total_cycles,
@@ -306,7 +300,7 @@ def score(
         over_limit=int(of_hand.over_limit.any(axis=1).sum()) if of_hand else None,
         scale_exponent=int(exponent),
         passed=not failures,
-        outcome=_outcome(not failures, None if bars is None else float(bars[judged.argmax()]), float(judged.max())),
+        outcome=_outcome(not failures, tolerance, judged),
         failures=tuple(failures),
         each=each,
     )
@@ -327,18 +321,19 @@ def _max(values: np.ndarray, where: np.ndarray) -> float | None:
     return float(values[where].max()) if where.any() else None
 
 
-def _outcome(passed: bool, bar: float | None, error: float) -> str:
-    """Describe the limit of the error and the largest error."""
-    verdict = "pass" if passed else "FAIL"
-    if bar is None:
+def _outcome(passed: bool, tolerance: np.ndarray | None, errors: np.ndarray) -> str:
+    """Describe the largest error and its tolerance."""
+    verdict, n = "pass" if passed else "FAIL", errors.argmax()
+    error = f"error {errors[n]:.1e} of the reach"
+    if tolerance is None:
         bits = "bits, flags and norms are right" if passed else "bits, flags or norms are wrong"
-        return f"{verdict}: {bits}; error {error:.1e} of the reach, no limit"
-    rest = "" if passed or error > bar else ", but bits, flags or norms are wrong"
-    return f"{verdict}: error {error:.1e} of the reach, limit {bar:.3g}{rest}"
+        return f"{verdict}: {bits}; {error}, no limit"
+    rest = "" if passed or errors[n] > tolerance[n] else ", but bits, flags or norms are wrong"
+    return f"{verdict}: {error}, limit {tolerance[n]:.3g}{rest}"
 
 
 def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
-    """Report flags that differ from the expected ones; `saturated` is reserved, and never expected."""
+    """Report the first target with other flags than expected, if any."""
     wrong = flags != expected
     if not wrong.any():
         return []
@@ -349,17 +344,15 @@ def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
     ]
 
 
-def _bar_failures(what: str, error: np.ndarray, bar: float | np.ndarray | None, where: np.ndarray) -> list[str]:
-    """Report the target with the largest error above its bar, one for all or (N,), if any."""
-    bars = np.broadcast_to(np.inf if bar is None else bar, error.shape)
-    above = where & (error > bars)
+def _large_errors(what: str, error: np.ndarray, most: float | np.ndarray | None, where: np.ndarray) -> list[str]:
+    """Report the target with the largest error above the tolerance, one for all or (N,), if any."""
+    tolerance = np.broadcast_to(np.inf if most is None else most, error.shape)
+    above = where & (error > tolerance)
     if not above.any():
         return []
     n = int(np.argmax(np.where(above, error, 0.0)))
-    return [
-        f"{what} {error[n]:.3g} at target {n} is {error[n] / bars[n]:.3g} times its bar {bars[n]:.3g}"
-        f" ({np.count_nonzero(above)} targets above)"
-    ]
+    times = f"{error[n] / tolerance[n]:.3g} times its tolerance {tolerance[n]:.3g}"
+    return [f"{what} {error[n]:.3g} at target {n} is {times} ({np.count_nonzero(above)} targets above)"]
 
 
 # -- files -----------------------------------------------------------------------------------------
@@ -369,11 +362,8 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
     """Return the contents of results.csv and, with the same data as arrays, of results.npz, by suffix.
 
     CSV: one row per target in input order, lengths in the user's unit and frame, angles in rad, followed by the other
-    columns of the target file and by `more` (N,). Every float is written so that reading it gives the same bits. The
-    bytes depend on the arguments only, so the files of two simulators can be compared.
-
-    Arrays: points, elbow, wrist (N, 3), phi, d1, d2, flags, hand_error (N,), qs, qe (N, 4) as w, i, j, k with signs
-    that make them continuous; of hand poses also qw, joints and over_limit (N, 7), orientation_error, and `more`.
+    columns of the target file and by `more` (N,). Floats are written so that reading them gives the same bits.
+    docs/targets.md lists columns and arrays.
     """
     value = dict(zip(MODELS[result.datapath].results, result_values(run.results, result.width).T, strict=True))
     qs = targets.from_core(np.column_stack([value[name] for name in RESULT_FIELDS[:4]]))
@@ -389,7 +379,7 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
     columns |= {"hand_error": hand_error} | ({"orientation_error": hand.orientation_error} if hand else {})
     columns |= dict(zip(("elbow_x", "elbow_y", "elbow_z"), elbow.T, strict=True))
     cells: dict[str, list] = {name: column.tolist() for name, column in columns.items()}
-    cells |= {name: own for name, own in targets.others.items() if name not in cells}
+    cells |= {name: column for name, column in targets.others.items() if name not in cells}
     cells |= {name: column.tolist() for name, column in (more or {}).items()}
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -399,8 +389,7 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
     arrays |= {"points": targets.position, "elbow": elbow, "wrist": wrist, "flags": flags, "hand_error": hand_error}
     quaternions = [RESULT_FIELDS[:4], RESULT_FIELDS[4:], *([WRIST_FIELDS] if hand else [])]
     for name, names in zip(("qs", "qe", "qw"), quaternions, strict=False):
-        q = np.column_stack([value[each] for each in names])
-        arrays[name] = continuous(np.pad(q, ((0, 0), (0, 4 - len(names)))), targets.arm)
+        arrays[name] = continuous(_whole(np.column_stack([value[part] for part in names])), targets.arm)
     if hand:
         arrays |= {"joints": hand.joints, "over_limit": hand.over_limit, "orientation_error": hand.orientation_error}
     data = io.BytesIO()
@@ -409,8 +398,5 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
 
 
 def score_json(scores: Sequence[Score]) -> bytes:
-    """Return the contents of score.json: a list with one object per trajectory.
-
-    It contains nothing that changes from run to run: no times, no paths.
-    """
+    """Return the contents of score.json: a list with one object per trajectory, without times and paths."""
     return (json.dumps([item.as_json() for item in scores], indent=2, allow_nan=False) + "\n").encode()

@@ -21,8 +21,7 @@ from .words import FIELDS
 def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
     """Return targets without any flag: directions and swivel angles uniform, arms of all sizes.
 
-    Every other target has arms that fill their words; the size of the others is spread evenly over the bits, so small
-    arms, unequal arms and targets near the shoulder or near full reach all occur.
+    Half of the arms fill their words; the sizes of the others are spread evenly over the bits.
     """
     random = np.random.default_rng((seed, width, 1))
     rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
@@ -47,8 +46,8 @@ def _reachable(random, count: int, width: int) -> np.ndarray:
 
 
 def unreachable(count: int, width: int, seed: int) -> np.ndarray:
-    """Return clamped targets, the kinds in turn: too far, too near (either arm the longer), at the shoulder, on the
-    axis and out of reach, arms without a length."""
+    """Return clamped targets in turn: too far, too near (either bone the longer), at the shoulder, on the axis out of
+    reach, a length of 0, a negative length."""
     random = np.random.default_rng((seed, width, 2))
     top = (1 << (width - 1)) - 1
     number = np.arange(count)
@@ -160,8 +159,8 @@ def corners(width: int) -> dict[str, tuple[int, ...]]:
 
 
 def edges(count: int, width: int, seed: int) -> np.ndarray:
-    """Return reachable targets whose words are most likely to be too short: arms that fill their words with a target a
-    few lsb from the shoulder, and a forearm of a few lsb on an upper arm along the z axis."""
+    """Return reachable targets most likely to overflow: long bones with a target a few lsb from the shoulder, and a
+    forearm of a few lsb on a long upper arm along the z axis."""
     random = np.random.default_rng((seed, width, 5))
     top = (1 << (width - 1)) - 1
     near = np.arange(count) % 2 == 0
@@ -184,7 +183,7 @@ def edges(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def extremes(count: int, width: int, seed: int) -> np.ndarray:
-    """Return words that are each lowest, highest, around 0 or random: most form meaningless targets."""
+    """Return targets of words that are lowest, highest, around 0 or random."""
     random = np.random.default_rng((seed, width, 3))
     low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
     edge = random.choice([low, low + 1, -1, 0, 1, top - 1, top], (count, len(FIELDS)))
@@ -193,7 +192,7 @@ def extremes(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def special(width: int) -> tuple[int, ...]:
-    """Return twelve words: both ends, around 0 and around 1, -1, one of alternating bits."""
+    """Return twelve words: both ends, around 0 and 1.0, -1.0, and alternating bits."""
     low, one, top = -(1 << (width - 1)), 1 << (width - 2), (1 << (width - 1)) - 1
     return (low, low + 1, -one, -1, 0, 1, top // 3, one - 1, one, one + 1, top - 1, top)
 
@@ -202,18 +201,14 @@ SPECIAL = 12 ** len(FIELDS)  # number of targets made of special words only
 
 
 def of_special(first: int, count: int, width: int) -> np.ndarray:
-    """Return ``count`` of the :data:`SPECIAL` targets of special words, from ``first`` on; x varies fastest."""
+    """Return ``count`` targets of special words, from number ``first`` on; x varies fastest."""
     numbers = np.arange(first, min(first + count, SPECIAL))
     words = np.array(special(width), dtype=np.int64)
     return np.column_stack([words[numbers // 12**k % 12] for k in range(len(FIELDS))])
 
 
 def mixed(count: int, width: int, seed: int) -> np.ndarray:
-    """Return a shuffled mix of all of the above: every corner, and of the rest half reachable, a quarter clamped, a
-    quarter extreme.
-
-    With a ``count`` below the number of corners, only some of the corners.
-    """
+    """Return a shuffled mix: all corners, and of the rest half reachable, a quarter clamped, a quarter extreme."""
     random = np.random.default_rng((seed, width, 4))
     rows = np.array(list(corners(width).values()), dtype=np.int64)
     rest = max(0, count - len(rows))
@@ -236,12 +231,15 @@ REGIONS = {
     "elbow near the z axis": "0.1 to 1e-9 rad off it or on it, above and below",
     "where a branch changes": "x, y, z, the cosine at the shoulder or the k part of Qs within a few lsb of 0",
 }
-"""Region of the reachable workspace -> description; most are near singular poses of equations (10)-(18)."""
+"""Region of the reachable workspace -> description; most are near singular poses."""
 
 
 def region(name: str, count: int, width: int, seed: int) -> np.ndarray:
-    """Return targets of one of the ``REGIONS``, all in reach.  Unless stated otherwise arms are of all sizes, up to
-    1:20; a quarter of the swivel angles lies within 2 lsb of a multiple of an eighth of a turn."""
+    """Return reachable targets of one of the ``REGIONS``.
+
+    Unless stated otherwise, arms are of all sizes, up to 1:20. A quarter of the swivel angles lies within 2 lsb of a
+    multiple of an eighth of a turn.
+    """
     random = np.random.default_rng((seed, width, 10, list(REGIONS).index(name)))
     rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
     while len(rows) < count:
@@ -290,7 +288,7 @@ def _region(name: str, random, count: int, width: int) -> np.ndarray:
             total = floor + (floor.astype(object) ** 2 < squares) + np.floor(gap * floor).astype(np.int64)
             d1 = np.clip(np.rint(total * share).astype(np.int64), 1, np.maximum(total - 1, 1))
             d2 = total - d1
-        else:  # the longer arm; the shorter one is given
+        else:  # the shorter bone stays
             part = random.uniform(-1, 1, count) if "shoulder" in name else 1 - gap
             longer = np.minimum(d1, d2) + np.rint(floor * part).astype(np.int64)
             d1, d2 = np.where(d1 < d2, d1, longer), np.where(d1 < d2, longer, d2)
@@ -335,8 +333,10 @@ def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
 
 
 def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
-    """Return the targets with swivel angles for which k of Qs is around 0.  Qs is q_0 cos(phi/2) + q_pi sin(phi/2),
-    each up to its sign."""
+    """Return the targets with swivel angles for which k of Qs is around 0.
+
+    Qs is q_0 cos(phi/2) + q_pi sin(phi/2), with q_0 and q_pi known up to their signs.
+    """
     x, y, z, _, d1, d2 = rows.T.astype(float)
     at_0, at_pi = (solve_lean(x, y, z, phi, d1, d2)["qs_k"] for phi in (0.0, np.pi))
     both = [2 * np.arctan2(-at_0, side * at_pi) for side in (1, -1)]
@@ -351,10 +351,10 @@ def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
 
 
 def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
-    """Return poses (N, 11) of hands whose wrists are at reachable targets (N, 6): a third of them in any orientation,
-    the others with th6 near 0, or near a half turn, a tenth of these as near as doubles permit.
+    """Return hand poses (N, 11) with wrists at reachable targets (N, 6).
 
-    The tool is at most as long as the arm, and so short that the hand's point fits the format.
+    A third have any orientation; the others have th6 near 0 or half a turn, a tenth of these at it. The tool is at most
+    as long as the arm, and so short that the hand's point fits the format.
     """
     random, count, top = np.random.default_rng((seed, width, 4)), len(targets), (1 << width - 1) - 1
     near = np.exp2(random.uniform(-34, -3, count)) * (random.random(count) < 0.9)
@@ -379,7 +379,7 @@ def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
 
 
 def arm_corners(width: int) -> np.ndarray:
-    """Return hands (N, 11) of lengths that are just good or just bad, and wrists beyond each side of the format."""
+    """Return hand poses (N, 11) with quaternions just good or just bad, or wrists beyond one side of the format."""
     one, top, half = 1 << width - 2, (1 << width - 1) - 1, round((1 << width - 2) * 0.5**0.5)
     ends = [one + side * (one >> 8) - less for side in (1, -1) for less in (0, 1)]
     rows = [(one >> 2, 0, 0, 0, one >> 1, one >> 1, 0, 0, end, 0, 0) for end in ends]
@@ -391,8 +391,8 @@ def arm_corners(width: int) -> np.ndarray:
 
 
 def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
-    """Return input words and branch (N, 12) of the whole arm, shuffled: the corners, poses of hands in reach, words
-    without a meaning, and a quarter of wrists anywhere, many outside the format."""
+    """Return shuffled words and branches (N, 12) of hand poses: corners, poses in reach, arbitrary words, and a quarter
+    with wrists anywhere."""
     random, kind = np.random.default_rng((seed, width, 6)), np.arange(count)[:, None] // 2 % 4
     anything, corners = any_hands(count, width, seed), arm_corners(width)
     poses = hand_poses(random_reachable(count, width, seed), width, seed)
@@ -404,20 +404,22 @@ def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
-    """Return poses and branch (N, 12) of the whole arm with the wrist targets (N, 6): an eighth of them hands without a
-    meaning, the first ones corners, the others hands in any orientation, th6 often near 0 or a half turn."""
+    """Return words and branches (N, 12) of hand poses with wrists at targets (N, 6).
+
+    One in eight has an arbitrary, non-unit quaternion; of many poses the first are the corners.
+    """
     random, named = np.random.default_rng((seed, width, 7)), arm_corners(width)
     reachable = np.flatnonzero((expected_flags(words, width) & UNREACHABLE) == 0)
-    found = any_hands(len(words), width, seed)
-    found[:, :6] = words
+    rows = any_hands(len(words), width, seed)
+    rows[:, :6] = words
     posed = hand_poses(words[reachable], width, seed)
     kept = random.random(len(words)) < 7 / 8
     if len(posed):  # the hands and tools of poses in reach also with wrists out of reach
-        found[kept, 6:] = posed[random.integers(len(posed), size=kept.sum()), 6:]
-        found[reachable[kept[reachable]]] = posed[kept[reachable]]
-    if len(found) > 100 * len(named):
-        found[: len(named)] = named
-    return np.column_stack([found, random.integers(8, size=len(words))])
+        rows[kept, 6:] = posed[random.integers(len(posed), size=kept.sum()), 6:]
+        rows[reachable[kept[reachable]]] = posed[kept[reachable]]
+    if len(rows) > 100 * len(named):
+        rows[: len(named)] = named
+    return np.column_stack([rows, random.integers(8, size=len(words))])
 
 
 def arm_limits(width: int) -> list[tuple[int, int]]:
@@ -428,8 +430,8 @@ def arm_limits(width: int) -> list[tuple[int, int]]:
 
 
 def any_hands(count: int, width: int, seed: int) -> np.ndarray:
-    """Return arbitrary input words (N, 11) of the whole arm: targets of :func:`mixed` with any tool and hand; in every
-    other row, tool and hand are near an end of the format, half of it, 0, 1 or -1 ulp."""
+    """Return words (N, 11) of hand poses: targets of :func:`mixed` with any tool and hand, half of them near an end of
+    the format, half of it, 0, 1 or -1 ulp."""
     random, low = np.random.default_rng((seed, width, 5)), -(1 << width - 1)
     anything = random.integers(low, -low, (count, 5))
     edge = random.choice([low, -1, 0, 1, -low // 2, low // 2, -low - 1], (count, 5))
@@ -437,8 +439,8 @@ def any_hands(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def arithmetic_corners(width: int, tile: int) -> np.ndarray:
-    """Return targets and arms of all magnitudes, in words with few significant bits, and targets with angles whose sine
-    or cosine sum is one unit below the rounding boundary."""
+    """Return targets of all magnitudes with few significant bits, and angles whose sine or cosine sum is one unit below
+    the rounding boundary."""
     sizes = itertools.product(range(0, width - 6, 3), range(width - 11))
     shifted = [(29 << j, -26 << j, -25 << j, -10647, 0, 999 << k) for j, k in sizes]
     frac = min(inner_frac(width), SINE_FRACS[-1])

@@ -1,16 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Built-in trajectories: 100 targets each, in metres and radians.
 
-The shoulder is at the origin, z points up, x forward, y to the left; the arm is a right arm. Swivel angle 0 puts the
-elbow above the line from shoulder to wrist and pi below it, the position of a relaxed arm; slightly less than pi turns
-a right elbow outward.
-
-Trajectories in `REGULAR` keep at least 0.2 rad from every singular pose of the paper's equations
-(`scoring.singular_distance`); the others approach such a pose on purpose. All but `out_of_reach` stay within reach.
+docs/targets.md defines frame and swivel angle; the arm is a right arm.  Only `out_of_reach` leaves the reach.
 
     python -m model.io.trajectories NAME > FILE.csv      write one as a target file
-
-This command made the files of `EXAMPLES` in `examples/`; a test fails when they are out of date.
 """
 
 import argparse
@@ -30,30 +23,33 @@ STEPS = 100  # targets per trajectory: the paper's test scenario has 100 steps
 DEFAULT = "reach"
 
 TRAJECTORIES: dict[str, Callable[[], Targets]] = {}
-"""All built-in trajectories by name, in the order in which they are listed and run."""
+"""Built-in trajectories of wrist targets by name, in the order of lists and runs."""
 
 HANDS: dict[str, Callable[[], Targets]] = {}  # built-in trajectories of hand poses by name
 ROBOTS = {"pick_and_place": "iiwa14"}  # trajectories in the base frame of a robot
 
 REGULAR = ("reach", "circle", "figure_eight", "wave", "drinking", "handwriting", "unequal_arms", "two_arms")
-"""Trajectories that keep away from singular poses."""
+"""Trajectories at least 0.2 rad from singular poses (`scoring.singular_distance`); others approach one on purpose."""
 
-EXAMPLES = ("reach", "two_arms")  # trajectories that are also in `examples/` as CSV files
+EXAMPLES = ("reach", "two_arms")  # also CSV files in `examples/`
 
 
 def make(name: str) -> Targets:
-    """Return the targets of the built-in trajectory `name`. Raises KeyError for an unknown name."""
+    """Return the targets of a built-in trajectory.  Raises KeyError."""
     return {**TRAJECTORIES, **HANDS}[name]()
 
 
 def describe(name: str) -> str:
-    """Return a one-sentence description of the trajectory `name`. Raises KeyError for an unknown name."""
+    """Return a sentence about a built-in trajectory.  Raises KeyError."""
     return {**TRAJECTORIES, **HANDS}[name].__doc__ or ""
 
 
 def _registered(place: dict[str, Callable[[], Targets]], function: Callable[[], tuple]) -> Callable[[], tuple]:
-    """Register a trajectory under the name of its function, which returns positions (N, 3) in m and angles (rad); if
-    they are not the default arm's, lengths d1, d2 (m): (N,) or numbers; for hands orientations (N, 4) and the tool."""
+    """Register a trajectory under the name of its function.
+
+    It returns positions (N, 3) in m and swivel angles (rad), then d1, d2 (m) unless the arm is the default, then for
+    hand poses orientations (N, 4) and the tool (m).
+    """
 
     def made() -> Targets:
         position, phi, *lengths = function()
@@ -80,7 +76,7 @@ TIME = np.linspace(0.0, 1.0, STEPS)  # times from 0 to 1, both included
 
 
 def _minimum_jerk(t: np.ndarray) -> np.ndarray:
-    """Return minimum-jerk progress 0..1 over time 0..1: at rest at both ends (Flash and Hogan, 1985)."""
+    """Return the progress, 0 to 1, of a minimum-jerk motion at times 0 to 1 (Flash and Hogan, 1985)."""
     t = np.clip(t, 0.0, 1.0)
     return t**3 * (10 - 15 * t + 6 * t**2)
 
@@ -88,7 +84,7 @@ def _minimum_jerk(t: np.ndarray) -> np.ndarray:
 def _via(
     points: Sequence[tuple[float, ...]], times: Sequence[float], t: np.ndarray = TIME
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return a minimum-jerk motion that rests at each of K points x, y, z, phi at its time: positions and phi."""
+    """Return positions and phi of a minimum-jerk motion that rests at points x, y, z, phi at their times."""
     rests = np.asarray(points, dtype=np.float64)
     path = np.tile(rests[0], (len(t), 1))
     for n in range(len(rests) - 1):
@@ -103,15 +99,13 @@ def _turn(t: np.ndarray = TIME) -> np.ndarray:
 
 
 def _points(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> np.ndarray:
-    """Return points (N, 3)."""
     return np.column_stack(np.broadcast_arrays(x, y, z))
 
 
 def _spherical(r: ArrayLike, azimuth: ArrayLike, elevation: ArrayLike) -> np.ndarray:
     """Return points (N, 3) at distance r (m), azimuth from x toward y and elevation from the x-y plane (rad)."""
-    return _points(
-        r * np.cos(azimuth) * np.cos(elevation), r * np.sin(azimuth) * np.cos(elevation), r * np.sin(elevation)
-    )
+    forward = r * np.cos(azimuth) * np.cos(elevation)
+    return _points(forward, r * np.sin(azimuth) * np.cos(elevation), r * np.sin(elevation))
 
 
 @trajectory

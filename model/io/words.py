@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Targets in the user's units, the fixed-point words of the core, and the records of `ik_axi` in memory.
 
-A target is a wrist position x, y, z, a swivel angle phi and the two arm lengths d1 (upper arm: shoulder to
-elbow) and d2 (forearm: elbow to wrist). Lengths may have any unit; kinematics is scale-free, so `scale_exponent`
-chooses one power of two for a set of targets that brings every length into the format of the core:
-
-* x, y, z, d1, d2: signed words of `width` bits with `width`-2 fraction bits, so [-2, 2)
-* phi: a binary angle, one turn = 2^width, as a signed word
+Lengths x, y, z, d1, d2 are signed words of `width` bits with `width`-2 fraction bits, so [-2, 2); phi is a signed
+binary angle, one turn = 2^width. A user's lengths have any unit: one power of two, chosen by `scale_exponent`, brings
+all lengths of a set of targets into the format.
 """
 
 import math
@@ -15,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..reference.joints import BRANCHES, JOINTS
 from ..reference.kinematics import conjugate, matrix, multiply, rotate
 from .flags import BAD_HAND
 
@@ -29,24 +27,17 @@ ARMS = ("d1", "d2")  # arm lengths; unless both are positive, the target is clam
 LENGTHS = ("x", "y", "z", *ARMS)
 
 ARM_FIELDS = ("hand_x", "hand_y", "hand_z", "phi", "d1", "d2", "tool", "qh_w", "qh_i", "qh_j", "qh_k")
-"""Fields of a target word of the whole arm, lowest bits first: the hand's point and orientation; all but phi have
-width-2 fraction bits."""
-
-BRANCHES = ("branch_shoulder", "branch_elbow", "branch_wrist")
-"""Bits of a target of the whole arm above its tag, lowest first: which of the eight solutions for the joints."""
-
-JOINTS = tuple(f"th{k}" for k in range(1, 8))  # joint angles of the whole arm, one turn = 2^width
+"""Fields of a target word of the whole arm, lowest bits first; all but phi have width-2 fraction bits."""
 
 WRIST_FIELDS = ("qw_w", "qw_i", "qw_j", "qw_k")
-"""Quaternion of the wrist, with width-2 fraction bits."""
+"""Components of the wrist's quaternion."""
 
 ARM_RESULT_FIELDS = (*JOINTS, *RESULT_FIELDS, *WRIST_FIELDS)
 """Fields of a result word of the whole arm, lowest bits first."""
 
 DEFAULT_D1 = 0.33
-"""Upper arm of the default arm (m); with `DEFAULT_D2` it reaches the 0.6 m of the paper group's arm."""
-
-DEFAULT_D2 = 0.27  # forearm of the default arm (m)
+DEFAULT_D2 = 0.27
+"""Bones of the default arm (m); it reaches the 0.6 m of the paper group's."""
 
 LENGTH_TOLERANCE = 2.0**-8
 """Largest error of a hand quaternion's length; `ik_arm` flags longer and shorter ones with bad_hand."""
@@ -65,16 +56,14 @@ class TargetError(ValueError):
 class Targets:
     """N targets in the user's units; every array is float64 of shape (N,).
 
-    `path` and `rows` are the origin of the targets (line numbers in the file), so that an error found later, in the
-    scaling, can still name its row; both are None for targets created in Python.
-    `default_arm` names the arm lengths that were defaulted, `others` holds the file's additional columns.
-
-    `frame`, (4,) or (N, 4), is the quaternion of R, which takes the user's frame to the core's, where z is the
-    reference axis; None is the core's own frame. `arm` (N,) names the arm of each target; None is one arm.
-
-    With `hand` (N, 4), unit quaternions in the user's frame, x, y, z is the hand's point, `tool` (N, 3) from the wrist
-    in the hand's frame; a number is a length along z. `branch` (N,) selects one of eight solutions for the joints.
-    `origin` (3,) is the shoulder in the user's frame.
+    * path, rows: file and line numbers, for messages; None for targets created in Python
+    * default_arm: names of the lengths that were defaulted; others: additional columns of the file
+    * frame (4,) or (N, 4): quaternion of R, which takes the user's frame to the core's; None is the core's frame
+    * arm (N,): name of each target's arm; None is a single arm
+    * hand (N, 4): unit quaternions in the user's frame; x, y, z is then the hand's point
+    * tool (N, 3): from the wrist to the hand's point in the hand's frame; a number is a length along z
+    * branch (N,): bits of :class:`Branch`
+    * origin (3,): the shoulder in the user's frame
     """
 
     name: str
@@ -119,7 +108,7 @@ class Targets:
 
     @property
     def arm_note(self) -> str:
-        """Note for messages that depend on the arm: the names of its defaulted lengths."""
+        """Note for messages about the arm, with the names of its defaulted lengths."""
         return f" (by default {' and '.join(self.default_arm)})" if self.default_arm else ""
 
     @property
@@ -139,7 +128,7 @@ class Targets:
 
     @property
     def core_point(self) -> np.ndarray:
-        """Points for the core, shape (N, 3): of a hand those to which its tool leads along z."""
+        """Points for the core, shape (N, 3), in its frame; for hand poses the end of the tool's z component."""
         across = None if self.hand is None else self.tool * (1.0, 1.0, 0.0)
         return self.core_position if across is None else self.core_position - rotate(self.core_hand, across)
 
@@ -186,11 +175,10 @@ def cell_error(path: str | None, row: int, column: str, value: str, reason: str)
 def scale_exponent(targets: Targets, width: int) -> int:
     """Return the exponent e of the host's scaling: the core works on lengths times 2^e.
 
-    One power of two serves the whole file. The largest reach d1+d2 comes to [1, 2). Where a coordinate
-    would then leave [-2, 2), e is lowered by at most `HEADROOM_BITS` more, at the cost of as much precision.
+    The largest reach d1+d2 comes to [1, 2). Where a coordinate would then leave [-2, 2), e is lowered by at most
+    `HEADROOM_BITS`, each at the cost of one bit of precision.
 
-    Raises TargetError for a coordinate beyond that limit, and for an arm length so small relative to the others that
-    its word would be 0.
+    Raises TargetError for a coordinate beyond that, and for an arm length whose word would be 0.
     """
     with np.errstate(over="ignore"):
         reach = targets.reach
@@ -232,10 +220,7 @@ def _ldexp(values: np.ndarray | float, exponent: int) -> np.ndarray:
 
 
 def _quantise(values: np.ndarray, width: int) -> np.ndarray:
-    """Return int64 words with width-2 fraction bits of `values` in [-2, 2): round half to even, saturate.
-
-    Only a value within half an ulp of +2 saturates, to 2 - ulp; it would otherwise wrap to -2.
-    """
+    """Return int64 words with width-2 fraction bits of `values` in [-2, 2): round half to even, saturate at 2."""
     words = np.rint(np.ldexp(values, width - 2))
     return np.clip(words, -(2 ** (width - 1)), 2 ** (width - 1) - 1).astype(np.int64)
 
@@ -243,10 +228,8 @@ def _quantise(values: np.ndarray, width: int) -> np.ndarray:
 def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple[np.ndarray, int]:
     """Return the core's input words and the exponent of the scaling.
 
-    The words (N, 6) are int64, signed, columns as `FIELDS`; a length word is the length times 2^(e + width - 2) with
-    the exponent e, rounded half to even. With `exponent` None, `scale_exponent` chooses it. Angles wrap to one turn.
-    For hands the words are (N, 12), columns as `ARM_FIELDS` and the branch.
-    Raises TargetError as `scale_exponent` does.
+    The words (N, 6) are int64, columns as `FIELDS`; for hands (N, 12), columns as `ARM_FIELDS` and the branch. Lengths
+    are rounded half to even, angles wrap. `scale_exponent` chooses an `exponent` of None, and may raise TargetError.
     """
     if exponent is None:
         exponent = scale_exponent(targets, width)
@@ -264,10 +247,9 @@ def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple
 
 
 def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targets:
-    """Return the targets that `words` (N, 6) represent: the core's actual input, in the user's units and the core's
-    frame.
+    """Return the targets that `words` (N, 6) represent, in the user's units and the core's frame.
 
-    Exact for lengths; phi is in [-pi, pi). `to_words(..., exponent=exponent)` gives `words` again.
+    Lengths are exact; phi is in [-pi, pi). :func:`to_words` with the same exponent returns the words.
     """
     columns = dict(zip(FIELDS, np.asarray(words, dtype=np.int64).T.astype(np.float64), strict=True))
     values = {length: np.ldexp(columns[length], 2 - width - exponent) for length in LENGTHS}
@@ -275,9 +257,7 @@ def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targe
 
 
 def pack(fields: np.ndarray, width: int) -> list[int]:
-    """Return the tdata integers of signed words `fields` (N, fields of a target or a result): field 0 in the lowest
-    `width` bits.  Raises ValueError for a word that does not fit.
-    """
+    """Return tdata of signed words (N, n), field 0 in the lowest bits.  Raises ValueError for a word too long."""
     half = 2 ** (width - 1)
     array = np.asarray(fields, dtype=np.int64)
     if ((array < -half) | (array >= half)).any():
@@ -287,7 +267,7 @@ def pack(fields: np.ndarray, width: int) -> list[int]:
 
 
 def unpack(data: list[int], width: int, count: int = len(FIELDS)) -> np.ndarray:
-    """Return the signed words (N, `count`) int64 of tdata integers; the inverse of `pack`."""
+    """Return the signed words (N, `count`) int64 of tdata; the inverse of `pack`."""
     half = 2 ** (width - 1)
     mask = 2**width - 1
     rows = [[((value >> (width * i) & mask) ^ half) - half for i in range(count)] for value in data]
@@ -295,24 +275,22 @@ def unpack(data: list[int], width: int, count: int = len(FIELDS)) -> np.ndarray:
 
 
 def result_values(words: np.ndarray, width: int) -> np.ndarray:
-    """Return the real values, exact in float64, of result words with width-2 fraction bits; same shape."""
+    """Return the exact values of result words with width-2 fraction bits; same shape."""
     return np.ldexp(np.asarray(words, dtype=np.float64), 2 - width)
 
 
 # -- records of ik_axi -----------------------------------------------------------------------------
-
-# Records are 32-bit words, little endian, whatever the word length of the core: lengths and quaternions in Q2.30,
-# angles with one turn = 2^32.
 
 TAG_BITS = 24  # bits of a tag that a result record returns
 
 
 @dataclass(frozen=True)
 class Records:
-    """Layout of target and result records; both have the tag, with the branch or the flags above it, in word `tag`.
+    """Layout of target and result records: words of 32 bits, little endian, whatever the core's word length.
 
-    `inputs` and `results` are the other words in order. Behind the results are the index of the record in its job and,
-    for the whole arm, over_limit: a bit for each joint from bit 0, and bad_hand in bit 8.
+    Lengths and quaternions are Q2.30, one turn is 2^32. Word `tag` has the tag and above it the branch or the flags;
+    `inputs` and `results` are the other words. Behind the results are the record's index in its job and, for the whole
+    arm, over_limit: a bit for each joint from bit 0, and bad_hand in bit 8.
     """
 
     size: int  # bytes
@@ -321,14 +299,14 @@ class Records:
     results: tuple[str, ...]
 
     def _packed(self, fields: np.ndarray, *more: np.ndarray | int) -> bytes:
-        """Pack fields (N, n) and more, the tag's word first; zeros behind them, and nothing beyond the record."""
+        """Pack fields (N, n), the tag's word and further words into records, filled up with zeros."""
         columns = [*np.broadcast_arrays(*fields.T, *more, *[0] * (self.size // 4))]
         columns.insert(self.tag, columns.pop(fields.shape[1]))
         columns = columns[: self.size // 4]
         return (np.column_stack([column.astype(np.int64) for column in columns]) & 0xFFFFFFFF).astype("<u4").tobytes()
 
     def _unpacked(self, records: bytes, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return `count` signed words (N, count) of records, and their tags' words (N,)."""
+        """Return the first signed words (N, count) of records, tags excepted, and the tags' words (N,)."""
         table = np.frombuffer(records, dtype="<i4").astype(np.int64).reshape(-1, self.size // 4)
         return np.delete(table, self.tag, axis=1)[:, :count], table[:, self.tag]
 
@@ -337,7 +315,7 @@ class Records:
         return self._packed(words, tags)
 
     def core_words(self, records: bytes, width: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Decode target records into words of `width` bits: (N, n) int64, tags and branches (N,).
+        """Return the words (N, n) of `width` bits, tags and branches (N,) of target records.
 
         Words are rounded half up; a length beyond the format saturates, an angle wraps.
         """

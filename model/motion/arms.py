@@ -8,7 +8,7 @@ in are `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, a left arm with anatomica
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
@@ -27,10 +27,10 @@ TOLERANCE = 1e-6
 
 
 def _vector(name: str, values: ArrayLike, size: int) -> Floats:
-    found = np.asarray(values, dtype=np.float64)
-    if found.shape != (size,):
-        raise ValueError(f"{name} of the arm: shape {found.shape}, not ({size},)")
-    return found
+    vector = np.asarray(values, dtype=np.float64)
+    if vector.shape != (size,):
+        raise ValueError(f"{name} of the arm: shape {vector.shape}, not ({size},)")
+    return vector
 
 
 class Arm:
@@ -42,11 +42,11 @@ class Arm:
     * limits (7, 2): lower and upper limit of each joint, rad
     * base (3,), mount (4,): position of the shoulder, and turn of its frame, whose z is axis 1, in the base frame
     * tip (4,): turn of the tip's frame in the hand's
-    * upper, fore (4,): turn of the upper arm in the frame of axis 3 (z), and of the frame of axis 5 in the forearm's; a
-      turn about anything but z stands for a bent link
+    * upper, fore (4,): turn of the upper arm in the frame of axis 3 (z), and of the frame of axis 5 in the forearm's;
+      links are bent unless these are turns about z
     * names (7,): of the joints
 
-    Quaternions are w, i, j, k.  The methods take and return points and orientations of the tip in the base frame.
+    Quaternions are w, i, j, k.  Methods take and return points and orientations of the tip in the base frame.
     """
 
     def __init__(
@@ -80,28 +80,27 @@ class Arm:
 
     @property
     def _bent(self) -> tuple[Floats, Floats] | None:
-        """upper and fore, if they are not 1."""
+        """Upper and fore if links are bent."""
         return None if np.array_equal((self.upper, self.fore), (UNIT, UNIT)) else (self.upper, self.fore)
 
     def _wrists(self, points: ArrayLike, hand: ArrayLike) -> tuple[Floats, Floats]:
         """Return wrist targets (N, 3) and orientations of the hand (N, 4) in the shoulder's frame."""
-        q = Hands(hand, 0.0, 0).part(slice(None))[0].T
-        q = multiply(multiply(conjugate(self.mount), q), conjugate(self.tip))
+        q = multiply(multiply(conjugate(self.mount), Hands.checked(hand, 0.0, 0).q.T), conjugate(self.tip))
         return rotate(conjugate(self.mount), np.asarray(points, dtype=np.float64) - self.base) - rotate(q, self.tool), q
 
     def positions(self, th: ArrayLike) -> Floats:
-        """Return the robot's own positions (N, 7) for angles th1 .. th7, rad; within the limits by whole turns where
-        that is possible."""
+        """Return the robot's joint positions (N, 7) for angles th1 .. th7, rad; where possible, whole turns bring them
+        into the limits."""
         low, high = self.limits.T + [[-joints.ROUNDING], [joints.ROUNDING]]
-        own = joints.wrap(np.asarray(th) * self.signs + self.offsets)
+        at = joints.wrap(np.asarray(th) * self.signs + self.offsets)
         for turn in (-2 * np.pi, 2 * np.pi):
-            own = np.where(((own < low) | (own > high)) & (own + turn >= low) & (own + turn <= high), own + turn, own)
-        return own
+            at = np.where(((at < low) | (at > high)) & (at + turn >= low) & (at + turn <= high), at + turn, at)
+        return at
 
     def targets(self, poses: Targets) -> Targets:
-        """Return hand poses, of the tip in the base frame, as targets of this arm.  Feasible angles replace nan as phi.
+        """Return hand poses as targets of this arm; if all phi are nan, feasible ones replace them.
 
-        Raises ValueError for bent links, whose joints `ik_arm` does not compute.
+        Raises ValueError for bent links.
         """
         if self._bent:
             raise ValueError("links are bent: the joints of ik_arm are along or across its bones")
@@ -109,29 +108,32 @@ class Arm:
         if np.isnan(phi).all():
             chosen = self.choose_swivel(poses.position, poses.hand, poses.branch, margin=0.1)
             phi = np.where(np.isnan(chosen), hanging(), chosen)
-        own = {"d1": self.d1, "d2": self.d2, "tool": self.tool[None], "frame": conjugate(self.mount)}
-        return replace(poses, phi=phi, hand=q, origin=self.base, default_arm=(), **own)
+        lengths: dict[str, Any] = {"d1": self.d1, "d2": self.d2, "tool": self.tool[None], "default_arm": ()}
+        return replace(poses, phi=phi, hand=q, origin=self.base, frame=conjugate(self.mount), **lengths)
 
     def solve(self, points: ArrayLike, hand: ArrayLike, phi: ArrayLike | None = None, branch: ArrayLike = 0) -> ArmPose:
-        """Return the poses for tips at points (N, 3) with orientations (N, 4), or for one tip.
+        """Return the poses for tips at points (N, 3) with orientations (N, 4), or for a single tip.
 
-        joints and over_limit are the robot's own, in the order of names; whole turns bring a joint into its limits
-        where possible.  The swivel angle phi (rad, a number or (N,)) is measured from axis 1; None is :func:`hanging`.
-        Raises ValueError, as :func:`cga_ik.solve` does.
+        joints are :meth:`positions`.  The swivel angle phi (rad, a number or (N,)) is measured from axis 1; None is
+        :func:`hanging`.  Raises ValueError as :func:`cga_ik.solve` does.
         """
         wrists, q = self._wrists(points, hand)
         pose = solve(wrists, phi, self.d1, self.d2, hand=q, branch=branch)
         if self._bent:
             branches = np.broadcast_to(branch, len(pose.qs))
-            own = joints.bent(pose.qs.T, joints.flexion(pose.qe.T), pose.qw.T, branches, *self._bent)
-            pose = replace(pose, joints=joints.angles(*own).T)
-        th = joints.settled(pose.joints.T, self.bounds).T
-        own = self.positions(th)
-        elbow, wrist = (self.base + rotate(self.mount, each) for each in (pose.elbow, pose.wrist))
-        reached = wrist + rotate(self.mount, rotate(q, self.tool))
-        over = joints.outside(th.T, self.bounds).T
-        qs = multiply(self.mount, pose.qs)
-        return replace(pose, qs=qs, elbow=elbow, wrist=wrist, hand=reached, joints=own, over_limit=over)
+            axes = joints.bent(pose.qs.T, joints.flexion(pose.qe.T), pose.qw.T, branches, *self._bent)
+            pose = replace(pose, joints=joints.angles(*axes).T)
+        th = joints.settled(pose.joints.T, self.bounds)
+        elbow, wrist = (self.base + rotate(self.mount, point) for point in (pose.elbow, pose.wrist))
+        return replace(
+            pose,
+            qs=multiply(self.mount, pose.qs),
+            elbow=elbow,
+            wrist=wrist,
+            hand=wrist + rotate(self.mount, rotate(q, self.tool)),
+            joints=self.positions(th.T),
+            over_limit=joints.outside(th, self.bounds).T,
+        )
 
     def forward(self, positions: ArrayLike) -> tuple[Floats, Floats]:
         """Return points (N, 3) and orientations (N, 4) of the tip for joint positions (N, 7), rad."""
@@ -143,8 +145,7 @@ class Arm:
         return self.base + rotate(self.mount, point), multiply(self.mount, multiply(qh, self.tip))
 
     def feasible_swivel(self, points: ArrayLike, hand: ArrayLike, branch: ArrayLike = 0) -> Swivels:
-        """Return the swivel angles for which all joints are within their limits, for tips at points (N, 3) with
-        orientations (N, 4).  Raises ValueError, as :func:`cga_ik.solve` does."""
+        """Return the swivel angles for which all joints are within their limits.  Raises ValueError."""
         wrists, q = self._wrists(points, hand)
         return feasible_swivel(wrists, q, self.d1, self.d2, limits=self.bounds, branch=branch, bent=self._bent)
 
@@ -157,15 +158,15 @@ class Arm:
         near: ArrayLike | None = None,
         margin: float = 0.0,
     ) -> Floats:
-        """Return the feasible swivel angle (N,) nearest to ``near``, or nan; :meth:`Swivels.nearest` has the rules."""
+        """Return the feasible swivel angle (N,) that :meth:`Swivels.nearest` chooses, or nan."""
         return self.feasible_swivel(points, hand, branch).nearest(near, margin)
 
     @classmethod
     def from_urdf(cls, path: str | Path, base: str | None = None, tip: str | None = None) -> "Arm":
-        """Return the arm between two links of a URDF file, by default the only first and last link of a chain.
+        """Return the arm between two links of a URDF file, by default its only first and last link.
 
         Raises OSError, and ValueError for a file that is no URDF, a chain without seven turning joints, and axes that
-        do not meet as they have to; the message has their distances.
+        do not meet.
         """
         try:
             robot = ElementTree.parse(path).getroot()
@@ -174,16 +175,26 @@ class Arm:
                 for side in ("parent", "child")
             )
             base, tip = base or _only("base", parents - children), tip or _only("tip", children - parents)
-            names, axes, points, limits, end = _chain(robot, base, tip)
-            return cls(**_from_axes(np.array(axes), np.array(points), end), limits=limits, names=names)
+            chain = _chain(robot, base, tip)
+            return cls(**_from_axes(chain.axes, chain.points, chain.end), limits=chain.limits, names=chain.names)
         except (ElementTree.ParseError, KeyError) as error:
             raise ValueError(f"{path}: not a URDF file: {error}") from None
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
 
 
-def _chain(robot: ElementTree.Element, base: str, tip: str) -> tuple[list, list, list, list, Floats]:
-    """Return names, axes, points and limits of the joints of a URDF between two links, and the tip (4, 4), all at 0."""
+class _Chain(NamedTuple):
+    """Seven joints with axes (7, 3) through points (7, 3), and the tip's frame (4, 4), all joints at 0."""
+
+    names: list[str]
+    axes: Floats
+    points: Floats
+    limits: list[list[float]]
+    end: Floats
+
+
+def _chain(robot: ElementTree.Element, base: str, tip: str) -> _Chain:
+    """Return the joints of a URDF between two links."""
     above = {
         _attributes(joint, "child")["link"]: joint for joint in robot.iter("joint") if joint.find("child") is not None
     }
@@ -216,7 +227,7 @@ def _chain(robot: ElementTree.Element, base: str, tip: str) -> tuple[list, list,
         limits.append([_numbers(joint, "limit", *side)[0] for side in sides])
     if len(names) != 7:
         raise ValueError(f"{len(names)} joints between {base} and {tip}; an arm has 7")
-    return names, axes, points, limits, frame
+    return _Chain(names, np.array(axes), np.array(points), limits, frame)
 
 
 def _only(what: str, links: set[str]) -> str:
@@ -226,17 +237,17 @@ def _only(what: str, links: set[str]) -> str:
 
 
 def _attributes(joint: ElementTree.Element, part: str) -> dict[str, str]:
-    found = joint.find(part)
-    return {} if found is None else found.attrib
+    element = joint.find(part)
+    return {} if element is None else element.attrib
 
 
 def _numbers(joint: ElementTree.Element, part: str, name: str, default: str) -> Floats:
-    """Return the numbers of an attribute of a joint's part in a URDF."""
+    """Return the numbers in an attribute of a joint's part in a URDF."""
     text = _attributes(joint, part).get(name, default)
-    found = np.array(text.split(), dtype=np.float64)
-    if len(found) != len(default.split()) or np.isnan(found).any():
+    values = np.array(text.split(), dtype=np.float64)
+    if len(values) != len(default.split()) or np.isnan(values).any():
         raise ValueError(f"joint {joint.attrib['name']}: {part} {name} {text!r}")
-    return found
+    return values
 
 
 def _placed(turn: Floats, point: Floats) -> Floats:
@@ -249,14 +260,14 @@ def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict:
     size = np.linalg.norm(np.ptp(np.vstack((points, end[:3, 3])), axis=0))
     centres = []
     for first, name in ((0, "shoulder"), (4, "wrist")):
-        own = slice(first, first + 3)
+        three = slice(first, first + 3)
         for one, other in ((first, first + 1), (first + 1, first + 2)):
             if abs(axes[one] @ axes[other]) > TOLERANCE:
                 angle = np.degrees(np.arccos(abs(axes[one] @ axes[other])))
                 raise ValueError(f"axes {one + 1} and {other + 1} are {angle:.6g} degrees apart, not 90")
-        across = np.eye(3) - axes[own, :, None] * axes[own, None, :]  # removes the part along each axis
-        centre = np.linalg.solve(across.sum(axis=0), (across @ points[own, :, None]).sum(axis=0)[:, 0])
-        away = np.linalg.norm(np.cross(centre - points[own], axes[own]), axis=1)
+        across = np.eye(3) - axes[three, :, None] * axes[three, None, :]  # removes the part along each axis
+        centre = np.linalg.solve(across.sum(axis=0), (across @ points[three, :, None]).sum(axis=0)[:, 0])
+        away = np.linalg.norm(np.cross(centre - points[three], axes[three]), axis=1)
         if away.max() > TOLERANCE * size:
             pairs = ((first, first + 1), (first, first + 2), (first + 1, first + 2))
             apart = ", ".join(f"{a + 1} and {b + 1}: {_apart(axes, points, a, b):.6g}" for a, b in pairs)

@@ -8,6 +8,7 @@ A position channel replaces its coordinate of OFFSET; rotation channels multiply
 
 import codecs
 import re
+from collections import deque
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -26,7 +27,7 @@ PERIOD = 1 / 30  # seconds from frame to frame of a file whose frame time is 0
 
 
 class ClipError(TargetError):
-    """Unusable clip, or arm of a clip; the text is one line for the user."""
+    """Unusable clip or limb; the text is one line for the user."""
 
 
 class Channel(NamedTuple):
@@ -78,65 +79,65 @@ class Clip:
 
     @cached_property
     def names(self) -> list[str]:
-        """Name of each joint, and of each end site from its joint."""
+        """Names of the nodes; an end site is named after its joint."""
         return [f"{self.nodes[node.parent].name} end" if node.end else node.name for node in self.nodes]
 
     @cached_property
     def parents(self) -> list[int]:
-        """Parent of each node; -1 for a root."""
+        """Parents of the nodes; -1 for a root."""
         return [node.parent for node in self.nodes]
 
     @cached_property
     def local(self) -> np.ndarray:
         """Quaternions (F, K, 4) of the nodes relative to their parents."""
-        found = np.zeros((len(self.table), len(self.nodes), 4))
-        found[..., 0] = 1
+        quaternions = np.zeros((len(self.table), len(self.nodes), 4))
+        quaternions[..., 0] = 1
         for k, node in enumerate(self.nodes):
             for _, axis, column in node.of("rotation"):
-                found[:, k] = multiply(found[:, k], about(axis, np.radians(self.table[:, column])))
-        return found
+                quaternions[:, k] = multiply(quaternions[:, k], about(axis, np.radians(self.table[:, column])))
+        return quaternions
 
     @cached_property
     def places(self) -> np.ndarray:
         """Positions (F, K, 3) of the nodes relative to their parents, in the parents' axes."""
-        found = np.tile([node.offset for node in self.nodes], (len(self.table), 1, 1))
+        positions = np.tile([node.offset for node in self.nodes], (len(self.table), 1, 1))
         for k, node in enumerate(self.nodes):
             for _, axis, column in node.of("position"):
-                found[:, k, axis] = self.table[:, column]
-        return found
+                positions[:, k, axis] = self.table[:, column]
+        return positions
 
     @cached_property
     def turn(self) -> np.ndarray:
         """Quaternions (F, K, 4) of the nodes relative to the world."""
-        found = self.local.copy()
+        quaternions = self.local.copy()
         for k, parent in enumerate(self.parents):  # parents come first
             if parent >= 0:
-                found[:, k] = multiply(found[:, parent], found[:, k])
-        return found
+                quaternions[:, k] = multiply(quaternions[:, parent], quaternions[:, k])
+        return quaternions
 
     @cached_property
     def positions(self) -> np.ndarray:
         """Positions (F, K, 3) of the nodes."""
-        found = self.places.copy()
+        positions = self.places.copy()
         for k, parent in enumerate(self.parents):
             if parent >= 0:
-                found[:, k] = found[:, parent] + rotate(self.turn[:, parent], found[:, k])
-        return found
+                positions[:, k] = positions[:, parent] + rotate(self.turn[:, parent], positions[:, k])
+        return positions
 
     @cached_property
     def rest(self) -> np.ndarray:
         """Positions (K, 3) of the nodes in the rest pose."""
-        found = np.array([node.offset for node in self.nodes])
+        positions = np.array([node.offset for node in self.nodes])
         for k, parent in enumerate(self.parents):
-            found[k] += found[parent] if parent >= 0 else 0
-        return found
+            positions[k] += positions[parent] if parent >= 0 else 0
+        return positions
 
     def ancestors(self, node: int) -> list[int]:
         """Return the ancestors of a node, from the parent up to the root."""
-        found = []
+        nodes = []
         while (node := self.parents[node]) >= 0:
-            found.append(node)
-        return found
+            nodes.append(node)
+        return nodes
 
     def can_turn(self, node: int) -> bool:
         """Return whether a node has a rotation channel for each axis, hence any orientation."""
@@ -165,7 +166,8 @@ class Clip:
 
 
 def _angles(turn: np.ndarray, axes: list[int], near: np.ndarray) -> np.ndarray:
-    """Return angles (F, 3), rad, about three different axes whose product is a matrix (F, 3, 3), near given ones."""
+    """Return angles (F, 3), rad, of rotations about three different axes whose product is a matrix (F, 3, 3); of all
+    such angles those nearest to ``near`` (F, 3)."""
     i, j, k = axes
     sign = 1.0 if (j - i) % 3 == 1 else -1.0
     locked = np.hypot(turn[:, j, k], turn[:, k, k]) < 1e-7
@@ -173,11 +175,11 @@ def _angles(turn: np.ndarray, axes: list[int], near: np.ndarray) -> np.ndarray:
     left = np.swapaxes(matrix(about(i, first)), 1, 2) @ turn  # = R_j R_k
     second = np.arctan2(sign * left[:, i, k], left[:, k, k])
     third = np.arctan2(sign * left[:, j, i], left[:, j, j])
-    one = np.column_stack((first, second, third))
-    both = np.stack((one, one * (1, -1, 1) + np.pi))  # the same rotation
+    angles = np.column_stack((first, second, third))
+    both = np.stack((angles, angles * (1, -1, 1) + np.pi))  # the same rotation
     both -= 2 * np.pi * np.rint((both - near) / (2 * np.pi))
     nearest = np.argmin(np.abs(both - near).sum(axis=2), axis=0)
-    return both[nearest, np.arange(len(one))]
+    return both[nearest, np.arange(len(angles))]
 
 
 # -- the reader --------------------------------------------------------------------------------------------------------
@@ -214,26 +216,29 @@ class _Parser:
         lines = text if "\n" in text else text.replace("\r", "\n")
         self.plain = COMMENT.sub(lambda comment: " " * len(comment[0]), lines)
         self.table = TABLE.search(self.plain)
-        self.words = list(WORD.finditer(self.plain, 0, self.table.start() if self.table else len(text)))
-        self.next = 0
+        hierarchy = self.plain[: self.table.start() if self.table else None].split("\n")
+        self.left = deque((n, word) for n, line in enumerate(hierarchy, 1) for word in WORD.findall(line))
+        self.line, self.word = 1, ""  # taken last
         self.nodes: list[Node] = []
-        self.of_column: list[str] = []
+        self.joint_of_column: list[str] = []
 
-    def error(self, at: int, message: str) -> ClipError:
-        line = self.plain.count("\n", 0, at) + 1
+    def error(self, line: int, message: str) -> ClipError:
         return ClipError(f"{self.path}: line {line}: {message}")
+
+    def line_of(self, position: int) -> int:
+        """Return the line of a position in the text."""
+        return self.plain.count("\n", 0, position) + 1
 
     def take(self, expected: str) -> str:
         """Return the next word of the hierarchy."""
-        if self.next == len(self.words):
-            raise self.error(len(self.plain.rstrip()), f"the hierarchy ends where {expected} is expected")
-        self.next += 1
-        return self.words[self.next - 1][0]
+        if not self.left:
+            raise self.error(self.line, f"the hierarchy ends where {expected} is expected")
+        self.line, self.word = self.left.popleft()
+        return self.word
 
     def wrong(self, expected: str) -> ClipError:
         """Return the error of the word taken last."""
-        word = self.words[self.next - 1]
-        return self.error(word.start(), f"{word[0][:40]!r} is not {expected}")
+        return self.error(self.line, f"{self.word[:40]!r} is not {expected}")
 
     def number(self, where: str, whole: bool = False) -> float:
         """Return the next word of the hierarchy as a number."""
@@ -243,21 +248,27 @@ class _Parser:
             raise self.wrong(f"a whole number{where}")
         return value
 
+    def label(self) -> str:
+        """Return the words up to the end of the line or a brace."""
+        line, words = self.line, []
+        while self.left and self.left[0][0] == line and self.left[0][1] not in "{}":
+            words.append(self.take("a name"))
+        return " ".join(words)
+
     def hierarchy(self) -> None:
         """Read the nodes and their channels."""
-        if self.words and self.words[0][0].upper() == "HIERARCHY":
-            self.next = 1
+        if self.left and self.left[0][1].upper() == "HIERARCHY":
+            self.left.popleft()
         inside: list[int] = []
-        while self.next < len(self.words) or inside:
+        while self.left or inside:
             node = self.nodes[inside[-1]] if inside else None
             where = f" (joint {node.name or 'end site'})" if node else ""
             match self.take("}").lower(), node:
                 case ("root", None) | ("joint" | "end", Node(end=False)):
-                    end = self.words[self.next - 1][0].lower() == "end"
+                    end = self.word.lower() == "end"
                     inside.append(len(self.nodes))
-                    self.nodes.append(Node("" if end else self.label(), inside[-2] if inside[1:] else -1, end))
-                    if end:
-                        self.label()
+                    name = self.label()
+                    self.nodes.append(Node("" if end else name, inside[-2] if inside[1:] else -1, end))
                     if self.take("{") != "{":
                         raise self.wrong("{")
                 case "offset", Node():
@@ -266,25 +277,15 @@ class _Parser:
                     for _ in range(int(self.number(where, whole=True))):
                         if not (kind := CHANNEL.fullmatch(self.take("a channel"))):
                             raise self.wrong(f"a position or rotation channel{where}")
-                        channel = Channel(kind[2].lower(), "xyz".index(kind[1].lower()), len(self.of_column))
+                        channel = Channel(kind[2].lower(), "xyz".index(kind[1].lower()), len(self.joint_of_column))
                         node.channels += (channel,)
-                        self.of_column.append(node.name)
+                        self.joint_of_column.append(node.name)
                 case "}", Node():
                     inside.pop()
                 case "motion", None:
-                    raise self.error(self.words[self.next - 1].start(), "MOTION without 'Frames:' and 'Frame Time:'")
+                    raise self.error(self.line, "MOTION without 'Frames:' and 'Frame Time:'")
                 case _:
                     raise self.wrong("ROOT" if node is None else f"OFFSET, CHANNELS, JOINT, End Site or }}{where}")
-
-    def label(self) -> str:
-        """Return the words up to the end of the line or a brace."""
-        line = self.plain.count("\n", 0, self.words[self.next - 1].start())
-        first = self.next
-        while self.next < len(self.words) and self.words[self.next][0] not in "{}":
-            if self.plain.count("\n", 0, self.words[self.next].start()) != line:
-                break
-            self.next += 1
-        return " ".join(word[0] for word in self.words[first : self.next])
 
     def clip(self) -> Clip:
         """Return the clip."""
@@ -294,7 +295,7 @@ class _Parser:
         stated = []
         for n in (1, 2):
             if (value := _finite(self.table[n])) is None:
-                raise self.error(self.table.start(n), f"{self.table[n][:40]!r} is not a finite number")
+                raise self.error(self.line_of(self.table.start(n)), f"{self.table[n][:40]!r} is not a finite number")
             stated.append(value)
         count, period = stated
         rows, notes = self.rows(count, self.table.end())
@@ -310,7 +311,7 @@ class _Parser:
 
     def rows(self, count: float, start: int) -> tuple[list[list[float]], list[str]]:
         """Return the rows of the table, and notes on it.  Rows may be wrapped; `count` is the number that is stated."""
-        channels, first = len(self.of_column), self.plain.count("\n", 0, start) + 1
+        channels, first = len(self.joint_of_column), self.line_of(start)
         if not channels:
             raise ClipError(f"{self.path}: no joint has channels")
         text = self.plain[start:].split("\n")
@@ -324,10 +325,10 @@ class _Parser:
         for number, words in lines:
             began = began if row else number
             if len(row) + len(words) > channels:
-                raise ClipError(f"{self.path}: line {began}: {len(row) or len(words)} numbers, not {channels}")
+                raise self.error(began, f"{len(row) or len(words)} numbers, not {channels}")
             for word in words:
                 if (value := _finite(word)) is None:
-                    joint = self.of_column[len(row)]
+                    joint = self.joint_of_column[len(row)]
                     message = f"line {number}, joint {joint}: {word[:40]!r} is not a finite number"
                     raise ClipError(f"{self.path}: {message}")
                 row.append(value)

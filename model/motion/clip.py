@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""BVH clip: its arms as targets of the core, and the clip with its arms turned by the core's quaternions.
+"""BVH clip: its limbs as targets of the core, and the clip with limbs turned by the core's quaternions.
 
-Everything is in the clip's own frame and unit.  An arm is three joints: the start of the upper arm, the elbow, the
-wrist.  Each target is relative to the shoulder, in a frame that may move: with the world's axes, or with the torso's,
-whose outward-and-up axis no hand comes near.
+Frame and unit are the clip's.  A limb is an arm or a leg: shoulder, elbow and wrist, or hip, knee and ankle, which this
+module calls upper, fore and hand.  Targets are relative to the shoulder.
 """
 
 import re
@@ -37,8 +36,7 @@ LEG_NAMES = (
     ("hip", "knee|shin|calf|leg", "ankle|foot"),  # SMPL, Second Life
 )
 NAMES = {"arm": ARM_NAMES, "leg": LEG_NAMES}
-"""Names of upper arm, forearm and hand, or thigh, shin and foot, without their side, each at the start of its bone;
-earlier lines come first."""
+"""Kind of limb -> names of its joints without their side; earlier lines come first."""
 
 LIMBS = {"arms": ("arm",), "legs": ("leg",), "all": ("arm", "leg")}
 
@@ -49,10 +47,10 @@ DROPPED = {"joint", "jnt", "bone", "bind", "bend", "stretch"}
 
 
 @dataclass(frozen=True)
-class Arm:
-    """Numbers of an arm's joints, or a leg's: hip, knee and ankle.
+class Limb:
+    """Numbers of the joints of an arm or a leg.
 
-    torso: the joint that carries both arms; opposite: the other upper arm, or the torso joint
+    torso: the joint that carries both limbs; opposite: the other limb's upper joint, or the torso
     """
 
     side: str
@@ -61,71 +59,68 @@ class Arm:
     hand: int
     torso: int
     opposite: int
-    limb: str = "arm"
+    kind: str = "arm"
 
     @property
     def label(self) -> str:
         """Name among the limbs of a clip: "left", "left leg"."""
-        return self.side if self.limb == "arm" else f"{self.side} {self.limb}"
+        return self.side if self.kind == "arm" else f"{self.side} {self.kind}"
 
 
 # -- joints ------------------------------------------------------------------------------------------------------------
 
 
 def read(path: Path, up: str | None = None) -> Clip:
-    """Read a clip; up: its up axis, as in :data:`pose.NAMED_AXES`, found from head and feet if None.
-
-    Raises :class:`ClipError`.
-    """
+    """Read a clip.  up: a name of :data:`pose.NAMED_AXES`; None is :func:`up_axis`.  Raises :class:`ClipError`."""
     clip = bvh.read(path)
     return replace(clip, up=up or up_axis(clip))
 
 
-def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None, limbs: str = "arms") -> list[Arm]:
-    """Return the arms of a clip, "left", "right" or "both": found by name, or given by the three joints of each; its
-    "legs", or "all".
+def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None, limbs: str = "arms") -> list[Limb]:
+    """Return the "arms", "legs" or "all" limbs of a clip, on the "left", "right" or "both" sides.
 
-    Raises :class:`ClipError`, which lists the joints, where names are not sufficient.
+    joints: names of three joints a side; None stands for usual names.  Raises :class:`ClipError`, which lists the
+    joints, where names are not sufficient.
     """
     if len(LIMBS[limbs]) > 1:
         if joints is not None:
             raise ClipError(f"{clip.path}: joints {','.join(joints)}: choose one limb, LIMB=arms or LIMB=legs")
-        return [arm for one in ("arms", "legs") for arm in arms(clip, which, None, one)]
-    (limb,), sides = LIMBS[limbs], SIDES if which == "both" else (which,)
-    found: dict[str, tuple[int, int, int]] = {}
+        return [limb for kind in ("arms", "legs") for limb in arms(clip, which, None, kind)]
+    (kind,), sides = LIMBS[limbs], SIDES if which == "both" else (which,)
+    named_joints: dict[str, tuple[int, int, int]] = {}
     if joints is not None:
         text = f"joints {','.join(joints)}"
         if len(sides) == 2 and len(joints) == 3:
-            raise ClipError(f"{clip.path}: {text} name one {limb}: choose its side, ARM=left or ARM=right")
+            raise ClipError(f"{clip.path}: {text} name one {kind}: choose its side, ARM=left or ARM=right")
         if len(joints) != 3 * len(sides):
             raise ClipError(f"{clip.path}: {text}: expected three per side, such as upper arm, forearm and hand")
         for n, side in enumerate(sides):
-            found[side] = _given(clip, joints[3 * n : 3 * n + 3], list(found.values()))
-    known = {side: three for side in SIDES if (three := found.get(side) or _known(clip, side, NAMES[limb]))}
+            named_joints[side] = _chosen(clip, joints[3 * n : 3 * n + 3], list(named_joints.values()))
+    known = {side: three for side in SIDES if (three := named_joints.get(side) or _known(clip, side, NAMES[kind]))}
     for side in sides:
         if side not in known:
-            likely = [name for name in _joint_names(clip) if re.search(LIKELY[limb], "".join(_words(name)))]
+            likely = [name for name in _joint_names(clip) if re.search(LIKELY[kind], "".join(_words(name)))]
             names = ", ".join((likely or _joint_names(clip))[:40])
-            hint = "".join(f"ARM={one} runs the other, or " for one in known)
+            hint = "".join(f"ARM={other} runs the other, or " for other in known)
             hint += f"choose its three with JOINTS= from {names}"
-            raise ClipError(f"{clip.path}: no {side} {limb} recognized; {hint}")
+            raise ClipError(f"{clip.path}: no {side} {kind} recognized; {hint}")
     above = [set(clip.ancestors(upper)) for upper, *_ in known.values()]
     result = []
     for side in sides:
         torso = _torso(clip, known[side][0], above)
         opposite = next((known[other][0] for other in known if other != side), torso)
-        result.append(Arm(side, *known[side], torso, opposite, limb))
+        result.append(Limb(side, *known[side], torso, opposite, kind))
     return result
 
 
 def _torso(clip: Clip, upper: int, common: list[set[int]]) -> int:
-    """Return the lowest joint that carries all arms found; for a single arm, the joint that carries its collar bone."""
+    """Return the lowest joint that carries both limbs; for a single one, the joint that carries its collar bone."""
     above = clip.ancestors(upper)
     if not above:
         return upper
     if len(common) < 2:
         return above[min(1, len(above) - 1)]
-    return next((joint for joint in above if all(joint in of for of in common)), above[-1])
+    return next((joint for joint in above if all(joint in chain for chain in common)), above[-1])
 
 
 def _joint_names(clip: Clip) -> list[str]:
@@ -140,21 +135,21 @@ def _words(name: str) -> list[str]:
 
 
 def _called(clip: Clip, pattern: str) -> list[int]:
-    """Return the joints whose names are a pattern, perhaps after other words."""
+    """Return the joints whose last words match a pattern."""
     words = [[] if node.end else _words(node.name) for node in clip.nodes]
-    last = [["".join(each[first:]) for first in range(len(each))] for each in words]
+    last = [["".join(name[first:]) for first in range(len(name))] for name in words]
     return [joint for joint, names in enumerate(last) if any(re.fullmatch(pattern, name) for name in names)]
 
 
 def named(clip: Clip, name: str) -> list[int]:
     """Return the joints of a name.  Raises :class:`ClipError` if there is none."""
-    if found := [k for k, node in enumerate(clip.nodes) if not node.end and node.name == name]:
-        return found
+    if joints := [k for k, node in enumerate(clip.nodes) if not node.end and node.name == name]:
+        return joints
     raise ClipError(f"{clip.path}: no joint {name!r} among {', '.join(_joint_names(clip))}")
 
 
-def _given(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]]) -> tuple[int, int, int]:
-    """Return the joints of an arm by their names, of which the clip may have several; others: arms that are found."""
+def _chosen(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]]) -> tuple[int, int, int]:
+    """Return the joints of a limb by their names; of several with one name, those that are not among ``others``."""
     for upper, fore, hand in product(*(named(clip, name) for name in joints)):
         if upper in clip.ancestors(fore) and fore in clip.ancestors(hand) and (upper, fore, hand) not in others:
             return upper, fore, hand
@@ -162,7 +157,7 @@ def _given(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]]
 
 
 def _known(clip: Clip, side: str, table: Sequence[tuple[str, str, str]]) -> tuple[int, int, int] | None:
-    """Return the joints of an arm or leg by their usual names."""
+    """Return the joints of a limb by their usual names."""
     letter = f"(?:{side}|{side[0]})"
     for parts in table:
         uppers, fores, hands = (_called(clip, f"{letter}(?:{x})(?:0?1)?|(?:{x})(?:0?1)?{letter}") for x in parts)
@@ -178,10 +173,10 @@ def _known(clip: Clip, side: str, table: Sequence[tuple[str, str, str]]) -> tupl
 
 
 def _body(clip: Clip) -> tuple[list[int], list[int]]:
-    """Return the joints of head or neck, or else the shoulders, and the feet; empty lists if they are not known."""
+    """Return the joints of head, neck or shoulders, and of the feet; empty lists if either are not known."""
     optional = "(?:left|right|l|r)?"
     heads, feet = (
-        next((found for names in table if (found := _called(clip, rf"{optional}(?:{names})\d*{optional}"))), [])
+        next((joints for names in table if (joints := _called(clip, rf"{optional}(?:{names})\d*{optional}"))), [])
         for table in (HEADS, FEET)
     )
     heads = heads[:1] or [known[0] for side in SIDES if (known := _known(clip, side, ARM_NAMES))]
@@ -189,8 +184,10 @@ def _body(clip: Clip) -> tuple[list[int], list[int]]:
 
 
 def up_axis(clip: Clip) -> str:
-    """Return the axis from feet to head: on average over all frames, or at rest if the average is near no axis; y where
-    head or feet are not known."""
+    """Return the axis from feet to head, on average over all frames, or at rest if the average is near no axis.
+
+    It is y where head or feet are not known.
+    """
     heads, feet = _body(clip)
     if not heads:
         return "y"
@@ -202,12 +199,12 @@ def up_axis(clip: Clip) -> str:
 
 
 def rest_up(clip: Clip) -> np.ndarray:
-    """Return the direction (3,) from hips to head of the body at rest: an axis where it is within 30 degrees of it."""
+    """Return the direction (3,) from hips to head of the body at rest, or an axis within 30 degrees of it."""
     heads, feet = _body(clip)
     if not heads:
         return direction(clip.up)
     above = [set(clip.ancestors(foot)) for foot in feet]
-    hips = next((joint for joint in clip.ancestors(feet[0]) if all(joint in of for of in above)), 0)
+    hips = next((joint for joint in clip.ancestors(feet[0]) if all(joint in chain for chain in above)), 0)
     up = _unit(clip.rest[heads].mean(axis=0) - clip.rest[hips])
     if not up.any():
         return direction(clip.up)
@@ -223,7 +220,7 @@ ARM = 0.55  # length of a human arm to the wrist, m
 
 def metres(unit: str, arm: float) -> float:
     """Return a unit of length in metres; "auto": the one in which an arm's length is nearest to a human's."""
-    return UNITS[unit] if unit != "auto" else min(UNITS.values(), key=lambda one: abs(np.log(arm * one / ARM)))
+    return UNITS[unit] if unit != "auto" else min(UNITS.values(), key=lambda metre: abs(np.log(arm * metre / ARM)))
 
 
 # -- targets -----------------------------------------------------------------------------------------------------------
@@ -231,7 +228,7 @@ def metres(unit: str, arm: float) -> float:
 
 @dataclass(frozen=True)
 class Motion:
-    """Motion of an arm in F frames, from the shoulder, in the clip's frame and unit.
+    """Motion of a limb in F frames, from the shoulder, in the clip's frame and unit.
 
     * elbow, wrist (F, 3); d1, d2 (F,): lengths of upper arm and forearm
     * frame (F, 4): the quaternion of R, which takes the clip's frame to the core's
@@ -239,7 +236,7 @@ class Motion:
     * hand (F, 4): orientation of the hand, z along its bone; None if the clip has no channels for it
     """
 
-    arm: Arm
+    limb: Limb
     elbow: np.ndarray
     wrist: np.ndarray
     d1: np.ndarray
@@ -250,75 +247,72 @@ class Motion:
 
     @property
     def arm_length(self) -> float:
-        """Median length of the arm, or of the arm in proportion to a leg."""
-        return float(np.median(self.d1 + self.d2)) * (1.0 if self.arm.limb == "arm" else 0.65)
+        """Median length of the arm, or for a leg the length of an arm in proportion."""
+        return float(np.median(self.d1 + self.d2)) * (1.0 if self.limb.kind == "arm" else 0.65)
 
     @property
     def typical_phi(self) -> float:
-        """Mean direction (rad) of the clip's own swivel angles, each weighted by the bend of the arm."""
+        """Mean direction (rad) of the clip's swivel angles, weighted by the bend of the limb."""
         bent = np.linalg.norm(np.cross(self.elbow, self.wrist), axis=1)
         return float(np.angle((bent * np.exp(1j * self.phi)).sum()))
 
 
-def outward_and_up(clip: Clip, arm: Arm) -> np.ndarray:
-    """Return the direction (3,) between the arm's side and up, of the body at rest, in the torso's frame."""
+def outward_and_up(clip: Clip, limb: Limb) -> np.ndarray:
+    """Return the direction (3,) between the limb's side and up, of the body at rest, in the torso's frame."""
     up = rest_up(clip)
-    out = clip.rest[arm.upper] - clip.rest[arm.opposite]
+    out = clip.rest[limb.upper] - clip.rest[limb.opposite]
     out = out - (out @ up) * up
     if not np.linalg.norm(out) > 0:
-        raise ClipError(f"{clip.path}: joint {clip.names[arm.upper]} is above the torso; AXIS= gives another axis")
+        raise ClipError(f"{clip.path}: joint {clip.names[limb.upper]} is above the torso; AXIS= gives another axis")
     return out / np.linalg.norm(out) + up
 
 
-def motion(clip: Clip, arm: Arm, axis: Axis = TORSO) -> Motion:
-    """Return the motion of an arm for a reference axis of the world's frame, or "torso": outward and up from it."""
-    for joint in (arm.upper, arm.fore):
+def motion(clip: Clip, limb: Limb, axis: Axis = TORSO) -> Motion:
+    """Return the motion of a limb for a reference axis of the world's frame, or "torso": outward and up from it."""
+    for joint in (limb.upper, limb.fore):
         if not clip.can_turn(joint):
             message = "has no rotation channel for each axis, so the core cannot turn it"
             raise ClipError(f"{clip.path}: joint {clip.names[joint]} {message}")
-    shoulder, elbow, wrist = (clip.positions[:, joint] for joint in (arm.upper, arm.fore, arm.hand))
-    count = len(shoulder)
-    rest = [clip.rest[joint] for joint in (arm.upper, arm.fore, arm.hand)]
+    shoulder, elbow, wrist = (clip.positions[:, joint] for joint in (limb.upper, limb.fore, limb.hand))
+    rest = [clip.rest[joint] for joint in (limb.upper, limb.fore, limb.hand)]
     d1, d2 = (_lengths(b - a, d - c) for a, b, c, d in ((*rest[:2], shoulder, elbow), (*rest[1:], elbow, wrist)))
     if min(d1.min(), d2.min()) == 0:
-        raise ClipError(f"{clip.path}: the {arm.side} {arm.limb} has a bone without length")
+        raise ClipError(f"{clip.path}: the {limb.side} {limb.kind} has a bone without length")
     if isinstance(axis, str) and axis == TORSO:
-        frame = multiply(to_z(outward_and_up(clip, arm)), conjugate(clip.turn[:, arm.torso]))
+        frame = multiply(to_z(outward_and_up(clip, limb)), conjugate(clip.turn[:, limb.torso]))
     else:
-        frame = np.broadcast_to(to_z(axis), (count, 4))
+        frame = np.broadcast_to(to_z(axis), (len(shoulder), 4))
     elbow, wrist = elbow - shoulder, wrist - shoulder
     phi = swivel((0.0, 0.0, 0.0), rotate(frame, elbow), rotate(frame, wrist))
-    hand = hands(clip, arm) if clip.can_turn(arm.hand) else None
-    return Motion(arm, elbow, wrist, d1, d2, frame, phi, hand)
+    hand = hands(clip, limb) if clip.can_turn(limb.hand) else None
+    return Motion(limb, elbow, wrist, d1, d2, frame, phi, hand)
 
 
-def _to_palm(clip: Clip, arm: Arm) -> np.ndarray:
-    """Return the quaternion (4,) that takes the hand's bone at rest to z; of a hand without one, the forearm."""
-    below = [clip.rest[k] - clip.rest[arm.hand] for k, parent in enumerate(clip.parents) if parent == arm.hand]
+def _to_palm(clip: Clip, limb: Limb) -> np.ndarray:
+    """Return the quaternion (4,) that takes the hand's bone at rest to z; if it has no bone, the forearm."""
+    below = [clip.rest[k] - clip.rest[limb.hand] for k, parent in enumerate(clip.parents) if parent == limb.hand]
     bone = np.sum(below, axis=0) if below else np.zeros(3)
-    return to_z(bone if np.linalg.norm(bone) > 0 else clip.rest[arm.hand] - clip.rest[arm.fore])
+    return to_z(bone if np.linalg.norm(bone) > 0 else clip.rest[limb.hand] - clip.rest[limb.fore])
 
 
-def hands(clip: Clip, arm: Arm) -> np.ndarray:
-    """Return the orientations (F, 4) of an arm's hand, z along its bone."""
-    return multiply(clip.turn[:, arm.hand], conjugate(_to_palm(clip, arm)))
+def hands(clip: Clip, limb: Limb) -> np.ndarray:
+    """Return the orientations (F, 4) of a limb's hand, z along its bone."""
+    return multiply(clip.turn[:, limb.hand], conjugate(_to_palm(clip, limb)))
 
 
 def _lengths(rest: np.ndarray, bone: np.ndarray) -> np.ndarray:
-    """Return the lengths (F,) of a bone (F, 3): of the bone at rest, where they are that within rounding."""
-    length, found = np.linalg.norm(rest), np.linalg.norm(bone, axis=1)
-    return np.where(np.isclose(found, length, rtol=1e-9, atol=0), length, found)
+    """Return the lengths (F,) of a bone (F, 3); exactly the length at rest where only rounding differs."""
+    length, lengths = np.linalg.norm(rest), np.linalg.norm(bone, axis=1)
+    return np.where(np.isclose(lengths, length, rtol=1e-9, atol=0), length, lengths)
 
 
 def targets(
     clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | float], width: int, by_hand: bool = False
 ) -> Targets:
-    """Return the wrists of all arms as one stream, frame by frame, with a swivel angle (F,) or one number for each arm.
+    """Return the wrists, or with ``by_hand`` the hand poses, of all limbs as one stream, frame by frame.
 
-    With ``by_hand`` they are hand poses, without a tool.
-
-    For a straight arm, rounding to words of ``width`` bits could make the elbow stick out by the root of an ulp, so its
-    target is moved two ulps out of reach, which keeps it straight.
+    phi: of each limb, (F,) or a number.  Rounding to words of ``width`` bits could make a straight elbow stick out by
+    the root of an ulp, so targets of straight limbs are moved two ulps out of reach.
     """
     count = len(moves[0].wrist)
     ulp = 2.0 ** (2 - width)  # upper bound, relative to the reach
@@ -330,15 +324,17 @@ def targets(
     x, y, z = np.stack(wrists, axis=1).reshape(-1, 3).T
     columns = [(np.broadcast_to(angle, count), move.d1, move.d2) for angle, move in zip(phi, moves, strict=True)]
     angles, d1, d2 = np.array(columns).transpose(1, 2, 0).reshape(3, -1)
-    arm = np.tile([move.arm.label for move in moves], count)
+    arm = np.tile([move.limb.label for move in moves], count)
     others = {"frame": np.arange(count).repeat(len(moves)).astype(str).tolist(), "arm": arm.tolist()}
     frame = np.stack([move.frame for move in moves], axis=1).reshape(-1, 4)
-    found = Targets(clip.path.stem, x, y, z, angles, d1, d2, str(clip.path), others=others, frame=frame, arm=arm)
+    wrist_targets = Targets(
+        clip.path.stem, x, y, z, angles, d1, d2, str(clip.path), others=others, frame=frame, arm=arm
+    )
     if not by_hand:
-        return found
+        return wrist_targets
     hand = np.stack([move.hand for move in moves if move.hand is not None], axis=1).reshape(-1, 4)
     quaternion = {name: [*map(repr, q)] for name, q in zip(QUATERNION, hand.T.tolist(), strict=True)}
-    return replace(found, hand=hand, others=others | quaternion)
+    return replace(wrist_targets, hand=hand, others=others | quaternion)
 
 
 # -- the turned clip ---------------------------------------------------------------------------------------------------
@@ -347,26 +343,25 @@ TWISTS = ("clip", "core")
 
 
 def turned(clip: Clip, moves: Sequence[tuple[Any, ...]], twist: str = "clip") -> Clip:
-    """Return the clip with arms turned by (motion, Qs, Qe) or (motion, Qs, Qe, Qh), (F, 4) each, in the clip's frame;
-    the rest of the body is unchanged.
+    """Return the clip with limbs turned by (motion, Qs, Qe) or (motion, Qs, Qe, Qh), quaternions (F, 4) in its frame.
 
-    The core gives the direction of each bone.  Its twist is the clip's: the bone turns the shortest way.  With twist
-    "core" the core's hinge, about which the elbow bends, is fixed in both bones, and is aligned with the clip's average
-    hinge.  Hands without Qh keep their orientation to the world.
+    The core gives the direction of each bone, which turns the shortest way and so keeps the clip's twist.  With twist
+    "core" the elbow's hinge is fixed in both bones, where the clip's hinge is on average.  Hands without Qh keep their
+    orientation to the world.
     """
     world = {}
     for move, qs, qe, *qh in moves:
-        arm, fore = move.arm, move.wrist - move.elbow
+        limb, fore = move.limb, move.wrist - move.elbow
         normal = np.cross(move.elbow, fore)
-        for joint, bone, q, z in ((arm.upper, move.elbow, qs, 1.0), (arm.fore, fore, multiply(qs, qe), -1.0)):
-            aim, own = rotate(q, (0.0, 0.0, z)), clip.turn[:, joint]
-            world[joint] = multiply(_shortest(bone, aim), own)
+        for joint, bone, q, z in ((limb.upper, move.elbow, qs, 1.0), (limb.fore, fore, multiply(qs, qe), -1.0)):
+            aim, turn = rotate(q, (0.0, 0.0, z)), clip.turn[:, joint]
+            world[joint] = multiply(_shortest(bone, aim), turn)
             if twist == "core":
-                back = conjugate(own)
+                back = conjugate(turn)
                 hinge = _hinge(_unit(rotate(back, bone)).mean(axis=0), rotate(back, normal))
                 world[joint] = multiply(_roll(aim, rotate(world[joint], hinge), rotate(q, HINGE)), world[joint])
-        if clip.can_turn(arm.hand):
-            world[arm.hand] = multiply(qh[0], _to_palm(clip, arm)) if qh else clip.turn[:, arm.hand]
+        if clip.can_turn(limb.hand):
+            world[limb.hand] = multiply(qh[0], _to_palm(clip, limb)) if qh else clip.turn[:, limb.hand]
     return clip.turned(world)
 
 
@@ -374,7 +369,7 @@ HINGE = (1.0, 0.0, 0.0)  # the core's arm bends so that upper arm x forearm poin
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
-    """Return vectors (.., 3) of length 1, or 0 where they are 0."""
+    """Return vectors (..., 3) scaled to length 1; vectors of length 0 stay."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.where(length > 0, length, 1.0)
 
@@ -399,8 +394,7 @@ def _hinge(along: np.ndarray, normals: np.ndarray) -> np.ndarray:
 
 
 def _roll(axis: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Return the quaternions (F, 4) of rotations about axes that take one direction, seen along the axis, to another;
-    all (F, 3)."""
+    """Return the quaternions (F, 4) of rotations about axes that take start to end, seen along the axes; all (F, 3)."""
     across = np.cross(axis, start)
     along = (start * axis).sum(axis=1) * (end * axis).sum(axis=1)
     half = np.arctan2((across * end).sum(axis=1), (start * end).sum(axis=1) - along) / 2

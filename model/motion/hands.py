@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Poses of a hand: checks, wrist targets, and the seven joint angles of the arm that holds it."""
+"""Hands of poses: checks, wrist targets, and the seven joint angles of the arm that holds a hand."""
 
 import math
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..dataflow import fixed
 from ..dataflow.datapaths import MODELS
-from ..io.flags import BAD_HAND
+from ..io.flags import BAD_HAND, OVER_BIT
 from ..io.words import (
+    FIELDS,
     JOINTS,
     LENGTH_TOLERANCE,
     RESULT_FIELDS,
@@ -27,76 +28,105 @@ from ..reference.kinematics import product
 Floats = NDArray[np.float64]
 
 
-class Hands:
-    """Orientations of N hands or of one, and what goes with them.
+class ArmWords(NamedTuple):
+    """Output of ``ik_arm`` for n hand poses.
 
-    * tool: distance from the wrist to the hand's point, along the hand's z axis; a number or (N,)
-    * branch: bits of :class:`Branch`; a number or (N,)
-    * lost (N,): rows with a nan in hand or tool, which are replaced
+    * results (6, n): Qs and Qe, as ``RESULT_FIELDS``; flags (n,), without over_limit
+    * phi (n,): the swivel angle that the words represent, rad
+    * qw (4, n): wrist quaternion; joints (7, n): rad; over_limit (7, n)
     """
 
-    def __init__(self, hand: ArrayLike, tool: ArrayLike, branch: ArrayLike, order: str = "wxyz") -> None:
-        """Take hands (N, 4) or (4,).  Raises ValueError for rows that are not of length 1, and wrong arguments."""
-        if order not in ("wxyz", "xyzw"):
-            raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
-        q = np.atleast_2d(np.asarray(hand, dtype=np.float64))
-        if q.ndim != 2 or q.shape[1] != 4:
+    results: Floats
+    flags: NDArray[np.int64]
+    phi: Floats
+    qw: Floats
+    joints: Floats
+    over_limit: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Hands:
+    """Hands of N poses; a field may also hold a single value for all poses.
+
+    * q (4, N): orientations, unit quaternions w, i, j, k
+    * tool (N,): distance from the wrist to the hand's point, along the hand's z axis
+    * branch (N,): bits of :class:`Branch`
+    * missing (N,): poses with a nan in hand or tool, replaced here
+    """
+
+    q: Floats
+    tool: Floats
+    branch: NDArray[np.int64]
+    missing: NDArray[np.bool_]
+
+    @classmethod
+    def checked(
+        cls, hand: ArrayLike, tool: ArrayLike, branch: ArrayLike, order: str = "wxyz", nan: str = "raise"
+    ) -> "Hands":
+        """Check hands (N, 4) or (4,), and make their lengths exactly 1.
+
+        Raises ValueError for hands that are not of length 1, wrong arguments, and a nan unless it may "pass".
+        """
+        check_order(order)
+        rows = np.atleast_2d(np.asarray(hand, dtype=np.float64))
+        if rows.ndim != 2 or rows.shape[1] != 4:
             raise ValueError(f"hand has the shape {np.shape(hand)}, not (N, 4)")
-        length = np.sqrt(np.einsum("ij,ij->i", q, q))
-        self.tool, self.branch = np.asarray(tool, dtype=np.float64), np.asarray(branch)
+        length = np.sqrt(np.einsum("ij,ij->i", rows, rows))
         wrong = (np.abs(length - 1) > LENGTH_TOLERANCE) | (length == np.inf)
         refuse("hand", wrong, f"length {length[wrong.argmax()]:.6g}, not 1," if wrong.any() else "")
-        self.lost = np.isnan(length) | np.isnan(self.tool)
-        if self.lost.any():
-            q, length = np.where(self.lost[:, None], 0.5, q), np.where(self.lost, 1.0, length)
-            self.tool = np.where(np.isnan(self.tool), 0.0, self.tool)
-        self._rows, self._length, self._from = q, length, [0, 1, 2, 3] if order == "wxyz" else [3, 0, 1, 2]
-        if self.branch.dtype.kind not in "iu" or ((self.branch < 0) | (self.branch >= 2 ** len(joints.Branch))).any():
+        tools, branches = np.asarray(tool, dtype=np.float64), np.asarray(branch)
+        if branches.dtype.kind not in "iu" or ((branches < 0) | (branches >= 2 ** len(joints.Branch))).any():
             raise ValueError(f"branch {branch!r} is no combination of {', '.join(joints.Branch.__members__)}")
-        if np.isinf(self.tool).any():
+        if np.isinf(tools).any():
             raise ValueError("tool: not finite")
-        self.count = max(len(q), self.tool.size, self.branch.size)
+        missing = np.isnan(length) | np.isnan(tools)
+        if missing.any():
+            refuse("hand and tool", missing & (nan == "raise"), "not finite")
+            rows, length = np.where(missing[:, None], 0.5, rows), np.where(missing, 1.0, length)
+            tools = np.where(missing, 0.0, tools)
+        q = rows.T[[0, 1, 2, 3] if order == "wxyz" else [3, 0, 1, 2]] / length
+        return cls(q, tools, branches, missing)
 
-    def part(self, rows: slice) -> tuple[Any, Any, Any]:
-        """Return Qh (4, n), unit quaternions w, i, j, k, the vectors to the hand's point (3, n), and branches."""
-        q, length, tool, branch = (  # one for all, or one for each
-            each if each.ndim == 0 or len(each) == 1 else each[rows]
-            for each in (self._rows, self._length, self.tool, self.branch)
-        )
-        q = q.T[self._from] / length
-        return q, joints.tool_offset(q, tool), branch
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Number of hands, tools and branches, by argument."""
+        return {"hand": len(self.q.T), "tool": self.tool.size, "branch": self.branch.size}
 
-    def in_words(self, rows: slice, targets: Targets, exponent: int, width: int, bounds: Floats | None) -> tuple:
-        """Return what ``ik_arm`` computes for these hands at ``targets``: results of the core (6, n), flags and swivel
-        angles (n,), Qw (4, n), joints and whether they are outside their limits (7, n)."""
-        path, (q, _, branch) = MODELS["arm"], self.part(rows)
-        words, _ = to_words(replace(targets, hand=q.T, tool=self._tool(rows), branch=branch), width, exponent)
-        limits = limit_words(bounds, width)
-        run = fixed.run(words[:, :-1], width, path.name, words[:, -1], limits)
-        over = run.flags >> 9 + np.arange(7)[:, None] & 1 > 0
-        over |= np.array([[last < first] for first, last in limits])  # there is no word within them
+    @property
+    def offset(self) -> Floats:
+        """Vectors (3, N) from the wrist to the hand's point."""
+        return joints.tool_offset(self.q, self.tool)
+
+    def part(self, rows: slice) -> "Hands":
+        """Return the hands of some poses."""
+        return Hands(*(v if v.shape[-1:] in ((), (1,)) else v[..., rows] for v in vars(self).values()))
+
+    def in_words(self, targets: Targets, exponent: int, width: int, limits: Floats | None) -> ArmWords:
+        """Solve hand poses at ``targets`` with the bit-true model of ``ik_arm``."""
+        path, ends = MODELS["arm"], limit_words(limits, width)
+        words, _ = to_words(replace(targets, hand=self.q.T, tool=self.tool, branch=self.branch), width, exponent)
+        run = fixed.run(words[:, :-1], width, path.name, words[:, -1], ends)
+        over = run.flags >> OVER_BIT + np.arange(7)[:, None] & 1 > 0
+        over |= np.array([[high < low] for low, high in ends])  # limits with no word between them
         value = dict(zip(path.results, result_values(run.results, width).T, strict=True))
-        core, turn, th = (np.array([value[k] for k in names]) for names in (RESULT_FIELDS, WRIST_FIELDS, JOINTS))
-        th *= np.pi / 2  # words of an angle have 1 at a quarter turn
-        asked = from_words(words[:, :6], exponent, width, targets.name).phi
-        return core, run.flags & 2 * BAD_HAND - 1, asked, turn, th, over
+        results, qw, th = (np.array([value[k] for k in names]) for names in (RESULT_FIELDS, WRIST_FIELDS, JOINTS))
+        th *= np.pi / 2  # the word 1 is a quarter turn
+        phi = from_words(words[:, : len(FIELDS)], exponent, width, targets.name).phi
+        return ArmWords(results, run.flags & 2 * BAD_HAND - 1, phi, qw, th, over)
 
-    def _tool(self, rows: slice) -> Floats:
-        return self.tool[rows] if self.tool.ndim and len(self.tool) > 1 else self.tool
-
-    def reached(self, rows: slice, qs: Floats, qe: Floats, qw: Floats) -> Floats:
-        """Return vectors (3, n) from the wrist to the hand's point for Qs (4, n), qe_w and qe_i (2, n), Qw (4, n)."""
+    def offset_of(self, qs: Floats, qe: Floats, qw: Floats) -> Floats:
+        """Return vectors as `offset` for Qs (4, N), qe_w and qe_i (2, N), Qw (4, N); their lengths do not matter."""
         q = product(product(qs, np.array((-qe[1], qe[0], 0 * qe[0], 0 * qe[0]))), qw)
-        return joints.tool_offset(q / np.linalg.norm(q, axis=0), self._tool(rows))
+        return joints.tool_offset(q / np.linalg.norm(q, axis=0), self.tool)
 
 
 def limit_words(limits: Floats | None, width: int) -> list[tuple[int, int]]:
     """Return the lowest and highest word of each joint within its limits; a joint without limits has a whole turn."""
-    half, unit, found = 2 ** (width - 1), 2**width / (2 * np.pi), []
+    half, unit, words = 2 ** (width - 1), 2**width / (2 * np.pi), []
     for low, high in [(-np.inf, np.inf)] * 7 if limits is None else limits.tolist():
         free = not high - low < 2 * np.pi
-        found.append((-half, half - 1) if free else (math.ceil(low * unit), math.floor(high * unit)))
-    return found
+        words.append((-half, half - 1) if free else (math.ceil(low * unit), math.floor(high * unit)))
+    return words
 
 
 def refuse(name: str, rows: NDArray[np.bool_], reason: str) -> None:
@@ -107,12 +137,18 @@ def refuse(name: str, rows: NDArray[np.bool_], reason: str) -> None:
         raise ValueError(f"{name}: {reason} in row{'s'[: len(first) > 1]} {', '.join(map(str, first[:3]))}{more}")
 
 
+def check_order(order: str) -> None:
+    """Raise ValueError for an unknown order of a quaternion's components."""
+    if order not in ("wxyz", "xyzw"):
+        raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
+
+
 def checked_limits(limits: ArrayLike) -> Floats:
     """Return limits (7, 2) of the joints, rad.  Raises ValueError."""
-    found = np.asarray(limits, dtype=np.float64)
-    if found.shape != (7, 2):
-        raise ValueError(f"limits have the shape {found.shape}, not (7, 2)")
-    if (wrong := np.flatnonzero(~(found[:, 0] <= found[:, 1]))).size:
-        low, high = found[wrong[0]]
-        raise ValueError(f"limits of joint {wrong[0] + 1}: {low:.6g} to {high:.6g}")
-    return found
+    ends = np.asarray(limits, dtype=np.float64)
+    if ends.shape != (7, 2):
+        raise ValueError(f"limits have the shape {ends.shape}, not (7, 2)")
+    for joint, (low, high) in enumerate(ends.tolist(), 1):
+        if not low <= high:
+            raise ValueError(f"limits of joint {joint}: {low:.6g} to {high:.6g}")
+    return ends

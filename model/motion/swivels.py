@@ -6,8 +6,8 @@ bones is A sin(phi) + B cos(phi) + C. A ball joint Rz(a) Rx(b) Rz(c) has
 
     tan a = M02 / -M12,  cos b = M22,  tan c = M20 / M21
 
-and reaches a limit where such a form is 0: at most two phi for each limit (Shimizu et al., IEEE T-RO 24(5), 2008).
-Between neighbouring ones, the circle of phi is feasible or infeasible as a whole.
+and reaches a limit where such a form is 0, at most at two phi (Shimizu et al., IEEE T-RO 24(5), 2008).  The arc
+between neighbouring ones is feasible or infeasible as a whole.
 """
 
 from dataclasses import dataclass
@@ -31,9 +31,9 @@ class Swivels:
     """Swivel angles of N hand poses for which all joints are within their limits.
 
     * intervals (N, K, 2): first and last angle of each closed interval, rad: the first in -pi to pi, the last up to a
-      turn above it; nan beyond a pose's own number of intervals
-    * over_limit (N, 7): joints outside their limits at the best swivel angle; all False for a feasible pose
-    * distance (N,): from shoulder to wrist; reach (N, 2): least and largest distance that the arm allows
+      turn above it; nan for poses with fewer intervals
+    * over_limit (N, 7): joints outside their limits where the fewest are; all False for a feasible pose
+    * distance (N,): from shoulder to wrist; reach (N, 2): the least and the largest one possible
     * start: swivel angle (rad) at which the elbow hangs
     """
 
@@ -53,7 +53,7 @@ class Swivels:
         (near, far), distance = self.reach[n], self.distance[n]
         if _beyond(distance, near, far):
             return f"wrist {distance:.6g} from the shoulder, where the arm reaches {near:.6g} to {far:.6g}"
-        over = [str(1 + one) for one in np.flatnonzero(self.over_limit[n])]
+        over = [str(1 + joint) for joint in np.flatnonzero(self.over_limit[n])]
         return f"joint{'s'[: len(over) > 1]} {', '.join(over)} outside the limits" if over else ""
 
     def nearest(self, near: ArrayLike | None = None, margin: float = 0.0) -> Floats:
@@ -68,15 +68,15 @@ class Swivels:
         first, last = np.where(whole, first, first + inset), np.where(whole, last, last - inset)
         if near is not None:
             return _nearest(first, last, np.broadcast_to(np.asarray(near, dtype=np.float64), len(first)))
-        found, before = np.empty(len(first)), np.array([self.start])
+        chosen, before = np.empty(len(first)), np.array([self.start])
         for n in range(len(first)):
-            found[n] = _nearest(first[n : n + 1], last[n : n + 1], before)[0]
-            before = found[n : n + 1] if np.isfinite(found[n]) else before
-        return found
+            chosen[n] = _nearest(first[n : n + 1], last[n : n + 1], before)[0]
+            before = chosen[n : n + 1] if np.isfinite(chosen[n]) else before
+        return chosen
 
 
 def _beyond(distance, near, far):
-    """Return whether distances are outside the reach of an arm by more than rounding."""
+    """Return whether distances are outside an arm's reach by more than rounding."""
     return np.abs(distance - np.clip(distance, near, far)) > joints.ROUNDING * far
 
 
@@ -105,11 +105,11 @@ def feasible_swivel(
 ) -> Swivels:
     """Return all swivel angles for which the seven joints of hand poses are within their limits.
 
-    Arguments as for :func:`solve`; without limits every angle is feasible.  Isolated angles count as intervals of
-    length 0.  ``bent`` is upper and fore of an :class:`Arm`.  Raises ValueError, as :func:`solve` does.
+    Arguments as for :func:`solve`; ``bent`` is upper and fore of an :class:`Arm`.  Without limits every angle is
+    feasible.  Isolated angles are intervals of length 0.  Raises ValueError as :func:`solve` does.
     """
-    q, offset, branch = Hands(hand, tool, branch, order).part(slice(None))
-    wrists = np.asarray(points, dtype=np.float64) - offset.T
+    hands = Hands.checked(hand, tool, branch, order)
+    wrists = np.asarray(points, dtype=np.float64) - hands.offset.T
     poses = [solve(wrists, phi, d1, d2, axis=axis) for phi in (0.0, np.pi / 2, np.pi)]
     count, frame = len(poses[0].qs), to_z(axis)
     bounds = checked_limits(limits if limits is not None else [(-np.inf, np.inf)] * 7)
@@ -117,7 +117,7 @@ def feasible_swivel(
     reach = np.column_stack((np.abs(lengths[0] - lengths[1]), lengths[0] + lengths[1]))
     distance = np.broadcast_to(np.linalg.norm(np.atleast_2d(wrists), axis=1), count)
     unreachable = _beyond(distance, *reach.T)
-    hand_q, branches = np.broadcast_to(q, (4, count)), np.broadcast_to(branch, count)
+    hand_q, branches = np.broadcast_to(hands.q, (4, count)), np.broadcast_to(hands.branch, count)
     parts = []
     for rows in (slice(start, start + CHUNK) for start in range(0, max(count, 1), CHUNK)):
         at_0, at_quarter, at_half = (pose.qs[rows].T for pose in poses)
@@ -126,10 +126,10 @@ def feasible_swivel(
         qe, ends = poses[0].qe[rows, :2].T, []
         for qs in (at_0, at_half):
             qw = joints.wrist_quaternion(qs, qe, hand_q[:, rows])
-            found = product(frame, qs), joints.flexion(qe), qw, branches[rows]
-            qs, flexion, qw, own_branch = found if bent is None else joints.bent(*found, *bent)
+            bones = product(frame, qs), joints.flexion(qe), qw, branches[rows]
+            qs, flexion, qw, axis_branch = bones if bent is None else joints.bent(*bones, *bent)
             ends.append((qs, qw))
-        parts.append(_intervals(np.array(ends), flexion, bounds, own_branch, unreachable[rows]))
+        parts.append(_intervals(np.array(ends), flexion, bounds, axis_branch, unreachable[rows]))
     most = max(1, *(part.shape[1] for part, _ in parts))
     padded = [np.pad(p, ((0, 0), (0, most - p.shape[1]), (0, 0)), constant_values=np.nan) for p, _ in parts]
     over_limit = np.concatenate([over for _, over in parts])
@@ -146,27 +146,24 @@ def _elements(q):
 def _at(ends, flexion, branch, phi, bounds):
     """Return th1 .. th7 (7, N, K) at swivel angles phi (N, K); ends (2, 2, 4, N) are Qs and Qw at 0 and at pi."""
     qs, qw = ends[0, ..., None] * np.cos(phi / 2) + ends[1, ..., None] * np.sin(phi / 2)
-    th4, branches = (np.broadcast_to(each[:, None], phi.shape) for each in (flexion, branch))
+    th4, branches = (np.broadcast_to(column[:, None], phi.shape) for column in (flexion, branch))
     return joints.settled(joints.angles(qs, th4, qw, branches), bounds)
 
 
 def _roots(ends, branch, bounds):
-    """Return the swivel angles (N, ROOTS) at which a joint may be at a limit; nan for those that do not exist."""
-    each = ends[0], (ends[0] + ends[1]) * 0.5**0.5, ends[1]
-    at_0, at_quarter, at_half = (np.array([_elements(q) for q in one]) for one in each)  # (ball joint, element, N)
+    """Return the swivel angles (N, ROOTS) at which a joint may be at a limit; nan for missing ones."""
+    stations = ends[0], (ends[0] + ends[1]) * 0.5**0.5, ends[1]
+    at_0, at_quarter, at_half = (np.array([_elements(q) for q in balls]) for balls in stations)  # (ball, element, N)
     constant, cosine = (at_0 + at_half) / 2, (at_0 - at_half) / 2
     form = np.array((at_quarter - constant, cosine, constant))
     bounded = np.where((bounds[:, 1] - bounds[:, 0] < TURN)[:, None], bounds, np.nan)
-    found = []
+    forms = []  # that are 0 at a limit
     for ball, first in ((0, 0), (1, 4)):
-        u1, v1, cos_b, u3, v3 = np.moveaxis(form[:, ball], 1, 0)  # each (3, N)
-        for limit in bounded[first]:
-            found.append(u1 * np.cos(limit) - v1 * np.sin(limit))
-        for limit in bounded[first + 1]:
-            found.append(cos_b - np.array((0, 0, np.cos(limit)))[:, None])
-        for limit in bounded[first + 2]:
-            found.append(u3 * np.cos(limit) - v3 * np.sin(limit))
-    a, b, c = np.moveaxis(np.array(found), 1, 0)  # (12, N): a sin(phi) + b cos(phi) + c = 0
+        u1, v1, cos_b, u3, v3 = np.moveaxis(form[:, ball], 1, 0)  # (3, N)
+        forms += [u1 * np.cos(limit) - v1 * np.sin(limit) for limit in bounded[first]]
+        forms += [cos_b - np.array((0, 0, np.cos(limit)))[:, None] for limit in bounded[first + 1]]
+        forms += [u3 * np.cos(limit) - v3 * np.sin(limit) for limit in bounded[first + 2]]
+    a, b, c = np.moveaxis(np.array(forms), 1, 0)  # (12, N): a sin(phi) + b cos(phi) + c = 0
     size = np.hypot(a, b)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = -c / size
@@ -177,7 +174,7 @@ def _roots(ends, branch, bounds):
     for ball, first in ((0, 0), (1, 4)):
         w, i, j, k = ends[0][ball]
         sum_counts = w * w + k * k >= i * i + j * j  # the middle angle is 0, not pi
-        begin, quarter = (2 * np.where(sum_counts, *np.arctan2(q[ball][[3, 2]], q[ball][:2])) for q in each[:2])
+        begin, quarter = (2 * np.where(sum_counts, *np.arctan2(q[ball][[3, 2]], q[ball][:2])) for q in stations[:2])
         rate, sign = np.sign(joints.wrap(quarter - begin)), np.where(sum_counts, 1, -1)
         goal = centre[first] + sign * centre[first + 2] + np.pi * (branch & joints.Branch.ELBOW != 0) - begin
         straight += [rate * (goal + side * (width[first] + width[first + 2])) for side in (-1, 1)]
@@ -186,31 +183,31 @@ def _roots(ends, branch, bounds):
 
 def _intervals(ends, flexion, bounds, branch, unreachable):
     """Return the intervals (N, K, 2) and the joints over their limits (N, 7) where the fewest are."""
-    found = np.sort(_roots(ends, branch, bounds), axis=1)  # nan last
-    last = np.nanmax(np.where(np.isnan(found), -np.pi, found), axis=1, keepdims=True)
-    found = np.where(np.isnan(found), last, found)
-    following = np.concatenate((found[:, 1:], found[:, :1] + TURN), axis=1)
-    tried = np.concatenate((found, (found + following) / 2), axis=1)
+    roots = np.sort(_roots(ends, branch, bounds), axis=1)  # nan last
+    last = np.nanmax(np.where(np.isnan(roots), -np.pi, roots), axis=1, keepdims=True)
+    roots = np.where(np.isnan(roots), last, roots)
+    following = np.concatenate((roots[:, 1:], roots[:, :1] + TURN), axis=1)
+    tried = np.concatenate((roots, (roots + following) / 2), axis=1)
     outside = joints.outside(_at(ends, flexion, branch, tried, bounds), bounds) | unreachable[:, None]
     fewest = np.take_along_axis(outside, outside.sum(axis=0).argmin(axis=1)[None, :, None], 2)[..., 0].T
     at_root, arc = np.split(~outside.any(axis=0), 2, axis=1)
-    arc = np.where(following == found, at_root, arc)  # of length 0
+    arc = np.where(following == roots, at_root, arc)  # of length 0
     at_root |= arc | np.roll(arc, 1, axis=1)
-    ring = np.stack((at_root, arc), axis=2).reshape(len(found), 2 * ROOTS)
+    ring = np.stack((at_root, arc), axis=2).reshape(len(roots), 2 * ROOTS)
     whole = ring.all(axis=1)
     begins, ends = ring & ~np.roll(ring, 1, axis=1), ring & ~np.roll(ring, -1, axis=1)
     counts = np.maximum(begins.sum(axis=1), whole)
-    intervals = np.full((len(found), counts.max(initial=1), 2), np.nan)
+    intervals = np.full((len(roots), counts.max(initial=1), 2), np.nan)
     present = np.arange(intervals.shape[1]) < counts[:, None]
     intervals[whole, 0] = -np.pi, np.pi
     present[whole] = False
     for side, marks in enumerate((begins, ends)):
         row, place = np.nonzero(marks)
-        intervals[..., side][present] = found[row, place // 2]
+        intervals[..., side][present] = roots[row, place // 2]
     wrapped = intervals[:, :1, 1] < intervals[:, :1, 0]  # the first end belongs to the last interval
     for n in np.flatnonzero(wrapped[:, 0]) if wrapped.size else ():
-        own = intervals[n, : counts[n], 1]
-        own[:] = np.append(own[1:], own[0] + TURN)
+        lasts = intervals[n, : counts[n], 1]
+        lasts[:] = np.append(lasts[1:], lasts[0] + TURN)
     return intervals, fewest
 
 
@@ -238,26 +235,26 @@ def choose_swivel(
 def continuous_joints(angles: ArrayLike) -> Floats:
     """Return joints (N, 7) of a path without jumps: each pose in the branch and the turns nearest to the pose before.
 
-    angles (N, 7): rad; rows of nan are skipped.  Where th2 or th6 is 0 or pi within `joints.SINGULAR`, only a sum or
-    difference of the two angles around it counts; the first of them then keeps its angle.
+    angles (N, 7): rad; rows of nan are skipped.  Where th2 or th6 is 0 or pi within `joints.SINGULAR`, the first of the
+    two angles around it keeps its value, as only their sum or difference counts.
     """
-    found = np.array(angles, dtype=np.float64)
-    present = np.flatnonzero(np.isfinite(found).all(axis=1))
-    own = found[present].T
+    path = np.array(angles, dtype=np.float64)
+    present = np.flatnonzero(np.isfinite(path).all(axis=1))
+    th = path[present].T
     for first, tilt, third in ((0, 1, 2), (4, 5, 6)):
-        away = np.cos(own[tilt]) < 0
-        regular = np.abs(np.sin(own[tilt])) > joints.SINGULAR
+        away = np.cos(th[tilt]) < 0
+        regular = np.abs(np.sin(th[tilt])) > joints.SINGULAR
         before = np.maximum.accumulate(np.where(regular, np.arange(len(present)), 0))
-        kept = np.where(regular, own[first], own[first, before])
-        own[third] += np.where(away, kept - own[first], own[first] - kept)
-        own[first] = kept
-    branches = np.array([joints.branched(own, branch) for branch in range(8)])  # (branch, 7, N)
+        kept = np.where(regular, th[first], th[first, before])
+        th[third] += np.where(away, kept - th[first], th[first] - kept)
+        th[first] = kept
+    branches = np.array([joints.branched(th, branch) for branch in range(8)])  # (branch, 7, N)
     chosen, branch = np.zeros(len(present), dtype=int), 0
     for start in range(1, len(present), CHUNK):
         rows = slice(start, start + CHUNK)
-        move = joints.wrap(branches[None, ..., rows] - branches[:, None, :, start - 1 : start - 1 + len(own[0, rows])])
+        move = joints.wrap(branches[None, ..., rows] - branches[:, None, :, start - 1 : start - 1 + len(th[0, rows])])
         nearest = np.square(move).sum(axis=2).argmin(axis=1)  # (branch before, row)
         for n, row in enumerate(nearest.T.tolist(), start):
             chosen[n] = branch = row[branch]
-    found[present] = np.unwrap(branches[chosen, :, np.arange(len(present))], axis=0)
-    return found
+    path[present] = np.unwrap(branches[chosen, :, np.arange(len(present))], axis=0)
+    return path

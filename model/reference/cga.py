@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Layer 1 of the reference: 5D conformal geometric algebra, section 2 of the paper.
 
-The algebra is kingdon's Cl(4,1) on the orthogonal basis e1, e2, e3, e4 = e+, e5 = e-. The paper's null
-vectors are e_inf = e- + e+ and e_0 = (e- - e+)/2, so that e_0^2 = e_inf^2 = 0 and e_0 . e_inf = -1. The PP_14
-.. PP_35 of the paper's (12) are coefficients on this same orthogonal basis: read them as `mv.e14` ..
+The algebra is kingdon's Cl(4,1) on the orthogonal basis e1, e2, e3, e4 = e+, e5 = e-. The paper's null vectors are
+e_inf = e- + e+ and e_0 = (e- - e+)/2. PP_14 .. PP_35 of (12) are coefficients on the orthogonal basis, `mv.e14` ..
 `mv.e35`.
 
-Every function accepts coefficients of one kind: numbers, numpy arrays of N values (results are then arrays
-of N), or sympy expressions. Lengths may have any unit; angles are in radians. Multiply a coefficient from
-the right and as a multivector, `mv * scalar(c)`: numpy would iterate over a multivector on its right.
+Coefficients are numbers, numpy arrays (N,), or sympy expressions. Multiply by a coefficient from the right and as a
+multivector, `mv * scalar(c)`: numpy would iterate over a multivector on its right.
 """
 
 from itertools import combinations
@@ -22,7 +20,7 @@ BLADES = tuple("^".join(blade) or "1" for n in range(6) for blade in combination
 
 
 def _expand(value):
-    """Simplify symbolic coefficients for kingdon: exact rationals (0.5 is 1/2), expanded so that zeros are found."""
+    """Return a symbolic coefficient with exact rationals, expanded so that zeros vanish."""
     return sympy.expand(sympy.nsimplify(value, rational=True)) if isinstance(value, sympy.Expr) else value
 
 
@@ -65,7 +63,7 @@ k = e2 ^ e1  # (3)
 
 
 def coefficient(mv, blade):
-    """Return the coefficient of a multivector on one blade, named as in BLADES. KeyError if table 2 lacks it."""
+    """Return the coefficient of a multivector on a blade of BLADES.  Raises KeyError."""
     if blade not in BLADES:
         raise KeyError(f"{blade!r} is not a blade of table 2")
     factors = [] if blade == "1" else blade.split("^")
@@ -84,10 +82,10 @@ def coefficient(mv, blade):
 
 
 def dual(mv):
-    """Return the paper's star: X* = X I^-1. It converts the direct representation to the standard one.
+    """Return X* = X I^-1, which converts the direct representation to the standard one.
 
-    With this sign the dual of a direct line, e_0 ^ x ^ e_inf, is the quaternion unit of the rotation that is
-    right-handed about x. Since I^2 = -1, a second dual gives -X: the same entity, as entities are homogeneous.
+    With this sign the dual of the direct line e_0 ^ x ^ e_inf is the quaternion unit of the right-handed rotation about
+    x. The dual of the dual is -X, the same entity.
     """
     return mv * PSEUDOSCALAR_INVERSE
 
@@ -108,10 +106,6 @@ def sphere(centre, radius):
 def plane(n_x, n_y, n_z, d):
     """Return pi = n + d e_inf, from its unit normal n and its distance d from the origin along n."""
     return vector(n_x, n_y, n_z, inf=d)
-
-
-# Outer products of these: a circle of two spheres, a line of two planes, a point pair of three spheres or planes (one
-# sphere at least). In direct representation an entity is the outer product of points on it, with e_inf for line, plane.
 
 
 def line_direct(x_1, x_2):
@@ -163,18 +157,14 @@ def direction(o):
 def cos_angle(o_1, o_2):
     """Return (5): cos(theta) = o1 . o2 / (|o1| |o2|) of two lines or two planes in the same representation.
 
-    Squares of lines are +1 in direct and -1 in standard representation, of planes vice versa. Direct lines and standard
-    planes therefore give the cosine between the directions (normals), and the other two its negative. The paper uses
-    the latter on purpose: c4 from standard lines, c3 from direct planes.
+    Direct lines and standard planes give the cosine between directions or normals; standard lines (c4) and direct
+    planes (c3) give its negative.
     """
     return inner(o_1, o_2) / (norm(o_1) * norm(o_2))  # (5)
 
 
 def half_angle(cos_phi):
-    """Return (cos(phi/2), sin(phi/2)) from cos(phi), both roots >= 0: "the signs depend on the application".
-
-    A cosine beyond +-1 by roundoff counts as +-1.
-    """
+    """Return cos(phi/2) and sin(phi/2), both >= 0, from cos(phi); beyond +-1 by roundoff it counts as +-1."""
     plus, minus = 1 + cos_phi, 1 - cos_phi
     if not isinstance(cos_phi, sympy.Expr):
         plus, minus = np.clip(plus, 0.0, 2.0), np.clip(minus, 0.0, 2.0)
@@ -196,14 +186,11 @@ def quaternion_coefficients(q):
 
 
 def rotation(axis, phi):
-    """Return (4): Q = cos(phi/2) + L sin(phi/2), the rotation by phi (rad) about the line L = `axis`.
-
-    `axis` is a line in standard representation with |L| = 1, such as i. The rotation is right-handed.
-    """
+    """Return (4), cos(phi/2) + L sin(phi/2): the right-handed rotation by phi (rad) about a standard line, |L| = 1."""
     lib = _functions(phi)
     return scalar(lib.cos(phi / 2)) + axis * scalar(lib.sin(phi / 2))  # (4)
 
 
 def rotate(q, mv):
-    """Return Q X Q~ for a unit quaternion (rotor) Q. The result has the grades of X."""
+    """Return Q X Q~ for a unit quaternion Q."""
     return (q * mv * ~q).grade(*mv.grades)

@@ -2,12 +2,11 @@
 """Layer 3 of the reference: equations (10)-(18) of the paper as printed, and in double precision with corrections.
 
 `TEXT` is the print, errors included; `solve` evaluates it, with `CORRECTIONS` in place of some lines: the square in the
-x and y rows of (11), and three sums in a form that is equal to the print but does not cancel, so that results do not
-depend on the unit of length. The paper's table 3 swaps two names: d1 is the upper arm and d2 the forearm. Where the
-print is 0/0, `CONVENTIONS` has a rule.
+x and y rows of (11), and three sums in a form that is equal to the print but does not cancel.  Where the print is 0/0,
+`CONVENTIONS` has a rule.  Table 3 swaps two names: d1 is the upper arm, d2 the forearm.
 
-`solve` is for reachable targets. `solve_clamped` accepts any target and returns flags, as the core does.
-Lengths have any one unit, angles are in radians, arrays are float64 of shape (N,).
+`solve` is for reachable targets; `solve_clamped` accepts any target and returns flags, as the core does.  Lengths have
+any one unit, angles are in radians, arrays are float64 of shape (N,).
 """
 
 from fractions import Fraction
@@ -79,14 +78,13 @@ TEXT: dict[str, dict[str, str]] = {
         "pp_3_minus": "2*(p_w_y*pi_swivel_x - p_w_x*pi_swivel_y)",
     },
 }
-"""Equation -> line -> right-hand side as printed. (16) is omitted: (17) repeats it except for its sign. ``sign_raw`` is
-the quantity that (17) first calls sign."""
+"""Equation -> line -> right-hand side as printed; (17) repeats (16). ``sign_raw`` is what (17) first calls sign."""
 
 LENGTH_RANGE = (1e-15, 1e15)
-"""Accepted arm lengths: outside this range, products of six lengths would exceed the range of doubles."""
+"""Accepted arm lengths, for products of six lengths in the range of doubles."""
 
 REACH_TOLERANCE = 1e-9
-"""Fraction of d1+d2 beyond the exact limits at which `solve` still accepts a target as reachable."""
+"""Distance out of reach, relative to d1+d2, that `solve` accepts."""
 
 _FUNCTIONS = {
     "sqrt": lambda v: np.sqrt(np.maximum(v, 0.0)),  # tmp1 is 0 for a straight and for a folded arm
@@ -189,11 +187,10 @@ def check_lengths(d1, d2, rows=slice(None)):
 
 
 def swivel_normal(x, y, z, phi):
-    """Return n = pi_swivel/|pi_swivel|, the unit normal of the swivel plane, for every target; (N, 3).
+    """Return the unit normals (N, 3) of the swivel planes, pi_swivel/|pi_swivel|.
 
-    On the z axis, where (11) is 0, azimuth 0 is used: (u_x, u_y) = (1, 0). A target at the shoulder counts
-    as one on the positive z axis. phi in radians. Raises ValueError for inputs that are not finite or do not
-    broadcast.
+    On the z axis, where (11) is 0, the azimuth is 0. A target at the shoulder counts as one on the positive z axis.
+    Raises ValueError for inputs that are not finite or do not broadcast.
     """
     x, y, z, phi = columns(x=x, y=y, z=z, phi=phi)
     rho = np.hypot(x, y)
@@ -215,10 +212,9 @@ def swivel_normal(x, y, z, phi):
 
 
 def shoulder_quaternion(n, e):
-    """Return Qs (N, 4: w, i, j, k; k >= 0) from the swivel plane's normal n and the elbow's direction e, (N, 3).
+    """Return Qs (N, 4), k >= 0, from the swivel plane's normal n and the elbow's direction e, unit vectors (N, 3).
 
-    It is the rotation with the columns -n, e x (-n), e, equivalent to (15)-(18). n and e are
-    orthogonal unit vectors. This form has no singular pose, so it also serves the clamped ones.
+    The rotation with columns -n, e x (-n), e is equivalent to (15)-(18), and has no singular pose.
     """
     q = quaternion(np.stack((-n, np.cross(e, -n), e), axis=-1))
     return np.where(q[:, 3:] < 0, -q, q)
@@ -227,16 +223,12 @@ def shoulder_quaternion(n, e):
 def solve(x, y, z, phi, d1, d2):
     """Solve equations (10)-(18) for N reachable targets.
 
-    x, y, z (wrist target), d1 (upper arm), d2 (forearm) in one unit of length, phi in radians; numbers or
-    arrays that broadcast to (N,). Returns a dict of float64 arrays (N,): every line of `TEXT` and
-    `CORRECTIONS`. qs_k is >= 0.
+    Arguments are numbers or arrays that broadcast to (N,). Returns a dict of arrays (N,): every line of `TEXT` and
+    `CORRECTIONS`; qs_k is >= 0. Never nan, but near poses where a half angle is 0 or pi (arm straight or folded,
+    theta_3 = 0 or pi) the roots of (14) and (17) lose digits, as printed, at the pose half of them.
 
-    Never nan. Near poses where a half angle is 0 or pi (arm straight or folded, theta_3 = 0 or pi) the roots
-    of (14) and (17) lose digits as the printed equations do, down to half of them at the pose;
-    tests/test_equations.py has the figures.
-
-    Raises ValueError for inputs that are not finite or do not broadcast, for arm lengths outside
-    LENGTH_RANGE, and for targets out of reach by more than REACH_TOLERANCE of d1+d2.
+    Raises ValueError for inputs that are not finite or do not broadcast, for arm lengths outside LENGTH_RANGE, and for
+    targets out of reach by more than REACH_TOLERANCE.
     """
     x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     check_lengths(d1, d2)
@@ -250,15 +242,15 @@ def solve(x, y, z, phi, d1, d2):
     normal = swivel_normal(p[0], p[1], p[2], phi)
     values = {"p_w_x": x, "p_w_y": y, "p_w_z": z, "phi": phi, "d1": d1, "d2": d2}
     values |= {f"normal_{axis}": normal[:, n] for n, axis in enumerate("xyz")}
-    found: dict[str, np.ndarray] = {}
+    lines: dict[str, np.ndarray] = {}
     with np.errstate(divide="ignore", invalid="ignore"):  # replaced by CONVENTIONS
         for name, code in _LINES.items():
-            found[name] = eval(code, _FUNCTIONS, values | found)
-    return found
+            lines[name] = eval(code, _FUNCTIONS, values | lines)
+    return lines
 
 
 def _compare(x, y, z, radius):
-    """Return the sign (-1, 0, 1) of |p|^2 - radius^2, exact: cases that rounding could decide use rational numbers."""
+    """Return the exact sign (-1, 0, 1) of |p|^2 - radius^2; close cases use rational numbers."""
     distance = np.hypot(np.hypot(x, y), z)
     sign = np.sign(distance - np.abs(radius))
     for n in np.flatnonzero(np.abs(distance - np.abs(radius)) <= 1e-14 * distance):
@@ -269,11 +261,9 @@ def _compare(x, y, z, radius):
 
 
 def pose_flags(x, y, z, d1, d2):
-    """Return the flags of `model.io.flags` for N targets in double precision, (N,) int64, exact for the given doubles.
+    """Return the flags (N,) of targets in double precision; exact if d1 + d2 and d1 - d2 are, as for words.
 
-    Lengths in one unit. With bad_length the arm has no reach, so too_far and too_near stay clear. The flags are exact
-    only if d1 + d2 and d1 - d2 are exact in double precision, as they are for words of the core. Raises ValueError for
-    inputs that are not finite or do not broadcast.
+    Raises ValueError for inputs that are not finite or do not broadcast.
     """
     x, y, z, d1, d2 = columns(x=x, y=y, z=z, d1=d1, d2=d2)
     return combine(x, y, z, d1, d2, _compare(x, y, z, d1 + d2) > 0, _compare(x, y, z, d1 - d2) < 0)
@@ -282,14 +272,11 @@ def pose_flags(x, y, z, d1, d2):
 def solve_clamped(x, y, z, phi, d1, d2):
     """Return a pose and flags for any N targets: from `solve` where the target can be reached, else the nearest pose.
 
-    Arguments as for `solve`, but lengths need not be positive nor targets in reach. Returns a dict of arrays
-    (N,): qs_w, qs_i, qs_j, qs_k (k >= 0), qe_w, qe_i, p_e_x, p_e_y, p_e_z (user's unit), flags (int64). Raises
-    ValueError for inputs that are not finite or do not broadcast, and for positive arm lengths outside
-    LENGTH_RANGE.
+    Returns a dict of arrays (N,): qs_w, qs_i, qs_j, qs_k (k >= 0), qe_w, qe_i, p_e_x, p_e_y, p_e_z, flags. Raises
+    ValueError for inputs that are not finite or do not broadcast, and for positive lengths outside LENGTH_RANGE.
 
-    The arm is straight toward a target too far, and with bad lengths; it is folded (Qe = 1) for one too near
-    or at the shoulder, with the longer link toward the target. The shoulder itself counts as lying in the
-    direction +z. A clamped pose keeps the swivel: its shoulder turns the arm's plane to the target's swivel plane.
+    The arm is straight toward a target too far, and with bad lengths; it is folded (Qe = 1) for one too near or at the
+    shoulder, with the longer bone toward the target; from the shoulder that is +z. The swivel plane is the target's.
     """
     targets = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     flags = pose_flags(*targets[:3], *targets[4:])

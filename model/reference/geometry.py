@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Layer 2 of the reference: section 3 of the paper as geometry in the conformal algebra.
 
-Planes, spheres, circles and lines are constructed, intersected and rotated as in the text; no component of any
-equation (11)-(18) is written down here. `model.reference.equations` has the components, and the two must agree.
+Planes, spheres, circles and lines are constructed, intersected and rotated as in the text, with no component of
+(11)-(18), which `model.reference.equations` has; the two must agree.
 
-The functions, one per subsection, accept multivectors with any coefficients of `model.reference.cga`, including
-sympy symbols; `solve` runs them over N targets. Names are the paper's: capital letters are
-multivectors, and `pi_...` are planes. Lengths have the user's unit, angles are in radians.
+The functions, one per subsection, accept any coefficients of `model.reference.cga`, sympy symbols as well. Names are
+the paper's: capital letters are multivectors, and `pi_...` are planes.
 """
 
 import numpy as np
@@ -17,10 +16,9 @@ from .cga import e1, e3, e_0, e_inf
 
 
 def swivel_plane(P_w, phi):
-    """Construct (3.1) the line L_sw from shoulder to wrist and the swivel plane, turned by phi (rad) about that line.
+    """Return (3.1) the line L_sw from shoulder to wrist, |L_sw|, and the swivel plane, turned by phi (rad) about L_sw.
 
-    Returns (L_sw, |L_sw|, pi_swivel), both entities in standard representation. At phi = 0 the plane is the
-    vertical one, through the z axis and P_w, with normal (p_wy, -p_wx, 0). Undefined for P_w on the z axis.
+    At phi = 0 the plane contains the z axis, with normal (p_wy, -p_wx, 0). Undefined for P_w on the z axis.
     """
     L_sw = cga.dual(cga.line_direct(e_0, P_w))
     length = cga.norm(L_sw)  # (10)
@@ -31,11 +29,7 @@ def swivel_plane(P_w, phi):
 
 
 def elbow_point_pair(P_w, pi_swivel, d1, d2):
-    """Construct (3.2) the two possible elbows. Returns (S_1, S_2, Z_e, PP), all in standard representation.
-
-    The forearm's length d2 is the radius about the wrist, the upper arm's d1 the radius about the shoulder: table 3
-    swaps the names.
-    """
+    """Return (3.2) spheres S_1, S_2 about wrist and shoulder, their circle Z_e, and the possible elbows PP."""
     S_1 = cga.sphere(P_w, d2)
     S_2 = cga.sphere(e_0, d1)
     Z_e = S_1 ^ S_2
@@ -44,10 +38,7 @@ def elbow_point_pair(P_w, pi_swivel, d1, d2):
 
 
 def elbow_point(PP):
-    """Select (3.2) the point of the pair PP as in (13): P_e, with e_0 coefficient 1.
-
-    With pi_swivel's normal n, it lies on the side of L_sw to which n x p_w points.
-    """
+    """Return (3.2) the point P_e of PP on the side of L_sw to which n x p_w points; n: normal of pi_swivel."""
     pair = cga.dual(PP)
     square = cga.inner(pair, pair)
     if isinstance(square, sympy.Expr):
@@ -62,10 +53,7 @@ def elbow_point(PP):
 
 
 def elbow_quaternion(P_e, P_w):
-    """Return the rotation at the elbow (3.3), about the local x axis: (L_se, L_ew, c4, Q_e).
-
-    L_ew runs through elbow and wrist; the text has "shoulder and wrist".
-    """
+    """Return (3.3) L_se, L_ew, c4 and the rotation Q_e at the elbow, about the local x axis."""
     L_se = cga.dual(cga.line_direct(e_0, P_e))
     L_ew = cga.dual(cga.line_direct(P_e, P_w))
     # Lines in standard representation, hence the cosine of the interior angle.
@@ -75,10 +63,7 @@ def elbow_quaternion(P_e, P_w):
 
 
 def elbow_rotation(P_e, d1):
-    """Return the half turn Q_12 (3.4) that takes the z axis to the elbow: (P_ze, pi_m, pi_e, L_m, Q_12).
-
-    Undefined for an elbow on the z axis.
-    """
+    """Return (3.4) P_ze, pi_m, pi_e, L_m and the half turn Q_12 that takes the z axis to an elbow off that axis."""
     P_ze = cga.point(0, 0, d1)
     pi_m = P_ze - P_e
     pi_e = cga.dual(e_0 ^ P_ze ^ P_e ^ e_inf)
@@ -87,7 +72,7 @@ def elbow_rotation(P_e, d1):
 
 
 def wrist_rotation(Q_12, pi_swivel, P_w):
-    """Return the rotation about the upper arm (3.5) that takes the wrist to the target: (pi_yz2, c3, sign, Q_3)."""
+    """Return (3.5) pi_yz2, c3, sign and the rotation Q_3 about the upper arm that takes the wrist to the target."""
     pi_yz = e1
     pi_yz2 = cga.rotate(Q_12, pi_yz)
     c3 = cga.cos_angle(cga.dual(pi_yz2), cga.dual(pi_swivel))  # (5); planes in direct representation
@@ -101,16 +86,10 @@ def wrist_rotation(Q_12, pi_swivel, P_w):
 
 
 def solve(x, y, z, phi, d1, d2):
-    """Solve the inverse kinematics of N targets by geometry.
+    """Return results, elbow and scalars as arrays (N,) and all multivectors, by name.
 
-    x, y, z (wrist target), d1 (upper arm), d2 (forearm) in one unit of length, phi in radians; numbers or
-    arrays that broadcast to (N,). Returns a dict: float64 arrays (N,) under qs_w, qs_i, qs_j, qs_k, qe_w,
-    qe_i, p_e_x, p_e_y, p_e_z, l_sw, c3, c4, sign, and the multivectors under their names: P_w, L_sw,
-    pi_swivel, S_1, S_2, Z_e, PP, P_e, L_se, L_ew, Q_e, P_ze, pi_m, pi_e, L_m, Q_12, pi_yz2, Q_3, Q_s.
-
-    Domain: reachable targets off the z axis, with the elbow off the z axis and the arm neither straight nor
-    folded. Elsewhere a plane or line of the text vanishes, and the result may be nan; `model.reference.equations` has
-    rules for those cases. Raises ValueError for inputs that do not broadcast.
+    The targets are reachable and off the z axis, with the elbow off the z axis and the arm neither straight nor folded;
+    elsewhere a plane or line of the text vanishes, and results may be nan.
     """
     inputs = np.broadcast_arrays(*np.atleast_1d(x, y, z, phi, d1, d2))
     x, y, z, phi, d1, d2 = (np.asarray(values, dtype=np.float64) for values in inputs)
@@ -123,11 +102,11 @@ def solve(x, y, z, phi, d1, d2):
         P_ze, pi_m, pi_e, L_m, Q_12 = elbow_rotation(P_e, d1)
         pi_yz2, c3, sign, Q_3 = wrist_rotation(Q_12, pi_swivel, P_w)
         Q_s = Q_12 * Q_3  # (18)
-    found = {"l_sw": l_sw, "c3": c3, "c4": c4, "sign": sign}
-    found |= zip(("qs_w", "qs_i", "qs_j", "qs_k"), cga.quaternion_coefficients(Q_s), strict=True)
-    found |= zip(("qe_w", "qe_i"), cga.quaternion_coefficients(Q_e)[:2], strict=True)
-    found |= zip(("p_e_x", "p_e_y", "p_e_z"), cga.euclidean_coordinates(P_e), strict=True)
-    return found | {
+    values = {"l_sw": l_sw, "c3": c3, "c4": c4, "sign": sign}
+    values |= zip(("qs_w", "qs_i", "qs_j", "qs_k"), cga.quaternion_coefficients(Q_s), strict=True)
+    values |= zip(("qe_w", "qe_i"), cga.quaternion_coefficients(Q_e)[:2], strict=True)
+    values |= zip(("p_e_x", "p_e_y", "p_e_z"), cga.euclidean_coordinates(P_e), strict=True)
+    return values | {
         "P_w": P_w, "L_sw": L_sw, "pi_swivel": pi_swivel, "S_1": S_1, "S_2": S_2, "Z_e": Z_e, "PP": PP, "P_e": P_e,
         "L_se": L_se, "L_ew": L_ew, "Q_e": Q_e, "P_ze": P_ze, "pi_m": pi_m, "pi_e": pi_e, "L_m": L_m, "Q_12": Q_12,
         "pi_yz2": pi_yz2, "Q_3": Q_3, "Q_s": Q_s,

@@ -12,6 +12,7 @@ Arrays here have components first: quaternions (4, N), angles (7, N) in radians,
 """
 
 from enum import IntFlag
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,9 +27,17 @@ class Branch(IntFlag):
     WRIST = 4  # th5 + pi, -th6, th7 + pi
 
 
-TURNED = np.array(((1, 0, 0), (0, 0, 0), (1, 1, 0), (0, 0, 0), (0, 1, 1), (0, 0, 0), (0, 0, 1)))
-NEGATED = np.array(((0, 0, 0), (1, 0, 0), (0, 0, 0), (0, 1, 0), (0, 0, 0), (0, 0, 1), (0, 0, 0)))
-"""Joints (7) that each bit of a branch (3) turns by pi, or negates."""
+JOINTS = tuple(f"th{k}" for k in range(1, 8))
+
+BRANCHES = tuple(f"branch_{name.lower()}" for name in Branch.__members__)  # bits of a branch, lowest first
+
+TURNED = {"th1": BRANCHES[:1], "th3": BRANCHES[:2], "th5": BRANCHES[1:], "th7": BRANCHES[2:]}
+NEGATED = dict(zip(("th2", "th4", "th6"), BRANCHES, strict=True))
+"""Joint -> the bits of the branch that turn it by half a turn, or the bit that negates it."""
+
+TURNED_BY = np.array([[bit in TURNED.get(joint, ()) for bit in BRANCHES] for joint in JOINTS], dtype=int)
+NEGATED_BY = np.array([[bit == NEGATED.get(joint) for bit in BRANCHES] for joint in JOINTS], dtype=int)
+"""The same as tables (7, 3) of 0 and 1."""
 
 
 def wrap(angle):
@@ -39,7 +48,7 @@ def wrap(angle):
 def branched(joints, branch):
     """Return joints (7, ...) of branch 0 in another branch, an integer or (...), wrapped."""
     bits = np.asarray(branch) >> np.arange(3).reshape(3, *[1] * np.ndim(branch)) & 1
-    turned, negated = (np.tensordot(which, bits, 1) & 1 for which in (TURNED, NEGATED))
+    turned, negated = (np.tensordot(which, bits, 1) & 1 for which in (TURNED_BY, NEGATED_BY))
     turned, negated = (which.reshape(7, *which.shape[1:] or [1] * (joints.ndim - 1)) for which in (turned, negated))
     return wrap(np.where(negated, -joints, joints) + np.pi * turned)
 
@@ -48,12 +57,11 @@ def zxz(q):
     """Return a, b, c of unit quaternions Rz(a) Rx(b) Rz(c), (4, ...)."""
     w, i, j, k = q
     s, d = np.arctan2(k, w), np.arctan2(j, i)
-    found = np.empty((3, *s.shape))
-    found[1] = s - d
-    found[0], found[2] = wrap(s + d), wrap(found[1])
+    angles = np.empty((3, *s.shape))
+    angles[0], angles[2] = wrap(s + d), wrap(s - d)
     with np.errstate(divide="ignore"):
-        found[1] = 2 * np.arctan(np.sqrt((i * i + j * j) / (w * w + k * k)))
-    return found
+        angles[1] = 2 * np.arctan(np.sqrt((i * i + j * j) / (w * w + k * k)))
+    return angles
 
 
 def wrist_quaternion(qs, qe, hand):
@@ -76,22 +84,31 @@ def flexion(qe):
 
 def angles(qs, th4, qw, branch=0):
     """Return th1 .. th7 (7, N) of Qs (4, N), th4 (N,) and Qw (4, N), unit quaternions."""
-    found = np.empty((7, *th4.shape))
-    found[:3], found[3], found[4:] = zxz(qs), th4, zxz(qw)
-    return branched(found, branch) if np.any(branch) else found
+    th = np.empty((7, *th4.shape))
+    th[:3], th[3], th[4:] = zxz(qs), th4, zxz(qw)
+    return branched(th, branch) if np.any(branch) else th
+
+
+class Turns(NamedTuple):
+    """Arguments of :func:`angles`: Qs (4, N), th4 (N,), Qw (4, N), branch."""
+
+    qs: np.ndarray
+    th4: np.ndarray
+    qw: np.ndarray
+    branch: np.ndarray
 
 
 def bent(qs, th4, qw, branch, upper, fore):
-    """Return Qs, th4, Qw and the branch for joints at an angle to their bones.
+    """Return the turns of the axes for bent links.
 
-    upper, fore (4,): upper arm in the frame of axis 3, frame of axis 5 in the forearm's. The other solution of such an
-    elbow turns the bones by pi about themselves, so th1 .. th3 and th5 .. th7 all change.
+    upper, fore (4,): upper arm in the frame of axis 3, frame of axis 5 in the forearm's. The elbow's other solution
+    turns the bones by pi about themselves, which changes all joints.
     """
     other = branch & Branch.ELBOW != 0
     half, back = np.array((0.0, 0.0, 0.0, 1.0)), np.array((0.0, 0.0, 0.0, -1.0))
     qs, qw = np.where(other, product(qs, half), qs), np.where(other, product(back, qw), qw)
     qs, qw = product(qs, conjugate(upper)), product(conjugate(fore), qw)
-    return qs, np.where(other, -th4, th4), qw, branch & ~Branch.ELBOW
+    return Turns(qs, np.where(other, -th4, th4), qw, branch & ~Branch.ELBOW)
 
 
 def turned(a, b, c):
@@ -119,7 +136,7 @@ def centred(limits):
 
 def outside(joints, limits):
     """Return whether joints (7, ...) are outside their limits (7, 2) in every turn, by more than ROUNDING."""
-    middle, half = (each.reshape(7, *[1] * (joints.ndim - 1)) for each in centred(limits))
+    middle, half = (column.reshape(7, *[1] * (joints.ndim - 1)) for column in centred(limits))
     return np.abs(wrap(joints - middle)) > half + ROUNDING
 
 
@@ -129,23 +146,23 @@ def settled(joints, limits):
     Where th2 or th6 is 0 or pi within STRAIGHT, only the sum or difference of the pair around it counts.
     """
     middle, half = centred(limits)
-    found, beyond = joints, outside(joints, limits)
+    result, beyond = joints, outside(joints, limits)
     for a, tilt, c in ((0, 1, 2), (4, 5, 6)):
         moved = (beyond[a] | beyond[c]) & (np.abs(np.sin(joints[tilt])) < STRAIGHT)
         if moved.any():
-            found = found.copy() if found is joints else found
+            result = result.copy() if result is joints else result
             sign = np.where(np.cos(joints[tilt]) < 0, -1, 1)
             both = joints[a] + sign * joints[c]
             gap = wrap(both - (middle[a] + sign * middle[c]))
             first = middle[a] + gap * (half[a] / ((half[a] + half[c]) or 1.0))
-            found[a] = np.where(moved, wrap(first), joints[a])
-            found[c] = np.where(moved, wrap(sign * (both - first)), joints[c])
-    return found
+            result[a] = np.where(moved, wrap(first), joints[a])
+            result[c] = np.where(moved, wrap(sign * (both - first)), joints[c])
+    return result
 
 
 STRAIGHT = 1e-7
-"""Angle (rad) from 0 or pi below which th2 or th6 counts as 0 or pi for limits; th4 of a straight arm has half of a
+"""Angle (rad) from 0 or pi below which th2 or th6 counts as such for limits; th4 of a straight arm has half of a
 double's digits."""
 
-SINGULAR = 1e-9  # the same for paths, where every such pose is changed
-ROUNDING = 1e-9  # tolerance of a limit (rad): a joint that has been put on its limit is within it
+SINGULAR = 1e-9  # the same for paths
+ROUNDING = 1e-9  # tolerance of a limit (rad)

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Quaternions as arrays (N, 4) in the order w, i, j, k, and the arm's forward kinematics.
 
-The units are Hamilton's, i^2 = j^2 = k^2 = ijk = -1, as the paper's (1)-(3) are, and Q v Q~ is the
-right-handed rotation (4). Vectors are arrays (N, 3). Nothing here normalizes: a non-unit quaternion scales the
-rotated vector by its squared length, so errors of length are visible.
+The units are Hamilton's, as the paper's (1)-(3), and Q v Q~ is the right-handed rotation (4). Vectors are arrays
+(N, 3). Nothing here normalizes: a quaternion scales the rotated vector by its squared length.
 """
 
 import numpy as np
@@ -30,9 +29,9 @@ def multiply(a, b):
 
 def about(axis: int, angle):
     """Return the quaternions (N, 4), or (4,), of rotations by angles (N,), rad, about x, y or z: 0, 1 or 2."""
-    found = np.zeros((*np.shape(angle), 4))
-    found[..., 0], found[..., 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
-    return found
+    q = np.zeros((*np.shape(angle), 4))
+    q[..., 0], q[..., 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
+    return q
 
 
 def conjugate(q):
@@ -68,26 +67,19 @@ def quaternion(m):
 
 
 def angle_between(a, b):
-    """Return the angle (rad, 0 .. pi) of the rotation from a to b, quaternions (N, 4); (N,).
-
-    The signs and lengths of a and b do not matter. The arc tangent keeps tiny angles exact, where the arc
-    cosine of a . b would lose half the digits.
-    """
-    relative = multiply(conjugate(a), b)
+    """Return the angle (N,), rad in 0 to pi, of the rotation from a to b, quaternions (N, 4) of any length and sign."""
+    relative = multiply(conjugate(a), b)  # the arc cosine of a . b would lose half of the digits of tiny angles
     return 2.0 * np.arctan2(np.linalg.norm(relative[..., 1:], axis=-1), np.abs(relative[..., 0]))
 
 
 def forward(qs, qe, d1, d2):
-    """Return elbow and wrist of the arm whose joints are at Qs and Qe.
+    """Return elbow and wrist (N, 3) of the arm with joints Qs (N, 4) and Qe (N, 4), or its first two components.
 
-        elbow = Qs (d1 e3) Qs~
-        wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~          Qe = qe_w + qe_i i
+        elbow = Qs (d1 e3) Qs~          wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~
 
-    qs is (N, 4); qe is (N, 2), qe_w and qe_i, or (N, 4); d1 (upper arm) and d2 (forearm) are numbers or (N,).
-    Returns two arrays (N, 3) in the unit of the lengths. At rest the forearm lies folded back on the upper arm;
-    Qe = -i is the straight arm.
+    d1 and d2 are numbers or (N,).
     """
-    q, e = (np.atleast_2d(np.asarray(each, dtype=np.float64)).T for each in (qs, qe))
+    q, e = (np.atleast_2d(np.asarray(joint, dtype=np.float64)).T for joint in (qs, qe))
     d1, d2 = np.asarray(d1), np.asarray(d2)
     (_, i, j, k), (ww, ii, jj, kk), (twice_w, twice_i, twice_j, _) = q, q * q, q + q
     wi, wj, wk, ij, ik, jk = twice_w * i, twice_w * j, twice_w * k, twice_i * j, twice_i * k, twice_j * k
@@ -101,19 +93,17 @@ def forward(qs, qe, d1, d2):
 
 
 def continuous(q: ArrayLike, arm: ArrayLike | None = None) -> NDArray[np.float64]:
-    """Return quaternions (N, 4) or (4,) in either order with signs chosen so that none is more than 90 degrees from its
-    predecessor.
+    """Return quaternions (N, 4) or (4,) in either order with signs that make them continuous, for interpolation.
 
-    Q and -Q are the same rotation, and the core keeps k >= 0: from one target to the next all four components may
-    change sign, which would break interpolation. Rows of nan are passed over. ``arm`` (N,) names the arm of each; arms
-    are processed separately.
+    Q and -Q are the same rotation, and the core keeps k >= 0. Rows of nan are skipped. ``arm`` (N,) names the arm of
+    each row; arms are processed separately.
     """
     q = np.array(q, dtype=np.float64)
     rows = q.reshape(-1, 4)  # a view: a single quaternion is one row
-    of = np.zeros(len(rows), dtype=int) if arm is None else np.asarray(arm)
+    arms = np.zeros(len(rows), dtype=int) if arm is None else np.asarray(arm)
     present = ~np.isnan(rows).any(axis=1)
-    for one in np.unique(of):
-        own = np.flatnonzero((of == one) & present)
-        against = (rows[own[1:]] * rows[own[:-1]]).sum(axis=1) < 0
-        rows[own[1:]] *= np.where(np.cumsum(against) % 2, -1.0, 1.0)[:, None]
+    for name in np.unique(arms):
+        path = np.flatnonzero((arms == name) & present)
+        against = (rows[path[1:]] * rows[path[:-1]]).sum(axis=1) < 0
+        rows[path[1:]] *= np.where(np.cumsum(against) % 2, -1.0, 1.0)[:, None]
     return q

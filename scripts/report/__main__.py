@@ -88,7 +88,7 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
     about = trajectories.describe(targets.name) if targets.path is None else f"Targets of {Path(targets.path).name}."
     arms = _arms(targets.d1, targets.d2)
     if item.clip:
-        limbs = " and ".join(", ".join(f"{m.arm.side} {m.arm.limb}" for m in item.moves).rsplit(", ", 1))
+        limbs = " and ".join(", ".join(f"{m.limb.side} {m.limb.kind}" for m in item.moves).rsplit(", ", 1))
         frames = len(targets) // len(item.moves)
         about = (
             f"{Path(targets.path).name}: {frames} frames at {1 / item.clip.period:.6g} Hz; {limbs} by the "

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from model.io.words import from_words
-from model.motion.clip import Arm, Clip, Motion, outward_and_up, rest_up
+from model.motion.clip import Clip, Limb, Motion, outward_and_up, rest_up
 from model.reference import cga, geometry
 from model.reference.cga import e3
 from model.reference.kinematics import conjugate, rotate
@@ -117,7 +117,7 @@ def _parts(clip: Clip, moves: tuple[Motion, ...]) -> list[int]:
     """Return the body part of the bone that ends at each node; an end site below a joint named head is HEAD."""
     parts = [HEAD if node.end and "head" in clip.names[node.parent].lower() else BODY for node in clip.nodes]
     for move in moves:
-        arm = move.arm
+        arm = move.limb
         for part, joint, high in ((UPPER, arm.fore, arm.upper), (FORE, arm.hand, arm.fore)):
             while joint != high:
                 parts[joint] = part
@@ -129,7 +129,7 @@ def _facing(item: Prepared, turn: np.ndarray) -> float:
     """Return the figure's facing direction in the first frame (rad, about z)."""
     left = np.zeros(3)
     for move in item.moves:
-        arm = move.arm
+        arm = move.limb
         out = turn @ (item.clip.positions[0, arm.upper] - item.clip.positions[0, arm.torso])
         left += out if arm.side == "left" else -out
     return float(np.arctan2(-left[0], left[1]))  # left x up
@@ -147,7 +147,9 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
     turn = place(clip.up)
     nodes = turned(item, ran, width).positions @ turn.T
     root = nodes[:, :1].copy()
-    clip_arms = clip.positions[:, [joint for move in moves for joint in (move.arm.fore, move.arm.hand)]] @ turn.T - root
+    clip_arms = (
+        clip.positions[:, [joint for move in moves for joint in (move.limb.fore, move.limb.hand)]] @ turn.T - root
+    )
     low, high = float(nodes[..., 2].min()), float(nodes[..., 2].max())
     size = np.linalg.norm(np.ptp(nodes - root, axis=1), axis=1).max()
     unit = float(f"{size / STEPS:.3g}")
@@ -163,7 +165,7 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
     return {
         "rate": float(f"{1 / clip.period:.6g}"),
         "arms": [
-            {"side": move.arm.label} | {part: getattr(move.arm, part) for part in ("upper", "fore", "hand")}
+            {"side": move.limb.label} | {part: getattr(move.limb, part) for part in ("upper", "fore", "hand")}
             for move in moves
         ],
         "parents": clip.parents,
@@ -188,7 +190,7 @@ def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
     qs, qe = quaternions(item, ran, width)
     upper = rotate(qs, (0.0, 0.0, 1.0))
     for n, move in enumerate(item.moves):
-        upper[n :: len(item.moves)] = _from_torso(item.clip, move.arm, upper[n :: len(item.moves)])
+        upper[n :: len(item.moves)] = _from_torso(item.clip, move.limb, upper[n :: len(item.moves)])
     azimuth = np.arctan2(upper[:, 1], upper[:, 0])
     elevation = np.arcsin(np.clip(upper[:, 2], -1, 1))
     # Qe rotates by 0 if the forearm is folded onto the upper arm and by pi if the arm is straight.
@@ -196,7 +198,7 @@ def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
     return np.degrees(np.column_stack((azimuth, elevation, item.targets.phi, flexion)))
 
 
-def _from_torso(clip: Clip, arm: Arm, directions: np.ndarray) -> np.ndarray:
+def _from_torso(clip: Clip, arm: Limb, directions: np.ndarray) -> np.ndarray:
     """Convert directions (F, 3) from a clip's frame to the torso's axes: forward, left, up."""
     up = rest_up(clip)
     left = outward_and_up(clip, arm) - up

@@ -124,7 +124,7 @@ def test_failures_name_trajectory_bar_and_node(cli, simulator):
     simulator.spoil = spoil
     status, out, err = cli("--trajectory", "all")
     assert status == 1 and err[0].startswith("run: circle fails: hand error ")
-    assert "at target 30 is " in err[0] and "times its bar 2e-08" in err[0]
+    assert "at target 30 is " in err[0] and "times its tolerance 2e-08" in err[0]
     assert err[-1] == "run: figure_eight fails: 5 bits differ from the bit-true model; target 3, node c4"
     assert [each["trajectory"] for each in scores() if not each["passed"]] == ["circle", "figure_eight"]
     assert sum("FAIL" in line for line in out) == 2
@@ -132,7 +132,7 @@ def test_failures_name_trajectory_bar_and_node(cli, simulator):
 
 def test_a_bar_is_applied(cli):
     status, _, err = cli("--bar", "1e-12")
-    assert status == 1 and "times its bar 1e-12" in err[0]
+    assert status == 1 and "times its tolerance 1e-12" in err[0]
     assert cli("--bar", "1e-4", "--datapath", "paper", "--trajectory", "punch")[0] == 0
 
 

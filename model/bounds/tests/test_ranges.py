@@ -66,7 +66,7 @@ def test_random_targets_stay_inside_the_proved_ranges(width):
         proof = ranges.proved(width)[name]
         ulp = proof.node.format.ulp
         assert proof.low <= node.low * ulp and node.high * ulp <= proof.high, name
-    bits = fixed.run(words, width).bits
+    bits = fixed.run(words, width, "paper").bits
     j, lz = bits.nodes["scale_j"].value, bits.nodes["lz_r"].value
     assert j.min() >= 0 and j.max() <= width and (j[lz > 0] < width).all()
     units = {j for c in ranges.cases(width) if c.long for j in range(c.j[0], c.j[1] + 1)}

@@ -9,7 +9,7 @@ from model.dataflow import fixed
 from model.dataflow.formats import WIDTHS
 from model.io.flags import BAD_HAND, SATURATED, UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, any_hands, hand_poses, region
-from model.reference.joints import NEGATED, TURNED
+from model.reference.joints import NEGATED_BY, TURNED_BY
 from model.reference.kinematics import rotate
 
 TESTED = (16, 18, 24, 27, 32)
@@ -118,10 +118,10 @@ def test_a_branch_turns_and_negates_words(width):
     for branch in range(1, 8):
         found = fixed.run(words, width, "arm", branch).results
         bits = np.array([branch >> k & 1 for k in range(3)])
-        moved = np.where(NEGATED @ bits & 1, -own[:, :7], own[:, :7]) + half * (TURNED @ bits & 1)
+        moved = np.where(NEGATED_BY @ bits & 1, -own[:, :7], own[:, :7]) + half * (TURNED_BY @ bits & 1)
         off = (found[:, :7] - moved) % (2 * half)
         assert (found[:, 7:] == own[:, 7:]).all() and set(off.ravel().tolist()) <= {0, 1}  # 1: a negated tie
-        ties = (NEGATED @ bits & 1 > 0) & (width > 16)  # at 16 bits the sum of the table's angles is odd
+        ties = (NEGATED_BY @ bits & 1 > 0) & (width > 16)  # at 16 bits the sum of the table's angles is odd
         assert off.any(axis=0).tolist() == ties.tolist()
 
 

@@ -139,7 +139,7 @@ def test_prediction_of_the_worst_target(width):
 )
 def test_hand_error_of_the_paper_stays_below_its_prediction(width):
     run = Run(random_reachable(2000, width, 3), width, "paper", solve_clamped)
-    ratio = run.hand / predict.hand_bar(run.words, width)
+    ratio = run.hand / predict.hand_bar(run.words, width, "paper")
     n = int(ratio.argmax())
     assert ratio[n] <= 1, f"{run.hand[n]:.3g} at {run.words[n].tolist()} is {ratio[n]:.2f} times the prediction"
     assert np.median(ratio) > 0.05, "the prediction is too wide"

@@ -266,19 +266,6 @@ def test_trajectory(name):
         assert np.abs(np.diff(targets.phi[arm::arms])).max() < 0.25
 
 
-def test_poses_approached_on_purpose():
-    made = {name: trajectories.make(name) for name in NAMES}
-    distance = {name: np.linalg.norm(item.position, axis=1) / item.reach for name, item in made.items()}
-    assert 0.995 < distance["punch"].max() < 1
-    inner = (0.33 - 0.27) / 0.6
-    assert inner < distance["fold_in"].min() < inner + 0.01
-    assert distance["out_of_reach"].max() > 1.2
-    assert distance["out_of_reach"][[0, -1]].max() < 0.8
-    overhead = made["overhead"]
-    assert np.hypot(overhead.x, overhead.y).min() < 0.02 < overhead.z.max()
-    assert overhead.x[0] > 0.2 and overhead.x[-1] < -0.2
-
-
 @pytest.mark.parametrize("name", trajectories.EXAMPLES)
 def test_example_files_are_up_to_date(name):
     path = EXAMPLES / f"{name}.csv"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arms in a robot's own terms, from URDF files written here, against products of the chains' matrices and others."""
+"""Arms in a robot's own terms, from URDF files written here, against products of the chains' matrices."""
 
 import numpy as np
 import pytest
@@ -141,7 +141,7 @@ def test_iiwa14(tmp_path):
         urdf(tmp_path / "iiwa14.urdf", chain, tip, np.stack((-bounds, bounds), axis=1).tolist()), "base", "tip"
     )
     np.testing.assert_array_equal(IIWA14.limits, arm.limits)
-    one, other = (each.solve(points, q, 0.3, np.arange(200) % 8) for each in (arm, IIWA14))
+    one, other = (robot.solve(points, q, 0.3, np.arange(200) % 8) for robot in (arm, IIWA14))
     assert apart(one.joints, other.joints).max() < 1e-12
     np.testing.assert_array_equal(one.over_limit, other.over_limit)
 
@@ -185,35 +185,22 @@ def test_straight_arms(arm):
         assert (within == ~arm.solve(points, q, phi).over_limit.any(axis=1)).all()
 
 
-@pytest.fixture
-def other(tmp_path):
-    """Return a chain, its URDF file, tips (N, 4, 4) from pinocchio, and our joints, by which it gets there as well."""
-    import pinocchio as pin
-
-    chain, random = bones(SERIAL, elbow=(0, 0, 0.37), wrist=(0, 0, 0.28)), np.random.default_rng(6)
-    path = urdf(tmp_path / "arm.urdf", chain)
-    arm, robot = Arm.from_urdf(path, "base", "tip"), pin.buildModelFromXML(path.read_text())
-    data, frame = robot.createData(), robot.getFrameId("tip")
-
-    def ends(joints):
-        each = (pin.framesForwardKinematics(robot, data, th) or data.oMf[frame].homogeneous.copy() for th in joints)
-        return np.array(list(each))
-
-    found = ends(random.uniform(-2.5, 2.5, (50, 7)))
-    q = np.array([pin.Quaternion(m).coeffs()[[3, 0, 1, 2]] for m in found[:, :3, :3]])
-    joints = arm.solve(found[:, :3, 3], q, random.uniform(-3, 3, 50), np.arange(50) % 8).joints
-    np.testing.assert_allclose(ends(joints), found, rtol=0, atol=1e-13)
-    return chain, path, found, joints
-
-
 @pytest.mark.release
 @pytest.mark.needs("arms")
-def test_among_the_solutions_of_eaik(other):
-    from eaik import IK_HP
+def test_pinocchio_reaches_the_same_tips(tmp_path):
+    import pinocchio as pin
 
-    chain, _, ends, joints = other
-    axes, places = np.array([a for *_, a in chain], dtype=float), np.array([p for p, *_ in [*chain, TIP]], dtype=float)
-    ends[:, :3, :3] @= tips([(O, O, Z)] * 7, np.zeros((1, 7)))[1][0].T  # the hand, not the tip
-    for end, th in zip(ends, joints, strict=True):
-        found = np.array(IK_HP.HPRobot(axes, places, [(2, th[2])]).IK(end).Q)
-        assert apart(found, th).max(axis=1).min() < 1e-9
+    path = urdf(tmp_path / "arm.urdf", bones(SERIAL, elbow=(0, 0, 0.37), wrist=(0, 0, 0.28)))
+    arm, robot, random = (
+        Arm.from_urdf(path, "base", "tip"),
+        pin.buildModelFromXML(path.read_text()),
+        np.random.default_rng(6),
+    )
+    data, frame = robot.createData(), robot.getFrameId("tip")
+    for branch, th in enumerate(random.uniform(-2.5, 2.5, (50, 7))):
+        point, q = (one[0] for one in arm.forward(th))
+        joints = arm.solve(point, q, random.uniform(-3, 3), branch % 8).joints[0]
+        for positions in (th, joints):
+            pin.framesForwardKinematics(robot, data, positions)
+            np.testing.assert_allclose(data.oMf[frame].translation, point, rtol=0, atol=1e-13)
+            np.testing.assert_allclose(data.oMf[frame].rotation, matrix(q), rtol=0, atol=1e-13)

@@ -42,7 +42,7 @@ def off(ours, theirs, move):
 def test_hand_and_elbow_of_a_figure(tmp_path, way, width, axis):
     clip = read(figure.write(tmp_path / "clip.bvh", **way))
     moves = followed(clip, axis, width)
-    assert [move.arm.side for move, *_ in moves] == ["left", "right"]
+    assert [move.limb.side for move, *_ in moves] == ["left", "right"]
     for move, qs, qe in moves:
         assert (move.d1[0], move.d2[-1]) == pytest.approx((figure.UPPER, figure.FORE), abs=1e-5)
         elbow, wrist = forward(qs, qe, move.d1, move.d2)
@@ -333,9 +333,9 @@ def test_motion_capture(path, tmp_path):
     figure.compare(path, written(tmp_path / "clip.bvh", clip)[0])
     for (move, qs, _), arm in zip(followed(clip, "torso", phi=lambda m: m.typical_phi), arms(clip), strict=True):
         torso, upper = conjugate(clip.turn[:, arm.torso]), clip.turn[:, arm.upper]
-        own, ours = multiply(torso, upper), multiply(torso, qs)
-        fastest = [angle_between(q[1:-1], q[2:]).max() for q in (ours, own)]
-        assert fastest[0] <= 1.5 * fastest[1], move.arm
+        theirs, ours = multiply(torso, upper), multiply(torso, qs)
+        fastest = [angle_between(q[1:-1], q[2:]).max() for q in (ours, theirs)]
+        assert fastest[0] <= 1.5 * fastest[1], move.limb
 
 
 # -- the animated file -----------------------------------------------------------------------------
@@ -376,13 +376,13 @@ def test_nodes_and_bones_are_where_the_joints_are(tmp_path, up):
             np.testing.assert_allclose(np.linalg.norm(track, axis=1), 1, atol=1e-6)
             assert (np.sum(track[1:] * track[:-1], axis=1) > 0).all(), "no flip of signs"
 
-    found = {}
+    frames = {}
 
     def walk(number, turn, place):
         node = file.nodes[number]
         move = tracks.get((number, "translation"), np.tile(node.translation or (0.0, 0, 0), (count, 1)))
         spin = tracks.get((number, "rotation"), np.tile(node.rotation or (0.0, 0, 0, 1), (count, 1)))
-        found[number] = place, turn = place + turn.apply(move), turn * Rotation.from_quat(spin)
+        frames[number] = place, turn = place + turn.apply(move), turn * Rotation.from_quat(spin)
         for child in node.children or ():
             walk(child, turn, place)
 
@@ -398,11 +398,11 @@ def test_nodes_and_bones_are_where_the_joints_are(tmp_path, up):
     assert [file.nodes[joint].name for joint in skin.joints] == clip.names
     tips = []
     for corner, owner in zip(corners, owners, strict=True):
-        place, turn = found[skin.joints[owner]]
+        place, turn = frames[skin.joints[owner]]
         tips.append(place + turn.apply([(*corner, 1) @ inverse[owner][:, :3]] * count))
     assert (values(file, bones.attributes.WEIGHTS_0) == (1, 0, 0, 0)).all()
     for k, parent in enumerate(clip.parents):
-        np.testing.assert_allclose(found[k][0], expected[:, k], atol=1e-6)
+        np.testing.assert_allclose(frames[k][0], expected[:, k], atol=1e-6)
         if parent >= 0:  # the bone that ends here
             assert min(np.abs(tip - expected[:, k]).max() for tip in tips[5::6]) < 1e-6
             assert min(np.abs(tip - expected[:, parent]).max() for tip in tips[::6]) < 1e-6

@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 from model.io.flags import Flag
 from model.motion.pose import solve, to_z
 from model.motion.swivels import Swivels, continuous_joints, feasible_swivel
-from model.motion.tests.benchmark import targets
 from model.reference.joints import outside, turned
 from model.reference.kinematics import matrix, multiply
 
@@ -31,16 +30,24 @@ def chain(th, tool=TOOL):
 
 def branches_of(joints):
     """Return joints (N, 7) in the branches 0 .. 7, (8, N, 7)."""
-    found = joints[None]
+    branches = joints[None]
     for n in (0, 2, 4):
-        other = found * np.where(np.arange(7) == n + 1, -1, 1) + np.pi * np.isin(np.arange(7), (n, n + 2))
-        found = np.concatenate((found, other))
-    return found
+        other = branches * np.where(np.arange(7) == n + 1, -1, 1) + np.pi * np.isin(np.arange(7), (n, n + 2))
+        branches = np.concatenate((branches, other))
+    return branches
+
+
+def wrists(count, seed=1):
+    """Return points (N, 3) and swivel angles (N,) of reachable wrist targets."""
+    random = np.random.default_rng(seed)
+    points = random.normal(size=(count, 3))
+    points *= (random.uniform(0.1, 0.59, count) / np.linalg.norm(points, axis=1))[:, None]
+    return points, random.uniform(-np.pi, np.pi, count)
 
 
 def poses(count, seed=1, tool=TOOL):
     """Return points (N, 3), hands (N, 4) and swivel angles (N,) of reachable poses."""
-    wrist, phi, *_ = targets(count, seed)
+    wrist, phi = wrists(count, seed)
     q = Rotation.random(count, seed).as_quat(scalar_first=True)
     return wrist + tool * matrix(q)[..., 2], q, phi
 
@@ -64,20 +71,20 @@ def apart(a, b):
 def test_joints_lead_to_the_hand(axis, tool):
     """All branches lead to the hand, by different joints of one arm."""
     points, q, phi = poses(1000, tool=tool)
-    found = [solve(points, phi, axis=axis, hand=q, tool=tool, branch=branch) for branch in range(8)]
-    for pose in found:
+    solutions = [solve(points, phi, axis=axis, hand=q, tool=tool, branch=branch) for branch in range(8)]
+    for pose in solutions:
         assert not pose.flags.any() and not pose.over_limit.any() and np.abs(pose.joints).max() <= np.pi
         assert_reached(pose, points, q, axis, tool)
-        np.testing.assert_array_equal(pose.qs, found[0].qs)
-    joints, each = np.array([pose.joints for pose in found]), np.arange(1000)
+        np.testing.assert_array_equal(pose.qs, solutions[0].qs)
+    joints, rows = np.array([pose.joints for pose in solutions]), np.arange(1000)
     assert (joints[0][:, [1, 3, 5]] >= 0).all() and apart(joints, branches_of(joints[0])).max() < 1e-14
     assert ((apart(joints[:, None], joints).max(axis=3) > 1e-3).sum(axis=1) == 7).all()
-    mixed = solve(points, phi, axis=axis, hand=q, tool=tool, branch=each % 8).joints
-    np.testing.assert_array_equal(mixed, joints[each % 8, each])
+    mixed = solve(points, phi, axis=axis, hand=q, tool=tool, branch=rows % 8).joints
+    np.testing.assert_array_equal(mixed, joints[rows % 8, rows])
     last = solve(points, phi, axis=axis, hand=np.roll(q, -1, axis=1), tool=tool, order="xyzw")
     np.testing.assert_array_equal(last.joints, joints[0])
-    own = Rotation.from_euler("ZXZ", last.joints[:, 4:]).as_matrix()
-    np.testing.assert_allclose(matrix(np.roll(last.qw, 1, axis=1)), own, rtol=0, atol=1e-14)
+    wrists = Rotation.from_euler("ZXZ", last.joints[:, 4:]).as_matrix()
+    np.testing.assert_allclose(matrix(np.roll(last.qw, 1, axis=1)), wrists, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize(("shoulder", "elbow", "wrist"), [*product((0.0, np.pi, 0.7), repeat=3)])
@@ -133,14 +140,14 @@ def test_poses_without_an_answer():
         assert np.isnan(getattr(missing, name)[2:]).all()
         np.testing.assert_array_equal(getattr(missing, name)[:2], getattr(pose, name)[:2])
     assert not missing.flags[2:].any() and not missing.over_limit[2:].any()
-    found = feasible_swivel(points[:0], q[:0], tool=TOOL, limits=LIMITS)
-    assert found.feasible.shape == found.nearest().shape == found.nearest(0.1).shape == (0,)
+    nowhere = feasible_swivel(points[:0], q[:0], tool=TOOL, limits=LIMITS)
+    assert nowhere.feasible.shape == nowhere.nearest().shape == nowhere.nearest(0.1).shape == (0,)
     none = solve(points[:0], 0.1, hand=q[:0], limits=LIMITS).joints
     assert none.shape == continuous_joints(none).shape == (0, 7)
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("changes", "message"),
     [
         ({"hand": (1.0, 0.1, 0, 0)}, "hand: length 1.00499, not 1, in row 0"),
         ({"hand": [(1.0, 0, 0, 0), (0, 0.99, 0, 0)]}, "hand: length 0.99, not 1, in row 1"),
@@ -152,14 +159,15 @@ def test_poses_without_an_answer():
         ({"limits": [*LIMITS[:4], (1.0, 0.5), *LIMITS[5:]]}, "limits of joint 5: 1 to 0.5"),
         ({"limits": [*LIMITS[:6], (np.nan, 0.5)]}, "limits of joint 7: nan to 0.5"),
         ({"tool": np.inf}, "tool: not finite"),
+        ({"hand": (np.nan, 0.0, 0.0, 1.0)}, "hand and tool: not finite in row 0"),
         ({"width": 32, "datapath": "paper"}, "datapath 'paper': with hand and width it must be 'lean'"),
         ({"width": 32, "tool": 20.0}, "column tool: .20.0. is too long"),
         ({"order": "ijkw"}, "order 'ijkw'"),
     ],
 )
-def test_wrong_arguments_are_named(given, message):
-    arguments = {"points": (0.2, 0.2, 0.2), "hand": (1, 0, 0, 0)} | given
-    for function in (solve,) if "width" in given else (solve, feasible_swivel):
+def test_wrong_arguments_are_named(changes, message):
+    arguments = {"points": (0.2, 0.2, 0.2), "hand": (1, 0, 0, 0)} | changes
+    for function in (solve,) if "width" in changes else (solve, feasible_swivel):
         with pytest.raises(ValueError, match=message):
             function(**arguments)
 
@@ -208,12 +216,19 @@ def test_limits_in_words_are_rounded_inward(width):
     unit = 2 * np.pi / 2**width
     for joint in range(7):
         limits, at = FREE.copy(), th[joint, joint]
-        for low, high, over in ((at - 0.1 * unit, at + 0.1 * unit, False), (at + 0.1 * unit, at + 1.0, True),
-                                (at - 1.0, at - 0.1 * unit, True), (at + 0.1 * unit, at + 0.9 * unit, True),
-                                (at - 0.9 * unit + 2 * np.pi, at + 0.1 + 2 * np.pi, False)):  # fmt: skip
+        a_turn_up = at + 2 * np.pi
+        for low, high, over in (
+            (at - 0.1 * unit, at + 0.1 * unit, False),
+            (at + 0.1 * unit, at + 1.0, True),
+            (at - 1.0, at - 0.1 * unit, True),
+            (at + 0.1 * unit, at + 0.9 * unit, True),
+            (a_turn_up - 0.9 * unit, a_turn_up + 0.1, False),
+        ):
             limits[joint] = low, high
-            found = solve(points[joint], phi[joint], hand=q[joint], tool=TOOL, width=width, limits=limits).over_limit
-            assert found[0].tolist() == [k == joint and over for k in range(7)]
+            over_limit = solve(
+                points[joint], phi[joint], hand=q[joint], tool=TOOL, width=width, limits=limits
+            ).over_limit
+            assert over_limit[0].tolist() == [k == joint and over for k in range(7)]
 
 
 @pytest.mark.parametrize("axis", ["z", (0.3, 1.0, -0.2)])
@@ -224,21 +239,21 @@ def test_feasible_swivels_are_those_of_a_grid(seed, axis):
     points, q, _ = poses(count, seed)
     branch, middle = random.integers(0, 8, count), random.uniform(-np.pi, np.pi, 7) * (1, 0.3, 1, 0, 1, 0.3, 1)
     limits = middle[:, None] + random.uniform(2.0, 3.1, (7, 1)) * (-1, 1)
-    found = feasible_swivel(points, q, tool=TOOL, limits=limits, branch=branch, axis=axis)
+    swivels = feasible_swivel(points, q, tool=TOOL, limits=limits, branch=branch, axis=axis)
 
     def over(n, phi):
         pose = solve(points[n], phi, axis=axis, hand=q[n], tool=TOOL, branch=branch[n], limits=limits)
         return pose.over_limit.any(axis=1), apart(pose.joints[..., None], limits).min(axis=(1, 2))
 
     truth = ~over(np.repeat(np.arange(count), len(grid)), np.tile(grid, count))[0].reshape(count, -1)
-    first, last = np.moveaxis(found.intervals[..., None], 2, 0)
+    first, last = np.moveaxis(swivels.intervals[..., None], 2, 0)
     inside = (np.mod(grid - first, 2 * np.pi) <= last - first).any(axis=1)
-    close = (apart(found.intervals[..., None], grid) < 1e-6).any(axis=(1, 2))
+    close = (apart(swivels.intervals[..., None], grid) < 1e-6).any(axis=(1, 2))
     assert 0.1 < truth.mean() < 0.9 and close.mean() < 0.2
     np.testing.assert_array_equal(inside[~close], truth[~close])
     some = ~np.isnan(first[..., 0])
-    assert found.feasible.tolist() == some.any(axis=1).tolist() == [found.reason(n) == "" for n in range(count)]
-    np.testing.assert_array_equal(found.feasible, ~found.over_limit.any(axis=1))
+    assert swivels.feasible.tolist() == some.any(axis=1).tolist() == [swivels.reason(n) == "" for n in range(count)]
+    np.testing.assert_array_equal(swivels.feasible, ~swivels.over_limit.any(axis=1))
     assert ((last >= first) & (np.abs(first) <= np.pi))[some].all() and (first[:, 1:] > last[:, :-1])[some[:, 1:]].all()
     n, k = np.nonzero(some & ~truth.all(axis=1)[:, None])
     for end in (first, last):
@@ -249,12 +264,12 @@ def test_feasible_swivels_are_those_of_a_grid(seed, axis):
 def test_locked_joint_gives_isolated_angles(joint):
     points, q, phi = poses(50)
     for n in range(50):
-        limits, own = FREE.copy(), solve(points[n], phi[n], hand=q[n], tool=TOOL, branch=n % 8).joints[0]
-        limits[joint] = own[joint]
-        found = feasible_swivel(points[n], q[n], tool=TOOL, limits=limits, branch=n % 8).intervals[0]
-        assert np.ptp(found, axis=1).max() < 1e-7 and apart(found, phi[n]).min() < 1e-6
-        at = solve(points[n], found[:, 0], hand=q[n], tool=TOOL, branch=n % 8).joints[:, joint]
-        assert apart(at, own[joint]).max() < 1e-7
+        limits, th = FREE.copy(), solve(points[n], phi[n], hand=q[n], tool=TOOL, branch=n % 8).joints[0]
+        limits[joint] = th[joint]
+        intervals = feasible_swivel(points[n], q[n], tool=TOOL, limits=limits, branch=n % 8).intervals[0]
+        assert np.ptp(intervals, axis=1).max() < 1e-7 and apart(intervals, phi[n]).min() < 1e-6
+        at = solve(points[n], intervals[:, 0], hand=q[n], tool=TOOL, branch=n % 8).joints[:, joint]
+        assert apart(at, th[joint]).max() < 1e-7
 
 
 def test_nearest_feasible_angle():
@@ -263,7 +278,7 @@ def test_nearest_feasible_angle():
 
     no, turn = (np.nan, np.nan), 2 * np.pi
     two, one, none, whole = [(-1, 0.5), (2, 4.5)], [(1.5, 1.6), no], [no, no], [(-np.pi, np.pi), no]
-    for given, near, margin, expected in (
+    for row, near, margin, expected in (
         (two, (0.2, 1.0, 1.8, -2.0, -1.5, 7.0), 0.0, (0.2, 0.5, 2.0, -2.0, 4.5 - turn, 0.5)),
         (two, (0.2, 1.0, 1.4, -2.0), 0.3, (0.2, 0.2, 2.3, 4.2 - turn)),
         (two, (0.4, 1.9), 1.0, (-0.25, 3.0)),  # the middle of the shorter
@@ -271,7 +286,7 @@ def test_nearest_feasible_angle():
         (whole, (-3.0, 7.0), 0.5, (-3.0, 7.0 - turn)),
         (none, (0.1, np.pi), 0.5, (np.nan, np.nan)),
     ):
-        np.testing.assert_allclose(nearest([given] * len(near), near, margin), expected, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(nearest([row] * len(near), near, margin), expected, rtol=0, atol=1e-12)
     path = nearest([whole, two, none, one, whole], None)  # the first near 3, where the elbow hangs
     np.testing.assert_allclose(path, (3.0, 3.0, np.nan, 1.6, 1.6), rtol=0, atol=1e-12)
     assert feasible_swivel((0.3, 0.1, 0.2), (1, 0, 0, 0), axis="-z").nearest() == 0  # hangs at 0 there, pi for z
@@ -287,10 +302,10 @@ def test_path_without_jumps():
     smooth, branch = path(), np.random.default_rng(1).integers(0, 8, 3000)
     scrambled = np.angle(np.exp(1j * branches_of(smooth)[branch, np.arange(3000)]))
     scrambled[[7, 8, 1500], [0, 3, 6]] = np.nan
-    found, present = continuous_joints(scrambled), np.isfinite(scrambled).all(axis=1)
-    np.testing.assert_array_equal(found[~present], scrambled[~present])
-    np.testing.assert_allclose(found[0], scrambled[0], rtol=0, atol=1e-12)
-    turns = (found[present] - branches_of(smooth)[branch[0], present]) / (2 * np.pi)
+    joined, present = continuous_joints(scrambled), np.isfinite(scrambled).all(axis=1)
+    np.testing.assert_array_equal(joined[~present], scrambled[~present])
+    np.testing.assert_allclose(joined[0], scrambled[0], rtol=0, atol=1e-12)
+    turns = (joined[present] - branches_of(smooth)[branch[0], present]) / (2 * np.pi)
     np.testing.assert_allclose(turns, np.round(turns[:1]).repeat(2997, axis=0), rtol=0, atol=1e-12)
 
 
@@ -303,7 +318,7 @@ def test_singular_stretch_keeps_the_first_joint(first, tilt):
     split[rows, first] += share
     split[rows, first + 2] += share if tilt else -share
     np.testing.assert_allclose(chain(split)[1], chain(smooth)[1], atol=1e-13)
-    found = continuous_joints(np.angle(np.exp(1j * split)))[rows]
-    np.testing.assert_allclose(found[:, first], found[0, first], rtol=0, atol=1e-12)
-    off = (found - smooth[rows])[:, first + 2] / (2 * np.pi)
+    joined = continuous_joints(np.angle(np.exp(1j * split)))[rows]
+    np.testing.assert_allclose(joined[:, first], joined[0, first], rtol=0, atol=1e-12)
+    off = (joined - smooth[rows])[:, first + 2] / (2 * np.pi)
     np.testing.assert_allclose(off, off[0].round(), rtol=0, atol=1e-12)

@@ -8,7 +8,7 @@ import pytest
 
 from model.bounds import tolerances
 from model.dataflow import fixed
-from model.io.flags import ON_AXIS, TOO_FAR, TOO_NEAR, Flag
+from model.io.flags import Flag
 from model.io.words import Targets, result_values, to_words
 from model.motion.pose import (
     NAMED_AXES,
@@ -23,8 +23,7 @@ from model.motion.pose import (
     swivel_toward,
     to_z,
 )
-from model.motion.tests.benchmark import targets, two_bones
-from model.motion.tests.test_joints import apart
+from model.motion.tests.test_joints import apart, wrists
 from model.reference.kinematics import continuous, matrix, multiply, rotate
 
 AXES = [*NAMED_AXES, (0.3, 1.0, 0.0), (0.0, -1.0, 1.0)]
@@ -35,7 +34,7 @@ COUNT = 500
 @pytest.fixture(scope="module")
 def reachable():
     """Return points (N, 3) and swivel angles (N,)."""
-    return targets(COUNT)[:2]
+    return wrists(COUNT)
 
 
 @pytest.mark.parametrize("datapath", ["lean", "paper"])
@@ -48,18 +47,6 @@ def test_hand_and_swivel_in_the_users_frame(reachable, axis, datapath):
     np.testing.assert_allclose(np.linalg.norm(pose.elbow, axis=1), D1, atol=1e-14)
     back = swivel((0, 0, 0), pose.elbow, pose.wrist, axis)
     assert apart(back, phi).max() <= (1e-7 if datapath == "paper" else 1e-12)
-
-
-def test_agrees_with_a_direct_solution():
-    """Reached, clamped and on the axis; the direct solution has half of the digits near a straight arm."""
-    points, phi, d1, d2 = targets(5000)
-    points[:1000] *= 3
-    points[1000:1010, :2] = 0
-    pose = solve(points, phi, d1, d2)
-    direct = two_bones(points, phi, d1, d2)
-    for ours, theirs in zip((pose.qs, pose.qe, pose.flags, pose.elbow, pose.wrist), direct, strict=True):
-        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-7)
-    assert len(np.unique(pose.flags)) >= 4
 
 
 @pytest.mark.parametrize("axis", AXES)
@@ -76,10 +63,14 @@ def test_swivel_turns_the_elbow_about_the_line_to_the_wrist(reachable, axis):
 
 @pytest.mark.parametrize("datapath, width", [("lean", 18), ("lean", 32), ("lean25", 18), ("paper", 18), ("paper", 32)])
 def test_a_width_gives_the_words_of_the_core(reachable, datapath, width):
-    points, phi = reachable
+    points, phi = reachable[0].copy(), reachable[1]
+    points[:50] *= 2
+    points[50, :2] = 0
     words, _ = to_words(Targets("t", *points.T, phi, D1, D2), width)
-    results = result_values(fixed.run(words, width, datapath).results, width)
+    run = fixed.run(words, width, datapath)
+    results = result_values(run.results, width)
     pose = solve(points, phi, width=width, datapath=datapath)
+    assert (pose.flags == run.flags).all() and set(pose.flags) >= {0, Flag.TOO_FAR, Flag.ON_AXIS}
     assert (pose.qs == results[:, :4]).all()
     assert (pose.qe == np.pad(results[:, 4:], ((0, 0), (0, 2)))).all()
 
@@ -95,21 +86,6 @@ def test_a_named_axis_loses_no_bit(reachable, axis):
     assert (multiply(r, ours.qs) == core.qs).all() and (ours.qe == core.qe).all()
     error = np.linalg.norm(ours.wrist - points, axis=1) / (D1 + D2)
     assert error.max() <= tolerances.lean(32)
-
-
-@pytest.mark.parametrize("width", [None, 24])
-@pytest.mark.parametrize(
-    ("point", "d1", "flag", "wrist"),
-    [
-        ((0, 0.9, 0), D1, TOO_FAR, (0, 0.6, 0)),
-        ((0, 0.01, 0), D1, TOO_NEAR, (0, 0.06, 0)),
-        ((0, 0, 0.3), D1, ON_AXIS, (0, 0, 0.3)),
-    ],
-)
-def test_flags(point, d1, flag, wrist, width):
-    pose = solve(point, 0, d1, width=width)
-    assert pose.flags.tolist() == [flag] and Flag(int(pose.flags[0])) == flag
-    np.testing.assert_allclose(pose.wrist[0], wrist, atol=1e-6)
 
 
 @pytest.mark.parametrize(("axis", "phi"), [("z", np.pi), ("-z", 0), ("y", -np.pi / 2), ("-y", np.pi / 2)])
@@ -213,8 +189,8 @@ def test_soft_reach_is_smooth_and_stays_in_reach():
 @pytest.mark.parametrize(("aside", "rows"), [(0.001, [150, 151, 152]), (0.2, [])])
 def test_elbow_jumps_are_found_with_a_better_axis(aside, rows):
     path = np.linspace(-0.3, 0.3, 302), aside, 0.4
-    found, better = elbow_jumps(Targets("path", *path, np.pi, D1, D2))
-    assert found.tolist() == rows
+    jumps, better = elbow_jumps(Targets("path", *path, np.pi, D1, D2))
+    assert jumps.tolist() == rows
     assert not len(elbow_jumps(Targets("path", *path, hanging(better), D1, D2, frame=to_z(better)))[0])
 
 

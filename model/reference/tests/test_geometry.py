@@ -140,10 +140,14 @@ def test_geometry_gives_the_equations():
             close(GEOMETRY[name], printed[name], name, bound)
     plane, pair = GEOMETRY["pi_swivel"], cga.dual(GEOMETRY["PP"])
     w, *q12 = cga.quaternion_coefficients(GEOMETRY["Q_12"])
-    found = {f"pi_swivel_{axis}": value for axis, value in zip("xyz", (plane.e1, plane.e2, plane.e3), strict=True)}
-    found |= {f"pp_{unit}": value for unit, value in zip("ijk", cga.quaternion_coefficients(pair)[1:], strict=True)}
-    found |= {f"pp_{blade}": getattr(pair, f"e{blade}") for blade in (14, 15, 24, 25, 34, 35)}
-    for name, value in found.items():
+    coefficients = {
+        f"pi_swivel_{axis}": value for axis, value in zip("xyz", (plane.e1, plane.e2, plane.e3), strict=True)
+    }
+    coefficients |= {
+        f"pp_{unit}": value for unit, value in zip("ijk", cga.quaternion_coefficients(pair)[1:], strict=True)
+    }
+    coefficients |= {f"pp_{blade}": getattr(pair, f"e{blade}") for blade in (14, 15, 24, 25, 34, 35)}
+    for name, value in coefficients.items():
         close(value, printed[name], f"{name} of (11), (12)", 1e-13)
     close(q12, [printed[f"q12_{unit}"] for unit in "ijk"], "(15)", 1e-12)
     close(cga.coefficient(plane, "einf"), 0, "the swivel plane goes through the shoulder", 1e-13)

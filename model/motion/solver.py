@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Solver behind `pose.solve`: poses of checked targets, in double precision or in the words of the core.
+
+Targets are tables (6, n) with rows as ``FIELDS``, in the user's frame; poses are fields of `pose.Pose`, by name.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dataflow import fixed
+from ..io.words import RESULT_FIELDS, Targets, from_words, result_values, scale_exponent, to_words
+from ..reference import joints, kinematics
+from ..reference.equations import solve_clamped
+from ..reference.kinematics import conjugate, multiply
+from ..reference.lean_equations import solve_direct
+from .hands import Floats, Hands
+
+
+class Results(NamedTuple):
+    """Output of the core for n targets: results (6, n) as ``RESULT_FIELDS``, flags and swivel angles (n,)."""
+
+    results: Floats
+    flags: NDArray[np.int64]
+    phi: Floats
+
+
+class Solver(NamedTuple):
+    """Arithmetic of poses, and the reference frame.
+
+    * frame: quaternion of R, which takes the user's frame to the core's; None for 1
+    * width: word length, with the exponent of the scale of all words; None is double precision
+    """
+
+    frame: Floats | None
+    width: int | None
+    datapath: str
+    exponent: int = 0
+
+    def scaled(self, table: Floats, hands: Hands | None) -> "Solver":
+        """Return the solver with the one scale that fits all targets."""
+        if self.width is None or not table.size:
+            return self
+        targets = self._targets(table) if hands is None else self._targets(table, hand=hands.q.T, tool=hands.tool)
+        return self._replace(exponent=scale_exponent(targets, self.width))
+
+    def wrists(self, table: Floats) -> dict[str, Any]:
+        """Solve wrist targets."""
+        return self._pose(table, self._core(table))
+
+    def hands(self, table: Floats, hands: Hands, limits: Floats | None) -> dict[str, Any]:
+        """Solve hand poses; a table has the hands' points."""
+        if self.width is None:
+            return self._hands_in_double(table, hands, limits)
+        arm = hands.in_words(self._targets(table), self.exponent, self.width, limits)
+        pose = self._pose(table, Results(arm.results, arm.flags, arm.phi))
+        offset = hands.offset_of(pose["qs"].T, arm.results[4:], arm.qw)
+        return pose | _of_hands(pose["wrist"] + offset.T, arm.qw, arm.joints, arm.over_limit)
+
+    def _hands_in_double(self, table: Floats, hands: Hands, limits: Floats | None) -> dict[str, Any]:
+        wrists = np.concatenate((table[:3] - hands.offset, table[3:]))
+        core = self._core(wrists)
+        pose = self._pose(wrists, core)
+        qw = joints.wrist_quaternion(pose["qs"].T, core.results[4:], hands.q)
+        th = joints.angles(core.results[:4], joints.flexion(core.results[4:]), qw, hands.branch)
+        over = np.zeros(th.shape, dtype=bool)
+        if limits is not None:
+            th = joints.settled(th, limits)
+            over = joints.outside(th, limits)
+        return pose | _of_hands(pose["wrist"] + hands.offset.T, qw, th, over)
+
+    def _targets(self, table: Floats, hand: Any = None, tool: Any = 0.0) -> Targets:
+        x, y, z, phi, d1, d2 = table
+        return Targets("targets", x, y, z, phi, d1, d2, frame=self.frame, hand=hand, tool=tool)
+
+    def _core(self, table: Floats) -> Results:
+        """Return the core's results for wrist targets."""
+        if self.width is not None:
+            words, _ = to_words(self._targets(table), self.width, self.exponent)
+            run = fixed.run(words, self.width, self.datapath)
+            phi = from_words(words, self.exponent, self.width, "targets").phi
+            return Results(result_values(run.results, self.width).T, run.flags, phi)
+        if self.frame is not None:
+            table = np.concatenate((self._targets(table).core_position.T, table[3:]))
+        if self.datapath == "paper":
+            pose = solve_clamped(*table)
+            return Results(np.array([pose[field] for field in RESULT_FIELDS]), pose["flags"], table[3])
+        results, flags = solve_direct(table)
+        return Results(results, flags, table[3])
+
+    def _pose(self, table: Floats, core: Results) -> dict[str, Any]:
+        """Return poses in the user's frame from results of the core."""
+        qs, qe = core.results[:4].T, core.results[4:].T
+        qs = qs if self.frame is None else multiply(conjugate(self.frame), qs)
+        elbow, wrist = kinematics.forward(qs, qe, table[4], table[5])
+        whole_qe = np.zeros((len(qe), 4))
+        whole_qe[:, :2] = qe
+        return {"qs": qs, "qe": whole_qe, "flags": core.flags, "elbow": elbow, "wrist": wrist, "phi": core.phi}
+
+
+def _of_hands(point: Floats, qw: Floats, th: Floats, over: NDArray[np.bool_]) -> dict[str, Any]:
+    """Return the fields that `pose.ArmPose` adds, from points (N, 3) and arrays with components first."""
+    return {"qw": qw.T, "hand": point, "joints": th.T, "over_limit": over.T}
