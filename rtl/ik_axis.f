@@ -35,6 +35,7 @@ lib/ik_root_row.v
 lib/ik_rsqrt.v
 lib/ik_sincos.v
 lib/ik_trig.v
+lib/ik_credit_fifo.v
 lib/ik_delay.v
 lib/ik_even.v
 lib/ik_exact.v

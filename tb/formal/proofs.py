@@ -65,7 +65,7 @@ def axis(name: str, width: int, depth: int = 0) -> Proof:
         f"axis_{name}",
         path.top,
         sets,
-        "ik_core ik_fifo",
+        "ik_core ik_credit_fifo ik_fifo",
         properties,
         CORE[path.name],
         depth=depth,
@@ -82,7 +82,7 @@ def handshake(datapath: str) -> Proof:
         f"handshake_{datapath}",
         path.top,
         {"W": 32, "DATAPATH": path.number},
-        f"{core} ik_fifo",
+        f"{core} ik_credit_fifo ik_fifo",
         defines=CORE.get(datapath, ""),
         part=datapath not in CORE,
         gates=gates,
@@ -154,7 +154,7 @@ PROOFS = (
         claims=("chformal -assume2assert t:$assume c:u_read.f_data %d c:f_answered %d c:f_length %d",
                 "select -assert-count 3 t:$assume"),
         after=WHOLE_AFTER),
-    Proof("axi_gates_64", "ik_axi", {"DATA_W": 64}, f"ik_core ik_fifo ik_axis {ENGINES}", defines=CORE["lean"],
+    Proof("axi_gates_64", "ik_axi", {"DATA_W": 64}, f"ik_core ik_credit_fifo ik_fifo ik_axis {ENGINES}", defines=CORE["lean"],
           gates=("i:s_axi_* i:m_axi_*", "o:*", 22, 31)),  # rst, which drives the ready of the registers, may lead there
 )  # fmt: skip
 """All proofs by induction and about gates; a test compares the parameters with the model and the RTL."""
