@@ -11,10 +11,15 @@ lean/ik_lean_triangle.v
 lean/ik_lean_turn.v
 fold/ik_fold.v
 fold/ik_fold_count.v
+fold/ik_fold_datapath.v
+fold/ik_fold_elbow.v
+fold/ik_fold_fetch.v
 fold/ik_fold_flags.v
+fold/ik_fold_lap.v
 fold/ik_fold_memory.v
 fold/ik_fold_mul.v
 fold/ik_fold_norm.v
+fold/ik_fold_results.v
 fold/ik_fold_sum.v
 fold/ik_fold_table.v
 fold/ik_fold_word.v

@@ -36,8 +36,8 @@ module ik_fold_memory #(
   (* no_rw_check, ram_style = "block" *)
   reg [RW-1:0] mem_r[0:63];
 
-  function [D-1:0] power(input integer n);
-    power = {1'b1, {(D - 1) {1'b0}}} >> ((n < AD) ? n : n - DOWN);
+  function [D-1:0] power(input integer k);
+    power = {1'b1, {(D - 1) {1'b0}}} >> ((k < AD) ? k : k - DOWN);
   endfunction
 
   integer i;
