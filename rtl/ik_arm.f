@@ -12,5 +12,6 @@ fold/ik_fold_arm_joints.v
 fold/ik_fold_arm_results.v
 fold/ik_fold_angle.v
 fold/ik_fold_limit.v
+lib/ik_double.v
 lib/ik_limit.v
 lib/ik_vector.v

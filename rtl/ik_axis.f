@@ -52,6 +52,7 @@ lib/ik_mul3.v
 lib/ik_norm.v
 lib/ik_pick.v
 lib/ik_ring.v
+lib/ik_scale.v
 lib/ik_shift.v
 lib/ik_shift3.v
 lib/ik_sum2.v

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..dataflow import fixed
 from ..dataflow.datapaths import MODELS
-from ..io.flags import BAD_HAND
+from ..io.flags import BAD_HAND, OVER_BIT
 from ..io.words import (
     JOINTS,
     LENGTH_TOLERANCE,
@@ -73,7 +73,7 @@ class Hands:
         words, _ = to_words(replace(targets, hand=q.T, tool=self._tool(rows), branch=branch), width, exponent)
         limits = limit_words(bounds, width)
         run = fixed.run(words[:, :-1], width, path.name, words[:, -1], limits)
-        over = run.flags >> 9 + np.arange(7)[:, None] & 1 > 0
+        over = run.flags >> OVER_BIT + np.arange(7)[:, None] & 1 > 0
         over |= np.array([[last < first] for first, last in limits])  # there is no word within them
         value = dict(zip(path.results, result_values(run.results, width).T, strict=True))
         core, turn, th = (np.array([value[k] for k in names]) for names in (RESULT_FIELDS, WRIST_FIELDS, JOINTS))

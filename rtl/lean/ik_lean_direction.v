@@ -78,12 +78,9 @@ module ik_lean_direction #(
   wire signed [N-1:0] sin_el;  // (L16)
   localparam integer SH_U = F_X_N + F_INV_RHO - 1 - F_U_X;
   // (L14) u_x = 2 * x_n * inv_rho
-  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_RHO-T_X_N), .TILE(TILE)) u_u_x (
-      .clk(clk), .a(x_n), .b(inv_rho), .q(u_x)
-  );
   // (L15) u_y = 2 * y_n * inv_rho
-  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_RHO-T_X_N), .TILE(TILE)) u_u_y (
-      .clk(clk), .a(y_n), .b(inv_rho), .q(u_y)
+  ik_scale #(.COUNT(2), .AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_RHO-T_X_N), .TILE(TILE)) u_by_inv_rho (
+      .clk(clk), .a({y_n, x_n}), .b(inv_rho), .q({u_y, u_x})
   );
   // (L16) sin_el = 2 * z_n * inv_s
   ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_S-T_Z_N), .TILE(TILE)) u_sin_el (

@@ -66,68 +66,32 @@ module ik_lean_frame #(
   wire signed [N-1:0] g_ij;  // (L74)
   wire signed [N-1:0] g_ji;  // (L74)
   // (L71) g_ww = qs_w * h_w
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_ww (
-      .clk(clk), .a(qs_w_q), .b(h_w_q), .q(g_ww)
-  );
-  // (L71) g_ii = qs_i * h_i
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_ii (
-      .clk(clk), .a(qs_i_q), .b(h_i_q), .q(g_ii)
-  );
-  // (L71) g_jj = qs_j * h_j
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_jj (
-      .clk(clk), .a(qs_j_q), .b(h_j_q), .q(g_jj)
-  );
-  // (L71) g_kk = qs_k * h_k
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_kk (
-      .clk(clk), .a(qs_k_q), .b(h_k_q), .q(g_kk)
+  // (L72) g_iw = qs_i * h_w
+  // (L73) g_jw = qs_j * h_w
+  // (L74) g_kw = qs_k * h_w
+  ik_scale #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_by_h_w (
+      .clk(clk), .a({qs_k_q, qs_j_q, qs_i_q, qs_w_q}), .b(h_w_q), .q({g_kw, g_jw, g_iw, g_ww})
   );
   // (L72) g_wi = qs_w * h_i
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_wi (
-      .clk(clk), .a(qs_w_q), .b(h_i_q), .q(g_wi)
-  );
-  // (L72) g_iw = qs_i * h_w
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_iw (
-      .clk(clk), .a(qs_i_q), .b(h_w_q), .q(g_iw)
-  );
-  // (L72) g_jk = qs_j * h_k
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_jk (
-      .clk(clk), .a(qs_j_q), .b(h_k_q), .q(g_jk)
-  );
-  // (L72) g_kj = qs_k * h_j
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_kj (
-      .clk(clk), .a(qs_k_q), .b(h_j_q), .q(g_kj)
+  // (L71) g_ii = qs_i * h_i
+  // (L74) g_ji = qs_j * h_i
+  // (L73) g_ki = qs_k * h_i
+  ik_scale #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_by_h_i (
+      .clk(clk), .a({qs_k_q, qs_j_q, qs_i_q, qs_w_q}), .b(h_i_q), .q({g_ki, g_ji, g_ii, g_wi})
   );
   // (L73) g_wj = qs_w * h_j
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_wj (
-      .clk(clk), .a(qs_w_q), .b(h_j_q), .q(g_wj)
-  );
-  // (L73) g_jw = qs_j * h_w
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_jw (
-      .clk(clk), .a(qs_j_q), .b(h_w_q), .q(g_jw)
-  );
-  // (L73) g_ki = qs_k * h_i
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_ki (
-      .clk(clk), .a(qs_k_q), .b(h_i_q), .q(g_ki)
-  );
-  // (L73) g_ik = qs_i * h_k
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_ik (
-      .clk(clk), .a(qs_i_q), .b(h_k_q), .q(g_ik)
+  // (L74) g_ij = qs_i * h_j
+  // (L71) g_jj = qs_j * h_j
+  // (L72) g_kj = qs_k * h_j
+  ik_scale #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_by_h_j (
+      .clk(clk), .a({qs_k_q, qs_j_q, qs_i_q, qs_w_q}), .b(h_j_q), .q({g_kj, g_jj, g_ij, g_wj})
   );
   // (L74) g_wk = qs_w * h_k
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_wk (
-      .clk(clk), .a(qs_w_q), .b(h_k_q), .q(g_wk)
-  );
-  // (L74) g_kw = qs_k * h_w
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_kw (
-      .clk(clk), .a(qs_k_q), .b(h_w_q), .q(g_kw)
-  );
-  // (L74) g_ij = qs_i * h_j
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_ij (
-      .clk(clk), .a(qs_i_q), .b(h_j_q), .q(g_ij)
-  );
-  // (L74) g_ji = qs_j * h_i
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_ji (
-      .clk(clk), .a(qs_j_q), .b(h_i_q), .q(g_ji)
+  // (L73) g_ik = qs_i * h_k
+  // (L72) g_jk = qs_j * h_k
+  // (L71) g_kk = qs_k * h_k
+  ik_scale #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_by_h_k (
+      .clk(clk), .a({qs_k_q, qs_j_q, qs_i_q, qs_w_q}), .b(h_k_q), .q({g_kk, g_jk, g_ik, g_wk})
   );
 
   reg signed [N-1:0] g_w_1, g_w_2, g_i_1, g_i_2, g_j_1, g_j_2, g_k_1, g_k_2;
@@ -165,36 +129,18 @@ module ik_lean_frame #(
   wire signed [N-1:0] f_kk;  // (L78)
   wire signed [N-1:0] f_kj;  // (L78)
   // (L75) f_ww = g_w * qe_i
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_ww (
-      .clk(clk), .a(g_w), .b(qe_i_at_f), .q(f_ww)
-  );
-  // (L75) f_wi = g_i * qe_w
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_wi (
-      .clk(clk), .a(g_i), .b(qe_w_at_f), .q(f_wi)
-  );
   // (L76) f_ii = g_i * qe_i
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_ii (
-      .clk(clk), .a(g_i), .b(qe_i_at_f), .q(f_ii)
+  // (L77) f_jj = g_j * qe_i
+  // (L78) f_kk = g_k * qe_i
+  ik_scale #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_by_qe_i (
+      .clk(clk), .a({g_k, g_j, g_i, g_w}), .b(qe_i_at_f), .q({f_kk, f_jj, f_ii, f_ww})
   );
   // (L76) f_iw = g_w * qe_w
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_iw (
-      .clk(clk), .a(g_w), .b(qe_w_at_f), .q(f_iw)
-  );
-  // (L77) f_jj = g_j * qe_i
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_jj (
-      .clk(clk), .a(g_j), .b(qe_i_at_f), .q(f_jj)
-  );
-  // (L77) f_jk = g_k * qe_w
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_jk (
-      .clk(clk), .a(g_k), .b(qe_w_at_f), .q(f_jk)
-  );
-  // (L78) f_kk = g_k * qe_i
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_kk (
-      .clk(clk), .a(g_k), .b(qe_i_at_f), .q(f_kk)
-  );
+  // (L75) f_wi = g_i * qe_w
   // (L78) f_kj = g_j * qe_w
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_kj (
-      .clk(clk), .a(g_j), .b(qe_w_at_f), .q(f_kj)
+  // (L77) f_jk = g_k * qe_w
+  ik_scale #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_by_qe_w (
+      .clk(clk), .a({g_k, g_j, g_i, g_w}), .b(qe_w_at_f), .q({f_jk, f_kj, f_wi, f_iw})
   );
 
   localparam integer DROP = F_F_WW - F_QW_W;

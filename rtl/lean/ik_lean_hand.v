@@ -139,16 +139,10 @@ module ik_lean_hand #(
   wire signed [N-1:0] off_z;  // (L70)
   ik_delay #(.W(W), .N(T_OFF_IN-T_TOOL_H)) u_tool_at_off (.clk(clk), .d(tool_h), .q(tool_at_off));
   // (L68) off_x = r_x * tool_h
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_OFF), .OW(N), .DA(T_OFF_IN-T_R_X), .TILE(TILE)) u_off_x (
-      .clk(clk), .a(r_x), .b(tool_at_off), .q(off_x)
-  );
   // (L69) off_y = r_y * tool_h
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_OFF), .OW(N), .DA(T_OFF_IN-T_R_Y), .TILE(TILE)) u_off_y (
-      .clk(clk), .a(r_y), .b(tool_at_off), .q(off_y)
-  );
   // (L70) off_z = r_z * tool_h
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_OFF), .OW(N), .DA(T_OFF_IN-T_R_Z), .TILE(TILE)) u_off_z (
-      .clk(clk), .a(r_z), .b(tool_at_off), .q(off_z)
+  ik_scale #(.COUNT(3), .AW(N), .BW(W), .SH(SH_OFF), .OW(N), .DA(T_OFF_IN-T_R_X), .TILE(TILE)) u_by_tool_h (
+      .clk(clk), .a({r_z, r_y, r_x}), .b(tool_at_off), .q({off_z, off_y, off_x})
   );
 
   localparam integer DROP = F_OFF_X - F_X - 1;

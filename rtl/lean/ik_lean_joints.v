@@ -32,11 +32,11 @@ module ik_lean_joints #(
     input  wire        [14*W-1:0] limits,
     // Results
     output wire        [   W-1:0] th1,     // (L82) T_TH1
-    output reg         [   W-1:0] th2,     // (L83) T_TH2
+    output wire        [   W-1:0] th2,     // (L83) T_TH2
     output wire        [   W-1:0] th3,     // (L84) T_TH1
-    output reg         [   W-1:0] th4,     // (L86) T_TH4
+    output wire        [   W-1:0] th4,     // (L86) T_TH4
     output wire        [   W-1:0] th5,     // (L90) T_TH1
-    output reg         [   W-1:0] th6,     // (L91) T_TH2
+    output wire        [   W-1:0] th6,     // (L91) T_TH2
     output wire        [   W-1:0] th7,     // (L92) T_TH1
     output wire                   over_1,  // T_OVER_1
     output wire                   over_2,
@@ -64,7 +64,6 @@ module ik_lean_joints #(
   wire turn_5 = elbow_at_d ^ wrist_at_d;
   wire turn_7 = wrist_at_d;
 
-  // A negated angle: half an LSB of the joint, and the 1 of -x = ~x + 1, on the same carry chain.
   localparam integer DROP = F_QS_S - F_TH1;
 
   // ---- (L79)-(L84) shoulder: th1 and th3 are sum and difference of two angles, th2 twice an angle ----
@@ -93,7 +92,7 @@ module ik_lean_joints #(
       .clk(clk), .a(qs_s ^ {turn_3, {(W + 3) {1'b0}}}), .b(qs_d), .q(th3), .ovf()
   );
   // (L83) th2 = 2 * qs_b
-  wire [W+3:0] th2_r = (qs_b ^ {(W + 4) {minus_2}}) + {{(W + 5 - DROP) {1'b0}}, 1'b1, {(DROP - 3) {1'b0}}, minus_2};
+  ik_double #(.IW(W+4), .OW(W)) u_th2 (.clk(clk), .a(qs_b), .negate(minus_2), .q(th2));
 
   // ---- (L85) (L86) elbow ----
 
@@ -103,7 +102,7 @@ module ik_lean_joints #(
       .clk(clk), .x({qe_i[W-1], qe_i, 3'b000}), .y({minus_qe_w, 3'b000}), .length(), .angle(qe_e)
   );
   // (L86) th4 = 2 * qe_e
-  wire [W+3:0] th4_r = (qe_e ^ {(W + 4) {minus_4}}) + {{(W + 5 - DROP) {1'b0}}, 1'b1, {(DROP - 3) {1'b0}}, minus_4};
+  ik_double #(.IW(W+4), .OW(W)) u_th4 (.clk(clk), .a(qe_e), .negate(minus_4), .q(th4));
 
   // ---- (L87)-(L92) wrist: th5 and th7 are sum and difference of two angles, th6 twice an angle ----
 
@@ -131,14 +130,7 @@ module ik_lean_joints #(
       .clk(clk), .a(qw_s ^ {turn_7, {(W + 3) {1'b0}}}), .b(qw_d), .q(th7), .ovf()
   );
   // (L91) th6 = 2 * qw_b
-  wire [W+3:0] th6_r = (qw_b ^ {(W + 4) {minus_6}}) + {{(W + 5 - DROP) {1'b0}}, 1'b1, {(DROP - 3) {1'b0}}, minus_6};
-
-  always @(posedge clk) begin
-    th2 <= th2_r[DROP-1+:W];
-    th4 <= th4_r[DROP-1+:W];
-    th6 <= th6_r[DROP-1+:W];
-  end
-  wire unused = &{1'b0, th2_r, th4_r, th6_r};  // dropped by rounding and by a whole turn
+  ik_double #(.IW(W+4), .OW(W)) u_th6 (.clk(clk), .a(qw_b), .negate(minus_6), .q(th6));
 
   // ---- limits ----
 

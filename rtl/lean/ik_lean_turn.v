@@ -63,20 +63,14 @@ module ik_lean_turn #(
   wire signed [N-1:0] sc;  // (L42)
   wire signed [N-1:0] cs;  // (L43)
   // (L40) cc = az_c * cos_h
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_cc (
-      .clk(clk), .a(az_c), .b(cos_h), .q(cc)
-  );
-  // (L41) ss = az_s * sin_h
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_ss (
-      .clk(clk), .a(az_s), .b(sin_h), .q(ss)
-  );
   // (L42) sc = az_s * cos_h
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_sc (
-      .clk(clk), .a(az_s), .b(cos_h), .q(sc)
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_by_cos_h (
+      .clk(clk), .a({az_s, az_c}), .b(cos_h), .q({sc, cc})
   );
   // (L43) cs = az_c * sin_h
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_cs (
-      .clk(clk), .a(az_c), .b(sin_h), .q(cs)
+  // (L41) ss = az_s * sin_h
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_by_sin_h (
+      .clk(clk), .a({az_s, az_c}), .b(sin_h), .q({ss, cs})
   );
   reg signed [N-1:0] c_plus;  // (L44)
   reg signed [N-1:0] c_minus;  // (L46)
@@ -131,28 +125,22 @@ module ik_lean_turn #(
   wire signed [N-1:0] j_dif;  // (L55)
   wire signed [N-1:0] k_sum;  // (L54)
   // (L52) wi_c = wi_0 * arm_c
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_WI_0), .DB(T_1_IN-T_ARM_C), .TILE(TILE)) u_wi_c (
-      .clk(clk), .a(wi_0), .b(arm_c), .q(wi_c)
+  // (L54) kj_c = kj_0 * arm_c
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_WI_0), .DB(T_1_IN-T_ARM_C),
+      .TILE(TILE)) u_by_arm_c (
+      .clk(clk), .a({kj_0, wi_0}), .b(arm_c), .q({kj_c, wi_c})
   );
   // (L52) i_dif = i_0 * arm_dif
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_I_0), .DB(T_1_IN-T_ARM_DIF), .TILE(TILE)) u_i_dif (
-      .clk(clk), .a(i_0), .b(arm_dif), .q(i_dif)
+  // (L55) j_dif = j_0 * arm_dif
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_I_0), .DB(T_1_IN-T_ARM_DIF),
+      .TILE(TILE)) u_by_arm_dif (
+      .clk(clk), .a({j_0, i_0}), .b(arm_dif), .q({j_dif, i_dif})
   );
   // (L53) w_sum = w_0 * arm_sum
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_SUM), .TILE(TILE)) u_w_sum (
-      .clk(clk), .a(w_0), .b(arm_sum), .q(w_sum)
-  );
-  // (L54) kj_c = kj_0 * arm_c
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_KJ_0), .DB(T_1_IN-T_ARM_C), .TILE(TILE)) u_kj_c (
-      .clk(clk), .a(kj_0), .b(arm_c), .q(kj_c)
-  );
-  // (L55) j_dif = j_0 * arm_dif
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_J_0), .DB(T_1_IN-T_ARM_DIF), .TILE(TILE)) u_j_dif (
-      .clk(clk), .a(j_0), .b(arm_dif), .q(j_dif)
-  );
   // (L54) k_sum = k_0 * arm_sum
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_K_0), .DB(T_1_IN-T_ARM_SUM), .TILE(TILE)) u_k_sum (
-      .clk(clk), .a(k_0), .b(arm_sum), .q(k_sum)
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_SUM),
+      .TILE(TILE)) u_by_arm_sum (
+      .clk(clk), .a({k_0, w_0}), .b(arm_sum), .q({k_sum, w_sum})
   );
   reg signed [N-1:0] w_1;  // (L52)
   reg signed [N-1:0] i_1;  // (L53)
@@ -209,20 +197,11 @@ module ik_lean_turn #(
   localparam integer SH_Q = F_W_1 + F_INV_Q - 1 - F_W_Q;
   localparam integer T_Q_IN = T_W_Q - LAT_MUL3;
   // (L58) w_q = 2 * w_1 * inv_q
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_w_q (
-      .clk(clk), .a(w_1), .b(inv_q), .q(w_q)
-  );
   // (L59) i_q = 2 * i_1 * inv_q
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_i_q (
-      .clk(clk), .a(i_1), .b(inv_q), .q(i_q)
-  );
   // (L60) j_q = 2 * j_1 * inv_q
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_j_q (
-      .clk(clk), .a(j_1), .b(inv_q), .q(j_q)
-  );
   // (L61) k_q = 2 * k_1 * inv_q
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_k_q (
-      .clk(clk), .a(k_1), .b(inv_q), .q(k_q)
+  ik_scale #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_by_inv_q (
+      .clk(clk), .a({k_1, j_1, i_1, w_1}), .b(inv_q), .q({k_q, j_q, i_q, w_q})
   );
 
   localparam integer DROP = F_W_Q - F_QS_W;
