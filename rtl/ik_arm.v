@@ -1,8 +1,8 @@
-// No rounding here. Inputs: Q2.(W-2) and a binary angle; results: Q2.(W-2) and binary angles.
+// The whole arm with AXI4-Stream ports: hand pose in, seven joint angles out.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The whole arm with AXI4-Stream ports: hand pose in, seven joint angles out. As in ik_axis, credit logic admits poses
-// to the datapath, and an output FIFO holds results.
+// No rounding here. Inputs: Q2.(W-2) and a binary angle; results: Q2.(W-2) and binary angles.
+// As in ik_axis, ik_credit_fifo admits poses to the datapath and holds results.
 //
 // A pose is admitted only when a FIFO slot is free for its result, so the datapath never stalls and no result is lost,
 // repeated or reordered. tready and tvalid do not depend on each other combinationally. The folded datapath has its own

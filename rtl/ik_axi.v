@@ -1,12 +1,12 @@
-// Rounds Q2.30 input words half up to W bits: lengths saturate, phi wraps. Results are exact, shifted left to 32 bits.
+// Inverse kinematics from memory to memory: AXI4-Lite registers, and an AXI4 master around ik_axis or ik_arm.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Memory-to-memory wrapper of the inverse kinematics core ik_axis, or with ARM = 1 of ik_arm: AXI4-Lite registers and
-// one AXI4 master that reads targets and writes results in bursts. Records are little endian, the same for every W;
-// ik_axi_target and ik_axi_result have their words. 32 bytes, target: x, y, z, phi, d1, d2, tag, 0; result: qs_w, qs_i,
-// qs_j, qs_k, qe_w, qe_i, flags << 24 | tag, index. 64 bytes with ARM = 1, hand pose: x, y, z, phi, d1, d2, tool,
-// branch << 24 | tag, qh_w .. qh_k, 4 unused; result: th1 .. th7, flags << 24 | tag, qs_w .. qs_k, qe_w, qe_i, index,
-// over_limit (bit k-1: th k; bit 8: bad_hand).
+// Rounds Q2.30 input words half up to W bits: lengths saturate, phi wraps. Results are exact, shifted left to 32 bits.
+// The master reads targets and writes results in bursts. Records are little endian, the same for every W; ik_axi_target
+// and ik_axi_result have their words. 32 bytes, target: x, y, z, phi, d1, d2, tag, 0; result: qs_w, qs_i, qs_j, qs_k,
+// qe_w, qe_i, flags << 24 | tag, index. 64 bytes with ARM = 1, hand pose: x, y, z, phi, d1, d2, tool, branch << 24 |
+// tag, qh_w .. qh_k, 4 unused; result: th1 .. th7, flags << 24 | tag, qs_w .. qs_k, qe_w, qe_i, index, over_limit (bit
+// k-1: th k; bit 8: bad_hand).
 //
 // Accesses stay within the two areas. No burst crosses 4 KiB; rready and bready are always high. A record is requested
 // only when the core has a slot for its result, so it never refuses a target and no deadlock is possible.

@@ -1,7 +1,8 @@
-// No rounding here. Inputs: Q2.(W-2) and a binary angle; results: Q2.(W-2).
+// The inverse kinematics core with AXI4-Stream ports: one datapath and its output FIFO.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The inverse kinematics core with AXI4-Stream ports: one datapath between credit logic and an output FIFO.
+// No rounding here. Inputs: Q2.(W-2) and a binary angle; results: Q2.(W-2).
+// ik_credit_fifo admits targets to the datapath and holds results.
 //
 // A target is admitted only when a FIFO slot is free for its result, so the datapath never stalls and no result is
 // lost, repeated or reordered. tready and tvalid do not depend on each other combinationally. The folded datapath has

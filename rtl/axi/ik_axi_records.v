@@ -1,8 +1,9 @@
 // Solves the records of a job: rounds a target to W bits, passes it through the core, and returns its result's record.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounding as in ik_axi_target; results are exact. Records, see ik_axi: of 32 bytes through ik_axis, of 64 through ik_arm.
-// A record is taken whenever it is valid: ik_axi_read requests it only if the core has a slot for its result.
+// Rounding as in ik_axi_target; results are exact.
+// Records, see ik_axi: of 32 bytes through ik_axis, of 64 through ik_arm. A record is taken whenever it is valid:
+// ik_axi_read requests it only if the core has a slot for its result.
 // Throughput: one record per clock in, one beat per clock out.
 // Latency: 1 clock from record_valid to the core, 1 clock from its result to the first beat.
 `default_nettype none

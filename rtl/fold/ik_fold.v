@@ -1,8 +1,9 @@
 // The lean dataflow as a program for one multiplier, bit for bit, with AXI4-Stream ports.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Results Q2.(W-2), rounded half up; inputs Q2.(W-2) and a binary angle. ik_fold_lap follows the targets through laps of
-// PERIOD clocks, ik_fold_fetch supplies a step of the program each clock, ik_fold_datapath carries it out.
+// Results Q2.(W-2), rounded half up; inputs Q2.(W-2) and a binary angle.
+// ik_fold_lap follows the targets through laps of PERIOD clocks, ik_fold_fetch supplies a step of the program each
+// clock, ik_fold_datapath carries it out, and ik_fold_results collects the words of a result.
 // Throughput: one target per PERIOD clocks.
 // Latency: set by the program (ik_fold_program.vh), counted from the clock that accepts the target.
 `default_nettype none
@@ -107,7 +108,8 @@ module ik_fold #(
   wire [BITS_RESULT-1:0] place = step[AT_RESULT+:BITS_RESULT];
   wire [W-1:0] answer;
   ik_fold_elbow #(.W(W)) u_elbow (
-      .clamp(clamped), .fold(folded), .is_w(place == RESULT_QE_W), .is_i(place == RESULT_QE_I), .word(result), .answer(answer)
+      .clamp(clamped), .fold(folded), .is_w(place == RESULT_QE_W), .is_i(place == RESULT_QE_I), .word(result),
+      .answer(answer)
   );
   ik_fold_results #(.W(W), .TAG_W(TAG_W)) u_results (
       .clk(clk), .go(go), .accept(s_axis_tready), .s_axis_tuser(s_axis_tuser),

@@ -1,8 +1,9 @@
-// Rounds half up, from 4 guard bits: an angle, doubled or with another one added or subtracted; one turn = 2^W.
+// The CORDIC of ik_vector, bit for bit, one iteration per clock; sums of its angles are the joints.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The CORDIC of ik_vector, bit for bit, one iteration per clock, in two stages: the HEAD iterations that change X, and
-// the others. While the second stage finishes a vector, the first begins the next.
+// Rounds half up, from 4 guard bits: an angle, doubled or with another one added or subtracted; one turn = 2^W.
+// Two stages: the HEAD iterations that change X, and the others. While the second stage finishes a vector, the first
+// begins the next.
 //     clock 0         load_x     Y = x
 //     clock 1                    X = |Y|, the sign is kept
 //     clock 2         load_y     Y = y, negated for x < 0; starts the iterations

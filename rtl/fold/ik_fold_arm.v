@@ -1,9 +1,9 @@
 // The whole arm on one multiplier: ik_fold with another program, and a serial CORDIC for the joints. AXI4-Stream ports.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Results Q2.(W-2) and binary angles, rounded half up; inputs Q2.(W-2) and a binary angle. A hand pose enters; Qs, Qe, Qw
-// and seven joint angles leave. Laps, stalls and steps work as in ik_fold. Codes of fields that both programs have are
-// the same.
+// Results Q2.(W-2) and binary angles, rounded half up; inputs Q2.(W-2) and a binary angle.
+// A hand pose enters; Qs, Qe, Qw and seven joint angles leave. Laps, steps and datapath are those of ik_fold. Codes of
+// fields that both programs have are the same.
 // Throughput: one target per PERIOD clocks.
 // Latency: set by the program (ik_fold_arm_program.vh), counted from the clock that accepts the target.
 `default_nettype none
@@ -122,8 +122,9 @@ module ik_fold_arm #(
   ik_fold_datapath #(.W(W), .TILE(TILE), .D(D), .XW(XW)) u_datapath (
       .clk(clk), .go(go),
       .a_at(step[AT_A+:BITS_A]), .b_at(step[AT_B+:BITS_B]), .r_at(step[AT_R+:BITS_R]), .b_count(step[AT_B_COUNT]),
-      .b_constant(b_by == B_BY_BAD_HAND && hand_is_bad), .a_bend(step[AT_A_BEND]), .b_place(step[AT_B_PLACE+:BITS_B_PLACE]),
-      .b_high(step[AT_B_HIGH]), .r_function(step[AT_R_FUNCTION+:BITS_R_FUNCTION]),
+      .b_constant(b_by == B_BY_BAD_HAND && hand_is_bad), .a_bend(step[AT_A_BEND]),
+      .b_place(step[AT_B_PLACE+:BITS_B_PLACE]), .b_high(step[AT_B_HIGH]),
+      .r_function(step[AT_R_FUNCTION+:BITS_R_FUNCTION]),
       .cut(step[AT_CUT+:BITS_CUT]), .s(step[AT_S+:BITS_S]), .carry(step[AT_CARRY]),
       .window(step[AT_WINDOW+:BITS_WINDOW]), .limit(step[AT_LIMIT]), .last(step[AT_LAST+:BITS_LAST]),
       .norm(step[AT_NORM+:BITS_NORM]),
@@ -145,8 +146,8 @@ module ik_fold_arm #(
 
   wire [BITS_RESULT-1:0] place = step[AT_RESULT+:BITS_RESULT];
   ik_fold_elbow #(.W(W)) u_elbow (
-      .clamp(clamped), .fold(folded), .is_w(place == RESULT_ELBOW_W), .is_i(place == RESULT_ELBOW_I), .word(word[D-1-:W]),
-      .answer(answer)
+      .clamp(clamped), .fold(folded), .is_w(place == RESULT_ELBOW_W), .is_i(place == RESULT_ELBOW_I),
+      .word(word[D-1-:W]), .answer(answer)
   );
 
   reg [TAG_W-1:0] tag;
@@ -184,8 +185,8 @@ module ik_fold_arm #(
   function [W+3:0] angle(input [3:0] start, input half_turn);  // of the vector in the second stage
     angle = (opposite ? {{W{1'b0}}, start} - z_node : z_node - {{W{1'b0}}, start}) ^ {half_turn, {(W + 3) {1'b0}}};
   endfunction
-  wire unused = &{1'b0, PERIOD[0], clock, b, p, w_place, n, pairs, doubled, q_low, flag_nodes, p_plain, p_double, in, flags,
-      result, length, z_node, left, opposite, over, hand_nodes};
+  wire unused = &{1'b0, PERIOD[0], clock, b, p, w_place, n, pairs, doubled, q_low, flag_nodes, p_plain, p_double};
+  wire unused_too = &{1'b0, in, flags, result, length, z_node, left, opposite, over, hand_nodes};
   `include "ik_fold_arm_nodes.vh"
 
 endmodule

@@ -1,8 +1,8 @@
 // Checks the hand's quaternion and saturates the wrist of the whole arm, folded.
 // SPDX-License-Identifier: Apache-2.0
 //
-// No rounding; a sum T holds |Qh|^2 or half a coordinate of the wrist. A hand is bad if |Qh| is outside
-// [1 - 2^-8, 1 + 2^-8).
+// No rounding; a sum T holds |Qh|^2 or half a coordinate of the wrist.
+// A hand is bad if |Qh| is outside [1 - 2^-8, 1 + 2^-8).
 // Throughput: one sum per clock with go high.
 // Latency: 1 clock from T to bad_hand and saturated, 0 to wrist.
 `default_nettype none

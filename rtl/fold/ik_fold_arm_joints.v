@@ -1,8 +1,8 @@
 // Joint angles of the whole arm, folded: passes the words of a result to the CORDIC of ik_fold_angle as they are made.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Binary angles, one turn = 2^W, rounded half up. Vectors of two results, x and then y, and of two lengths give angles;
-// a branch bit turns or negates some of them.
+// Binary angles, one turn = 2^W, rounded half up.
+// Vectors of two results, x and then y, and of two lengths give angles; a branch bit turns or negates some of them.
 // Latency: set by the program.
 `default_nettype none
 

@@ -1,16 +1,16 @@
 // Collects the words of a result of ik_fold_arm, with its flags and tag, and compares its joints with their limits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// No rounding; words Q2.(W-2) and binary angles. A word is written in a clock with go and writing high; its place follows
-// from the program's order, which AFTER states. Flags and tag are written with the first word. A comparison is written
-// two clocks after its joint, whether go is high or not.
+// No rounding; words Q2.(W-2) and binary angles.
+// A word is written in a clock with go and writing high; its place follows from the program's order, stated by AFTER.
+// Flags and tag are written with the first word. A comparison is written two clocks after its joint, even if go is low.
 // Latency: 1 clock; 3 from a joint to its over_limit.
 `default_nettype none
 
 module ik_fold_arm_results #(
     parameter integer W     = 24,  // word length
     parameter integer TAG_W = 8,   // tag width
-    parameter [135:0] AFTER = 0    // for each result, in the order of m_axis_tdata: results written after it, a byte each
+    parameter [135:0] AFTER = 0    // results written after each one: a byte each, in the order of m_axis_tdata
 ) (
     input  wire                clk,
     input  wire                rst,

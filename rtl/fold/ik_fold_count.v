@@ -1,7 +1,7 @@
-// No rounding; unsigned integers modulo 64.
+// Shift counts of the folded datapath: n = (base or n) +- (1 or 2) x the pair count of a normalization.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Shift counts of the folded datapath: n = (base or n) +- (1 or 2) x the pair count of a normalization.
+// No rounding; unsigned integers modulo 64.
 // Throughput: one step per clock with go high.
 // Latency: 1 clock to n, one more to none and unscaled.
 `default_nettype none

@@ -1,9 +1,10 @@
 // Operands, product, sum and word of the folded datapath: one step of its program per clock, in a pipeline.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounding as in ik_fold_sum; words of D bits, sums of XW. The fields of a step belong to its clock, not to an
-// operation: they control the reads of one operation, the product of another and the word of a third. Codes:
-// ik_fold_codes.vh. The word to write, `w`, is chosen outside, between `word`, `normal` and others.
+// Rounding as in ik_fold_sum; words of D bits, sums of XW.
+// The fields of a step belong to its clock, not to an operation: they control the reads of one operation, the product
+// of another and the word of a third. Codes: ik_fold_codes.vh. The word to write, `w`, is chosen outside: `word`,
+// `normal` or another.
 // Throughput: one step per clock with go high.
 // Latency: 5 clocks from the addresses a_at, b_at and r_at to word, 7 to normal.
 `default_nettype none

@@ -1,10 +1,11 @@
-// Fetches the steps of a folded datapath's program: numbers of the steps, and the register that holds the current one.
+// Fetches the steps of a folded datapath's program, one after another, lap after lap.
 // SPDX-License-Identifier: Apache-2.0
 //
-// No rounding; a step is STEP_W bits, its number CLOCK_W bits. The program's memory has a register of its own behind it,
-// loaded with step `fetched` in a clock with `load`. With REGISTERS = 2 its word moves on into `step`; with 1, for
-// small chips, where such a register costs logic cells, it is `step`. Then the memory needs a step that does nothing at
-// number NONE, all ones, and after the first clock of a reset `step` may be any step: `no_step` is high there.
+// No rounding; a step has STEP_W bits, its number CLOCK_W bits.
+// The register behind the program's memory is outside: it gets step `fetched` in each clock with `load`. From it the
+// step moves into `step`. With REGISTERS = 1 it is `step`, for small chips, where another register costs logic cells;
+// then step NONE, numbered with all ones, must do nothing, and after the first clock of a reset `step` may be any step:
+// `no_step` is high there.
 // Throughput: one step per clock with go high, waits low.
 // Latency: REGISTERS clocks from fetched to step.
 `default_nettype none

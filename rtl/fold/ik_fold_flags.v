@@ -1,7 +1,7 @@
-// No rounding; single bits.
+// Latches signs and zeros, derives the flags, and selects the one that the current step uses.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Latches signs and zeros, derives the flags, and selects the one the current step uses.
+// No rounding; single bits.
 // Throughput: one step per clock with go high.
 // Latency: 1 clock from a sign or zero to the outputs.
 `default_nettype none

@@ -1,10 +1,11 @@
 // Follows the targets of a folded datapath through laps of its program, and drives the handshakes of both streams.
 // SPDX-License-Identifier: Apache-2.0
 //
-// No rounding; single bits. A target present when a lap begins is loaded in this lap, and accepted at the step with
-// `last_input`. Its results begin and end at the steps with `first_result` and `last_result`, FIRST_LAP and LAST_LAP laps
-// later. If an earlier result still waits at the step with `hold`, HOLD_LAP laps later, the datapath stops as a whole, `go`
-// low, until that result leaves. Without a target the datapath waits in the first step of a lap.
+// No rounding; single bits.
+// A target present when a lap begins is loaded in this lap, and accepted at the step with `last_input`. Its results
+// begin and end at the steps with `first_result` and `last_result`, FIRST_LAP and LAST_LAP laps later. If an earlier
+// result still waits at the step with `hold`, HOLD_LAP laps later, the datapath stops as a whole, `go` low, until that
+// result leaves. Without a target the datapath waits in the first step of a lap.
 // s_ready and m_valid depend on neither s_valid nor m_ready combinationally.
 // Latency: 0 clocks from the step to waits, restart and writing.
 `default_nettype none

@@ -1,8 +1,9 @@
 // Collects the words of a result of ik_fold, with its flags and tag, at the output stream.
 // SPDX-License-Identifier: Apache-2.0
 //
-// No rounding; words Q2.(W-2). A word is written in a clock with go and writing high; `result` selects its place. Flags
-// and tag are written with the first word.
+// No rounding; words Q2.(W-2).
+// A word is written in a clock with go and writing high; `result` selects its place. Flags and tag are written with the
+// first word.
 // Latency: 1 clock.
 `default_nettype none
 

@@ -1,9 +1,9 @@
-// The addend supplies the rounding constant: half an LSB, or the constant in a table's c0.
+// Adder of the folded datapath: T = S + Y or S - Y, where Y is a product.
 // SPDX-License-Identifier: Apache-2.0
 //
-// T = S + Y or S - Y. Y is a product, times 2^-DOWN for table functions and small powers of two. S is a constant, a
-// table word, or derived from the previous T. S and T hold a product's XW highest bits, down to the lowest bit of an
-// exact square.
+// The addend supplies the rounding constant: half an LSB, or the constant in a table's c0.
+// Y is the product, times 2^-DOWN for table functions and small powers of two. S is a constant, a table word, or
+// derived from the previous T. S and T hold a product's XW highest bits, down to the lowest bit of an exact square.
 // Throughput: one step per clock with go high.
 // Latency: 1 clock to S, 1 clock from S and the product to T.
 `default_nettype none

@@ -1,9 +1,9 @@
-// Exact, no rounding; words of 2W + 2 bits, fraction bits in ik_lean_nodes.vh.
+// Squares of the input words and their sums, and the flags that follow from their signs.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Squares of the input words and their sums: rho^2, s = |p|^2, A = (d1 + d2)^2 - s, B = s - (d1 - d2)^2 and
-// K = s + d1^2 - d2^2. The signs of A and B give too_far and too_near. Inputs at clock 0, each output at its clock
-// T_<NODE>.
+// Exact, no rounding; words of 2W + 2 bits, fraction bits in ik_lean_nodes.vh.
+// The sums: rho^2, s = |p|^2, A = (d1 + d2)^2 - s, B = s - (d1 - d2)^2 and K = s + d1^2 - d2^2. The signs of A and B
+// give too_far and too_near. Inputs at clock 0, each output at its clock T_<NODE>.
 // Throughput: one target per clock.
 `default_nettype none
 

@@ -1,9 +1,9 @@
-// Joints half up from angles of W + 4 bits, see ik_vector; binary angles, one turn = 2^W; limits exact.
+// The seven joint angles: three from Qs, one from Qe, three from Qw; and their limits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The seven joint angles: three from Qs, one from Qe, three from Qw. Each branch bit turns or negates some of them:
-// th + half a turn, or -th. over_<k> is set if th<k> is outside its limits. qs, qw, qe and the branch are valid at
-// clock T_QW_W, each output at its clock T_<NODE>.
+// Joints half up from angles of W + 4 bits, see ik_vector; binary angles, one turn = 2^W; limits exact.
+// Each branch bit turns or negates some of them: th + half a turn, or -th. over_<k> is set if th<k> is outside its
+// limits. qs, qw, qe and the branch are valid at clock T_QW_W, each output at its clock T_<NODE>.
 // Throughput: one pose per clock.
 `default_nettype none
 

@@ -1,7 +1,8 @@
 // Output FIFO of a pipeline that cannot stall, with credits that admit a target only if its result has a free slot.
 // SPDX-License-Identifier: Apache-2.0
 //
-// No rounding, any format. Contract with the pipeline between `admit` and `wr_en`:
+// No rounding, any format.
+// Contract with the pipeline between `admit` and `wr_en`:
 //   - a target enters it in each clock with admit = s_valid && s_ready, and in no other;
 //   - its result is written exactly LATENCY clocks later, unless rst comes first: rst discards all targets in it.
 // Then no result is lost, repeated or reordered, and s_ready and m_valid depend on neither s_valid nor m_ready

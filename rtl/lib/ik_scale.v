@@ -1,7 +1,7 @@
 // Products of several words with one factor: q_k = a_k * b / 2^SH, each as in ik_mul3.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounds half up after truncation; signed words. Each product has an ik_mul3 of its own.
+// Rounds half up after truncation; signed words.
 // Throughput: one set of products per clock.
 // Latency: 3 clocks (LAT_MUL3); DA more from a, DB more from b.
 `default_nettype none
