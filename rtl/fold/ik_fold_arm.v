@@ -185,8 +185,8 @@ module ik_fold_arm #(
   function [W+3:0] angle(input [3:0] start, input half_turn);  // of the vector in the second stage
     angle = (opposite ? {{W{1'b0}}, start} - z_node : z_node - {{W{1'b0}}, start}) ^ {half_turn, {(W + 3) {1'b0}}};
   endfunction
-  wire unused = &{1'b0, PERIOD[0], clock, b, p, w_place, n, pairs, doubled, q_low, flag_nodes, p_plain, p_double};
-  wire unused_too = &{1'b0, in, flags, result, length, z_node, left, opposite, over, hand_nodes};
+  wire unused = &{1'b0, PERIOD[0], clock, b, p, w_place, n, pairs, doubled, q_low, flag_nodes, p_plain, p_double, in,
+      flags, result, length, z_node, left, opposite, over, hand_nodes};
   `include "ik_fold_arm_nodes.vh"
 
 endmodule
