@@ -105,15 +105,15 @@ module ik_fold #(
 
   // ---- results ----
 
-  wire [BITS_RESULT-1:0] place = step[AT_RESULT+:BITS_RESULT];
+  wire [BITS_RESULT-1:0] result_field = step[AT_RESULT+:BITS_RESULT];
   wire [W-1:0] answer;
   ik_fold_elbow #(.W(W)) u_elbow (
-      .clamp(clamped), .fold(folded), .is_w(place == RESULT_QE_W), .is_i(place == RESULT_QE_I), .word(result),
+      .clamp(clamped), .fold(folded), .is_w(result_field == RESULT_QE_W), .is_i(result_field == RESULT_QE_I), .word(result),
       .answer(answer)
   );
   ik_fold_results #(.W(W), .TAG_W(TAG_W)) u_results (
       .clk(clk), .go(go), .accept(s_axis_tready), .s_axis_tuser(s_axis_tuser),
-      .writing(writing), .first_result(first_result), .result(place), .answer(answer), .flags(flags),
+      .writing(writing), .first_result(first_result), .result(result_field), .answer(answer), .flags(flags),
       .m_axis_tdata(m_axis_tdata), .m_axis_tuser(m_axis_tuser)
   );
 

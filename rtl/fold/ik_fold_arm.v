@@ -144,9 +144,9 @@ module ik_fold_arm #(
 
   // ---- results and joints ----
 
-  wire [BITS_RESULT-1:0] place = step[AT_RESULT+:BITS_RESULT];
+  wire [BITS_RESULT-1:0] result_field = step[AT_RESULT+:BITS_RESULT];
   ik_fold_elbow #(.W(W)) u_elbow (
-      .clamp(clamped), .fold(folded), .is_w(place == RESULT_ELBOW_W), .is_i(place == RESULT_ELBOW_I),
+      .clamp(clamped), .fold(folded), .is_w(result_field == RESULT_ELBOW_W), .is_i(result_field == RESULT_ELBOW_I),
       .word(word[D-1-:W]), .answer(answer)
   );
 
@@ -162,7 +162,7 @@ module ik_fold_arm #(
   wire left, opposite, over;
   ik_fold_arm_joints #(.W(W)) u_angles (
       .clk(clk), .go(go),
-      .result(place), .again_by(step[AT_AGAIN_BY+:BITS_AGAIN_BY]), .over(step[AT_OVER]), .to_h(step[AT_TO_H]),
+      .result(result_field), .again_by(step[AT_AGAIN_BY+:BITS_AGAIN_BY]), .over(step[AT_OVER]), .to_h(step[AT_TO_H]),
       .answer(answer), .elbow_in(branch_in[1]), .branch(branch), .th(th),
       .length(length), .z_node(z_node), .left(left), .opposite(opposite)
   );
@@ -173,7 +173,7 @@ module ik_fold_arm #(
   assign head[FLAG_BAD_HAND] = hand_is_bad;
   ik_fold_arm_results #(.W(W), .TAG_W(TAG_W), .AFTER(AFTER)) u_results (
       .clk(clk), .rst(rst), .go(go), .limits(limits),
-      .writing(writing), .first_result(first_result), .result(place), .answer(answer), .th(th), .head({head, tag}),
+      .writing(writing), .first_result(first_result), .result(result_field), .answer(answer), .th(th), .head({head, tag}),
       .m_axis_tdata(m_axis_tdata), .m_axis_tuser(m_axis_tuser), .over(over)
   );
 

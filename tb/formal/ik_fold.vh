@@ -140,7 +140,7 @@ end
 
 reg [WORDS-1:0] f_words;   // written
 reg [W*WORDS-1:0] f_data;  // their values
-wire [WORDS-1:0] f_word = (go && writing && place != RESULT_NONE) ? ONE << (place - 1) : {WORDS{1'b0}};
+wire [WORDS-1:0] f_word = (go && writing && result_field != RESULT_NONE) ? ONE << (result_field - 1) : {WORDS{1'b0}};
 always @(posedge clk)
   f_words <= rst ? {WORDS{1'b0}} : ((go && first_result && writing) ? {WORDS{1'b0}} : f_words) | f_word;
 wire [WORDS-1:0] f_kept;
