@@ -108,8 +108,8 @@ module ik_fold #(
   wire [BITS_RESULT-1:0] result_field = step[AT_RESULT+:BITS_RESULT];
   wire [W-1:0] answer;
   ik_fold_elbow #(.W(W)) u_elbow (
-      .clamp(clamped), .fold(folded), .is_w(result_field == RESULT_QE_W), .is_i(result_field == RESULT_QE_I), .word(result),
-      .answer(answer)
+      .clamp(clamped), .fold(folded), .is_w(result_field == RESULT_QE_W), .is_i(result_field == RESULT_QE_I),
+      .word(result), .answer(answer)
   );
   ik_fold_results #(.W(W), .TAG_W(TAG_W)) u_results (
       .clk(clk), .go(go), .accept(s_axis_tready), .s_axis_tuser(s_axis_tuser),

@@ -173,7 +173,8 @@ module ik_fold_arm #(
   assign head[FLAG_BAD_HAND] = hand_is_bad;
   ik_fold_arm_results #(.W(W), .TAG_W(TAG_W), .AFTER(AFTER)) u_results (
       .clk(clk), .rst(rst), .go(go), .limits(limits),
-      .writing(writing), .first_result(first_result), .result(result_field), .answer(answer), .th(th), .head({head, tag}),
+      .writing(writing), .first_result(first_result), .result(result_field), .answer(answer), .th(th),
+      .head({head, tag}),
       .m_axis_tdata(m_axis_tdata), .m_axis_tuser(m_axis_tuser), .over(over)
   );
 

@@ -17,10 +17,8 @@ module ik_fold_elbow #(
 );
 
   localparam [W-1:0] UNIT = {2'b01, {(W - 2) {1'b0}}};
-  wire clamp_w = clamp && is_w;
-  wire clamp_i = clamp && is_i;
-  wire [W-1:0] elbow = clamp_w ? (fold ? UNIT : {W{1'b0}}) : (fold ? {W{1'b0}} : -UNIT);
-  assign answer = (clamp_w || clamp_i) ? elbow : word;
+  wire [W-1:0] elbow = is_w ? (fold ? UNIT : {W{1'b0}}) : (fold ? {W{1'b0}} : -UNIT);
+  assign answer = (clamp && (is_w || is_i)) ? elbow : word;
 
 endmodule
 
