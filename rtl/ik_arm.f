@@ -7,7 +7,11 @@ lean/ik_lean_frame.v
 lean/ik_lean_hand.v
 lean/ik_lean_joints.v
 fold/ik_fold_arm.v
+fold/ik_fold_arm_hand.v
+fold/ik_fold_arm_joints.v
+fold/ik_fold_arm_results.v
 fold/ik_fold_angle.v
 fold/ik_fold_limit.v
+lib/ik_double.v
 lib/ik_limit.v
 lib/ik_vector.v

@@ -4,6 +4,7 @@
 ik_axi.v
 axi/ik_axi_job.v
 axi/ik_axi_read.v
+axi/ik_axi_records.v
 axi/ik_axi_regs.v
 axi/ik_axi_result.v
 axi/ik_axi_target.v

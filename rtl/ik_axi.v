@@ -1,12 +1,12 @@
-// Rounds Q2.30 input words half up to W bits: lengths saturate, phi wraps. Results are exact, shifted left to 32 bits.
+// Inverse kinematics from memory to memory: AXI4-Lite registers, and an AXI4 master around ik_axis or ik_arm.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Memory-to-memory wrapper of the inverse kinematics core ik_axis, or with ARM = 1 of ik_arm: AXI4-Lite registers and
-// one AXI4 master that reads targets and writes results in bursts. Records are little endian, the same for every W;
-// ik_axi_target and ik_axi_result have their words. 32 bytes, target: x, y, z, phi, d1, d2, tag, 0; result: qs_w, qs_i,
-// qs_j, qs_k, qe_w, qe_i, flags << 24 | tag, index. 64 bytes with ARM = 1, hand pose: x, y, z, phi, d1, d2, tool,
-// branch << 24 | tag, qh_w .. qh_k, 4 unused; result: th1 .. th7, flags << 24 | tag, qs_w .. qs_k, qe_w, qe_i, index,
-// over_limit (bit k-1: th k; bit 8: bad_hand).
+// Rounds Q2.30 input words half up to W bits: lengths saturate, phi wraps. Results are exact, shifted left to 32 bits.
+// The master reads targets and writes results in bursts. Records are little endian, the same for every W; ik_axi_target
+// and ik_axi_result have their words. 32 bytes, target: x, y, z, phi, d1, d2, tag, 0; result: qs_w, qs_i, qs_j, qs_k,
+// qe_w, qe_i, flags << 24 | tag, index. 64 bytes with ARM = 1, hand pose: x, y, z, phi, d1, d2, tool, branch << 24 |
+// tag, qh_w .. qh_k, 4 unused; result: th1 .. th7, flags << 24 | tag, qs_w .. qs_k, qe_w, qe_i, index, over_limit (bit
+// k-1: th k; bit 8: bad_hand).
 //
 // Accesses stay within the two areas. No burst crosses 4 KiB; rready and bready are always high. A record is requested
 // only when the core has a slot for its result, so it never refuses a target and no deadlock is possible.
@@ -101,10 +101,6 @@ module ik_axi #(
   endfunction
 
   localparam integer LOG2_RECORD = (ARM == 1) ? 6 : 5;  // log2 of a record's bytes
-  localparam integer TAG_W = 24;
-  localparam integer USER_W = (ARM == 1) ? TAG_W + 3 : TAG_W;  // with the branch
-  localparam integer INPUTS = (ARM == 1) ? 11 : 6;  // words of a target
-  localparam integer RESULTS = (ARM == 1) ? 13 : 6;  // words of a result's record, without tag, index and over_limit
   localparam integer LATENCY = ((ARM == 1) ? T_OUT : datapath_latency(DATAPATH, W, TILE)) + 2;
   localparam integer LOG2_PLACES = clog2(LATENCY + 1);  // FIFO slots of the core
   localparam integer LOG2_BURSTS = 3;  // at most 8 outstanding bursts in each direction
@@ -240,15 +236,10 @@ module ik_axi #(
       .written        (written)
   );
 
-  // ---- memory to core ----
+  // ---- memory to core to memory ----
 
-  wire got, record_valid, leave, target_valid, result_valid, result_ready, allowed, ends_burst;
+  wire got, record_valid, leave, allowed, ends_burst;
   wire [(8<<LOG2_RECORD)-1:0] record;
-  wire [INPUTS*W-1:0] target;
-  wire [RESULTS*W-1:0] result;
-  wire [USER_W-1:0] tag;
-  wire [TAG_W+7:0] flags_tag;
-  wire [31:0] over_limit;
 
   ik_axi_read #(
       .ADDR_W     (ADDR_W),
@@ -284,83 +275,29 @@ module ik_axi #(
       .m_axi_rvalid (m_axi_rvalid)
   );
 
-  ik_axi_target #(
+  ik_axi_records #(
       .W          (W),
-      .TAG_W      (USER_W),
+      .DATAPATH   (DATAPATH),
+      .DIGIT      (DIGIT),
+      .TILE       (TILE),
+      .DATA_W     (DATA_W),
       .LOG2_RECORD(LOG2_RECORD)
-  ) u_target (
+  ) u_records (
       .clk         (clk),
       .rst         (rst),
+      .go          (go),
+      .clear       (clear),
+      .limits      (limits),
       .record_valid(record_valid),
       .record      (record),
-      .target_valid(target_valid),
-      .target      (target),
-      .tag         (tag)
+      .leave       (leave),
+      .allowed     (allowed),
+      .ends_burst  (ends_burst),
+      .m_axi_wdata (m_axi_wdata),
+      .m_axi_wlast (m_axi_wlast),
+      .m_axi_wvalid(m_axi_wvalid),
+      .m_axi_wready(m_axi_wready)
   );
-
-  // s_axis_tready is always high: a slot is reserved
-  generate
-    if (ARM == 1) begin : g_arm
-      wire [17*W-1:0] words;  // th1 .. th7, qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, qw_w, qw_i, qw_j, qw_k
-      wire [14*W-1:0] pairs;  // lower and upper limit of th1, .. th7
-      wire [7:0] over;  // bad_hand, th1 .. th7
-      genvar i;
-      for (i = 0; i < 7; i = i + 1) begin : g_joint
-        assign pairs[2*W*i+:2*W] = {limits[32*(i+7)+31-:W], limits[32*i+31-:W]};
-      end
-      assign result = words[RESULTS*W-1:0];
-      assign over_limit = {23'd0, over[0], 1'b0, over[7:1]};
-
-      ik_arm #(
-          .W       (W),
-          .TAG_W   (TAG_W),
-          .DATAPATH(DATAPATH),
-          .TILE    (TILE)
-      ) u_arm (
-          .clk          (clk),
-          .rst          (rst || clear),
-          .limits       (pairs),
-          .s_axis_tdata (target),
-          .s_axis_tuser (tag),
-          .s_axis_tvalid(target_valid),
-          .s_axis_tready(),
-          .m_axis_tdata (words),
-          .m_axis_tuser ({over, flags_tag}),
-          .m_axis_tvalid(result_valid),
-          .m_axis_tready(result_ready)
-      );
-    end else begin : g_axis
-      assign over_limit = 32'd0;
-
-      ik_axis #(
-          .W       (W),
-          .TAG_W   (TAG_W),
-          .DATAPATH(DATAPATH),
-          .DIGIT   (DIGIT),
-          .TILE    (TILE)
-      ) u_axis (
-          .clk          (clk),
-          .rst          (rst || clear),
-          .s_axis_tdata (target),
-          .s_axis_tuser (tag),
-          .s_axis_tvalid(target_valid),
-          .s_axis_tready(),
-          .m_axis_tdata (result),
-          .m_axis_tuser (flags_tag),
-          .m_axis_tvalid(result_valid),
-          .m_axis_tready(result_ready)
-      );
-    end
-  endgenerate
-
-  // ---- core to memory ----
-
-  assign leave = result_valid && result_ready;
-  reg [31:0] index;
-  always @(posedge clk) begin
-    if (go) index <= 32'd0;
-    else if (leave) index <= index + 32'd1;
-  end
 
   ik_axi_write #(
       .ADDR_W     (ADDR_W),
@@ -391,27 +328,6 @@ module ik_axi #(
       .m_axi_awready(m_axi_awready),
       .m_axi_bresp  (m_axi_bresp),
       .m_axi_bvalid (m_axi_bvalid)
-  );
-
-  ik_axi_result #(
-      .W          (W),
-      .DATA_W     (DATA_W),
-      .LOG2_RECORD(LOG2_RECORD)
-  ) u_result (
-      .clk         (clk),
-      .rst         (rst),
-      .result      (result),
-      .flags_tag   (flags_tag),
-      .index       (index),
-      .over_limit  (over_limit),
-      .result_valid(result_valid),
-      .result_ready(result_ready),
-      .allowed     (allowed),
-      .ends_burst  (ends_burst),
-      .m_axi_wdata (m_axi_wdata),
-      .m_axi_wlast (m_axi_wlast),
-      .m_axi_wvalid(m_axi_wvalid),
-      .m_axi_wready(m_axi_wready)
   );
 
 endmodule

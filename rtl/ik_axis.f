@@ -11,10 +11,15 @@ lean/ik_lean_triangle.v
 lean/ik_lean_turn.v
 fold/ik_fold.v
 fold/ik_fold_count.v
+fold/ik_fold_datapath.v
+fold/ik_fold_elbow.v
+fold/ik_fold_fetch.v
 fold/ik_fold_flags.v
+fold/ik_fold_lap.v
 fold/ik_fold_memory.v
 fold/ik_fold_mul.v
 fold/ik_fold_norm.v
+fold/ik_fold_results.v
 fold/ik_fold_sum.v
 fold/ik_fold_table.v
 fold/ik_fold_word.v
@@ -35,6 +40,7 @@ lib/ik_root_row.v
 lib/ik_rsqrt.v
 lib/ik_sincos.v
 lib/ik_trig.v
+lib/ik_credit_fifo.v
 lib/ik_delay.v
 lib/ik_even.v
 lib/ik_exact.v
@@ -46,6 +52,7 @@ lib/ik_mul3.v
 lib/ik_norm.v
 lib/ik_pick.v
 lib/ik_ring.v
+lib/ik_scale.v
 lib/ik_shift.v
 lib/ik_shift3.v
 lib/ik_sum2.v

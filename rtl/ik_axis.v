@@ -1,7 +1,8 @@
-// No rounding here. Inputs: Q2.(W-2) and a binary angle; results: Q2.(W-2).
+// The inverse kinematics core with AXI4-Stream ports: one datapath and its output FIFO.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The inverse kinematics core with AXI4-Stream ports: one datapath between credit logic and an output FIFO.
+// No rounding here. Inputs: Q2.(W-2) and a binary angle; results: Q2.(W-2).
+// ik_credit_fifo admits targets to the datapath and holds results.
 //
 // A target is admitted only when a FIFO slot is free for its result, so the datapath never stalls and no result is
 // lost, repeated or reordered. tready and tvalid do not depend on each other combinationally. The folded datapath has
@@ -41,13 +42,6 @@ module ik_axis #(
 
   `include "ik_latency.vh"
 
-  function integer clog2(input integer n);
-    begin
-      clog2 = 0;
-      while ((1 << clog2) < n) clog2 = clog2 + 1;
-    end
-  endfunction
-
   // ---- reject unsupported parameters at elaboration ----
 
   // An illegal parameter value instantiates an undefined module, named after the parameter:
@@ -83,7 +77,7 @@ module ik_axis #(
 
   // ---- the datapath ----
 
-  wire admit = s_axis_tvalid && s_axis_tready;
+  wire admit;
   wire core_valid;
   wire [TAG_W-1:0] core_tag;
   wire [7:0] core_flags;
@@ -143,28 +137,19 @@ module ik_axis #(
     end
   endgenerate
 
-  // ---- credits and output FIFO; the folded datapath needs neither ----
-
-  // A slot is reserved from admission until the result leaves: pipeline, FIFO, output register.
-  localparam integer LOG2 = clog2(datapath_latency(DATAPATH, W, TILE) + 3);
+  // ---- admission and output; the folded datapath has its own ----
 
   generate
     if (DATAPATH != 2) begin : g_fifo
-      wire leave = m_axis_tvalid && m_axis_tready;
-      reg [LOG2:0] credits;  // unreserved FIFO slots
-      always @(posedge clk) begin
-        if (rst) credits <= {1'b1, {LOG2{1'b0}}};
-        else if (admit && !leave) credits <= credits - 1'b1;
-        else if (leave && !admit) credits <= credits + 1'b1;
-      end
-      assign s_axis_tready = !rst && (credits != 0);
-
-      ik_fifo #(
-          .W   (6 * W + 8 + TAG_W),
-          .LOG2(LOG2)
-      ) u_fifo (
+      ik_credit_fifo #(
+          .W      (6 * W + 8 + TAG_W),
+          .LATENCY(datapath_latency(DATAPATH, W, TILE))
+      ) u_credits (
           .clk    (clk),
           .rst    (rst),
+          .s_valid(s_axis_tvalid),
+          .s_ready(s_axis_tready),
+          .admit  (admit),
           .wr_en  (core_valid),
           .wr_data({core_flags, core_tag, core_data}),
           .m_valid(m_axis_tvalid),

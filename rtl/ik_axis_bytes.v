@@ -1,7 +1,8 @@
-// No rounding here. Words as in ik_axis, each in the lowest bits of the next multiple of 8 bits.
+// ik_axis with streams of whole bytes, which vendors' packagers require.
 // SPDX-License-Identifier: Apache-2.0
 //
-// ik_axis with streams of whole bytes, which vendors' packagers require: tdata has 6*B bits, B = 8*ceil(W/8), 144 at
+// No rounding here. Words as in ik_axis, each in the lowest bits of the next multiple of 8 bits.
+// tdata has 6*B bits, B = 8*ceil(W/8), 144 at
 // W = 18. The padding of a target is ignored; results are sign-extended. All else is as in ik_axis; if W is a multiple
 // of 8, so are the streams.
 `default_nettype none

@@ -38,7 +38,7 @@ MODULE_SETS = {
     "ik_axis_bytes": [{"W": 18}],
     "ik_paper": [{"W": width, "DIGIT": digit} for width in (32, 18) for digit in (0, 1)],
     **{name: [{"W": width} for width in (32, 20)] for name in ("ik_fold", "ik_fold_arm")},
-    "ik_fold_norm": [{}],
+    **{name: [{}] for name in ("ik_fold_datapath", "ik_fold_norm", "ik_fold_arm_hand")},
     "icebreaker": [{}, {"BAUD": 115200}, {"ARM": 1}],
     "ik_arm": [{"W": 24}, {"W": 16}, {"W": 18, "TILE": 25}, {"W": 24, "TILE": 16}, {"W": 24, "DATAPATH": 2}],
     **{

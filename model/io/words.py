@@ -14,7 +14,7 @@ import numpy as np
 
 from ..reference.joints import BRANCHES, JOINTS
 from ..reference.kinematics import conjugate, matrix, multiply, rotate
-from .flags import BAD_HAND
+from .flags import BAD_HAND, OVER_BIT
 
 FIELDS = ("x", "y", "z", "phi", "d1", "d2")
 """Columns of a target file and fields of a target word, lowest bits first."""
@@ -329,7 +329,7 @@ class Records:
 
     def written(self, results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:
         """Return the result records of a job: results (N, n) of `width` bits as `results`, flags and tags (N,)."""
-        more = (flags & 255) << TAG_BITS | tags, np.arange(len(results)), flags >> 9 | flags & BAD_HAND
+        more = (flags & 255) << TAG_BITS | tags, np.arange(len(results)), flags >> OVER_BIT | flags & BAD_HAND
         return self._packed(results << (32 - width), *more)
 
     def result_words(self, records: bytes, width: int) -> np.ndarray:

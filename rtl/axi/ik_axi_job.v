@@ -1,6 +1,7 @@
-// No rounding, no data: job control of ik_axi, from the area checks to done or error.
+// Job control of ik_axi: from the area checks to done or error.
 // SPDX-License-Identifier: Apache-2.0
 //
+// No rounding, no data.
 // Source, destination and count are copied at start. The checks take 3 clocks, before any access. After an R error, the
 // records before it are still written. After a B error or a soft reset, no new burst starts and the outstanding ones
 // complete. The first error is reported. Codes: 0 none, 1 source and 2 destination not a multiple of the record size,

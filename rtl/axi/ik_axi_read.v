@@ -1,10 +1,11 @@
-// No rounding: R beats of DATA_W bits are assembled, in order, into records.
+// Read engine of ik_axi: requests bursts, and assembles R beats, in order, into records.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Read engine of ik_axi. A burst ends at the next multiple of 2^LOG2_BURST records or with the job, so none crosses
-// 4 KiB; the same rule finds its end on R, so rlast is not used. A burst is requested only when a result slot is free
-// for each of its records (2^LOG2_PLACES slots, returned by `leave`), so rready is always high.
-// After an error no record is delivered and no burst requested; outstanding beats are accepted and dropped.
+// No rounding; beats of DATA_W bits.
+// A burst ends at the next multiple of 2^LOG2_BURST records or with the job, so none crosses 4 KiB; the same rule finds
+// its end on R, so rlast is not used. A burst is requested only when a result slot is free for each of its records
+// (2^LOG2_PLACES slots, returned by `leave`), so rready is always high. After an error no record is delivered and no
+// burst requested; outstanding beats are accepted and dropped.
 // Throughput: one beat per clock.
 // Latency: 1 clock from a record's last beat; the record is valid for one clock.
 `default_nettype none

@@ -1,6 +1,7 @@
-// No rounding: 32-bit registers of ik_axi on AXI4-Lite, as described in ik_axi.rdl.
+// Registers of ik_axi on AXI4-Lite, as described in ik_axi.rdl.
 // SPDX-License-Identifier: Apache-2.0
 //
+// No rounding; 32-bit words.
 // Write strobes are honoured. Writes to read-only registers and accesses to unmapped addresses have no effect and
 // return SLVERR; such reads return 0. With ARM = 0 the limits of the joints are unmapped. Outputs do not depend
 // combinationally on inputs.

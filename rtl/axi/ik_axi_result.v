@@ -1,10 +1,11 @@
-// Exact: results of W bits are shifted left to 32, Q2.30 and one turn = 2^32; records leave in beats, lowest first.
+// Packs a result of ik_axis or ik_arm into a record, which leaves in beats.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Packs a result of ik_axis or ik_arm into a record. Words, lowest first: with 32 bytes qs_w, qs_i, qs_j, qs_k, qe_w,
-// qe_i, {flags, tag} (8 and 24 bits), index; with 64 bytes th1 to th7, {flags, tag}, qs_w, qs_i, qs_j, qs_k, qe_w, qe_i,
-// index, over_limit. A record is accepted while `allowed` is high and all earlier beats have left or leave in this
-// clock, so beats follow each other without a gap. wvalid does not wait for wready.
+// Exact: words of W bits are shifted left to 32, Q2.30 and one turn = 2^32; beats leave lowest first.
+// Words, lowest first: with 32 bytes qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, {flags, tag} (8 and 24 bits), index; with 64
+// bytes th1 to th7, {flags, tag}, qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, index, over_limit. A record is accepted while
+// `allowed` is high and all earlier beats have left or leave in this clock, so beats follow each other without a gap.
+// wvalid does not wait for wready.
 // Throughput: one beat per clock.
 // Latency: 1 clock to the first beat.
 `default_nettype none

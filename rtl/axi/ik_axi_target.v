@@ -1,9 +1,9 @@
-// Rounds half up to W bits: lengths and parts of a quaternion from Q2.30, saturated; phi (one turn = 2^32) wraps.
+// Unpacks a record into a target of ik_axis or a hand pose of ik_arm.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Unpacks a record into a target of ik_axis or a hand pose of ik_arm. Words, lowest first: with 32 bytes x, y, z, phi,
-// d1, d2, tag, unused; with 64 bytes x, y, z, phi, d1, d2, tool, tag with the branch above it, qh_w, qh_i, qh_j, qh_k, 4
-// unused.
+// Rounds half up to W bits: lengths and parts of a quaternion from Q2.30, saturated; phi (one turn = 2^32) wraps.
+// Words, lowest first: with 32 bytes x, y, z, phi, d1, d2, tag, unused; with 64 bytes x, y, z, phi, d1, d2, tool, tag
+// with the branch above it, qh_w, qh_i, qh_j, qh_k, 4 unused.
 // Throughput: one record per clock.
 // Latency: 1 clock.
 `default_nettype none

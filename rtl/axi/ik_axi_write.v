@@ -1,10 +1,11 @@
-// No rounding, no data: groups records into bursts and handles AW and B.
+// Write engine of ik_axi: groups records into bursts and handles AW and B.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Write engine of ik_axi. A burst ends at the next multiple of 2^LOG2_BURST records, at the end of the job, or before a
-// record that could not be read. It is announced only when all its targets have been read, so its data do not wait for
-// the bus. Data may leave before AW is accepted. Responses arrive in order, so the same rule gives the size of the
-// burst that a B answers.
+// No rounding, no data.
+// A burst ends at the next multiple of 2^LOG2_BURST records, at the end of the job, or before a record that could not
+// be read. It is announced only when all its targets have been read, so its data do not wait for the bus. Data may
+// leave before AW is accepted. Responses arrive in order, so the same rule gives the size of the burst that a B
+// answers.
 `default_nettype none
 
 module ik_axi_write #(

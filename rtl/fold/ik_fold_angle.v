@@ -1,8 +1,9 @@
-// Rounds half up, from 4 guard bits: an angle, doubled or with another one added or subtracted; one turn = 2^W.
+// The CORDIC of ik_vector, bit for bit, one iteration per clock; sums of its angles are the joints.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The CORDIC of ik_vector, bit for bit, one iteration per clock, in two stages: the HEAD iterations that change X, and
-// the others. While the second stage finishes a vector, the first begins the next.
+// Rounds half up, from 4 guard bits: an angle, doubled or with another one added or subtracted; one turn = 2^W.
+// Two stages: the HEAD iterations that change X, and the others. While the second stage finishes a vector, the first
+// begins the next.
 //     clock 0         load_x     Y = x
 //     clock 1                    X = |Y|, the sign is kept
 //     clock 2         load_y     Y = y, negated for x < 0; starts the iterations
@@ -55,7 +56,7 @@ module ik_fold_angle #(
   reg [YW-1:0] y;
   reg [ZW-1:0] z;
   reg [3:0] i;
-  reg taken, run, left, flat, negative_1;
+  reg x_loaded, run, left, flat, negative_1;
   reg [1:0] rounding_1;
   wire load = load_x || load_y;
 
@@ -91,14 +92,14 @@ module ik_fold_angle #(
 
   always @(posedge clk)
     if (go) begin
-      taken <= load_x;
+      x_loaded <= load_x;
       run   <= load_y || again || (run && !over && i != HEAD_END[3:0]);
       i     <= (run && !over) ? i + 4'd1 : 4'd0;
-      if (taken) left <= below;
+      if (x_loaded) left <= below;
       if (over && !again) x <= {XW{1'b0}};
-      else if (taken || run) x <= x + step[XW-1:0];
+      else if (x_loaded || run) x <= x + step[XW-1:0];
       if (again) y <= {2'b00, x_2};
-      else if (taken || over) y <= {YW{1'b0}};
+      else if (x_loaded || over) y <= {YW{1'b0}};
       else if (load || run) y <= nearer << 1;
       if (load_y || again) {negative_1, rounding_1} <= {negative, rounding};
       if (load_y || again) z <= {{W{1'b0}}, rounding, {(ANGLE - 2) {1'b0}}} - ALL;
@@ -123,9 +124,9 @@ module ik_fold_angle #(
   // Adds turns while it iterates, then h
   reg [ZW-1:0] h;
   reg left_h;
-  wire less = iterates ? above_2 == negative_2 : minus;
-  wire [ZW-1:0] more = (iterates ? {{HEAD{1'b0}}, t_2} : h) ^ {ZW{less}};
-  wire [ZW-1:0] sum = z_2 + more + {{(ZW - 1) {1'b0}}, less};
+  wire subtract_2 = iterates ? above_2 == negative_2 : minus;
+  wire [ZW-1:0] term_2 = (iterates ? {{HEAD{1'b0}}, t_2} : h) ^ {ZW{subtract_2}};
+  wire [ZW-1:0] sum = z_2 + term_2 + {{(ZW - 1) {1'b0}}, subtract_2};
 
   always @(posedge clk)
     if (go) begin

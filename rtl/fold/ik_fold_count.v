@@ -1,9 +1,9 @@
-// No rounding; unsigned integers modulo 64.
+// Shift counts of the folded datapath: n = (base or n) +- (1 or 2) x the pair count of a normalization.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Shift counts of the folded datapath: n = (base or n) +- (1 or 2) x the pair count of a normalization.
+// No rounding; unsigned integers modulo 64.
 // Throughput: one step per clock with go high.
-// Latency: 1 clock to n, one more to none and few.
+// Latency: 1 clock to n, one more to none and unscaled.
 `default_nettype none
 
 module ik_fold_count #(
@@ -22,7 +22,7 @@ module ik_fold_count #(
     // Count and conditions
     output reg  [5:0] n,
     output reg        none,   // n = 0
-    output reg        few,   // n < D
+    output reg        unscaled,  // n < D: the power of two of n is stored as it is
     output reg        low    // m_q is the mantissa of four times the squared length
 );
 
@@ -64,11 +64,11 @@ module ik_fold_count #(
   wire [5:0] term = twice ? {e[4:0], 1'b0} : e;
   always @(posedge clk) if (go && of != N_E_NONE) n <= from + (minus ? ~term : term) + {5'd0, minus};
 
-  localparam [63:0] FEW = (64'd1 << D) - 64'd1;
+  localparam [63:0] UNSCALED = (64'd1 << D) - 64'd1;
   always @(posedge clk)
     if (go) begin
       none <= n == 6'd0;
-      few  <= FEW[n];
+      unscaled <= UNSCALED[n];
       low  <= e_q == 6'd2;
     end
 

@@ -1,7 +1,7 @@
-// No rounding; single bits.
+// Latches signs and zeros, derives the flags, and selects the one that the current step uses.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Latches signs and zeros, derives the flags, and selects the one the current step uses.
+// No rounding; single bits.
 // Throughput: one step per clock with go high.
 // Latency: 1 clock from a sign or zero to the outputs.
 `default_nettype none
@@ -29,7 +29,7 @@ module ik_fold_flags (
     output wire       b_second,
     output wire       w_second,
     output wire       s_other,
-    output wire       minus,
+    output reg        minus,
     output wire       clamp,
     output wire       fold,
     // Flags
@@ -80,20 +80,18 @@ module ik_fold_flags (
   assign w_second = (w_by == W_BY_U_Y && u_y) || (w_by == W_BY_SIN_EL && sin_el) || (w_by == W_BY_ARM_SWAP && arm_swap);
   assign s_other = (s_by == S_BY_ON_AXIS && on_axis) || (s_by == S_BY_AT_SHOULDER && at_shoulder)
       || (s_by == S_BY_CLAMP && clamp);
-  reg less;
   always @*
     case (minus_by)
-      MINUS_BY_ALWAYS: less = 1'b1;
-      MINUS_BY_N_0: less = none;
-      MINUS_BY_PHI: less = phi;
-      MINUS_BY_U_Y: less = u_y;
-      MINUS_BY_SIN_EL_AND_NOT_AT_SHOULDER: less = sin_el && !at_shoulder;
-      MINUS_BY_COS_A_AND_NOT_CLAMP: less = cos_a && !clamp;
-      MINUS_BY_NOT_ARM_SWAP: less = !arm_swap;
-      MINUS_BY_MINUS: less = k_1;
-      default: less = 1'b0;
+      MINUS_BY_ALWAYS: minus = 1'b1;
+      MINUS_BY_N_0: minus = none;
+      MINUS_BY_PHI: minus = phi;
+      MINUS_BY_U_Y: minus = u_y;
+      MINUS_BY_SIN_EL_AND_NOT_AT_SHOULDER: minus = sin_el && !at_shoulder;
+      MINUS_BY_COS_A_AND_NOT_CLAMP: minus = cos_a && !clamp;
+      MINUS_BY_NOT_ARM_SWAP: minus = !arm_swap;
+      MINUS_BY_MINUS: minus = k_1;
+      default: minus = 1'b0;
     endcase
-  assign minus = less;
 
 endmodule
 

@@ -1,8 +1,9 @@
-// No rounding; binary angles, one turn = 2^W.
+// Compares a joint with its limits, as ik_limit does, one joint per clock.
 // SPDX-License-Identifier: Apache-2.0
 //
-// over: a joint's angle lies outside the closed arc from low upwards to high, as in ik_limit. The turns from low to th and
-// from th to high, each less than one turn, are together a whole turn or more.
+// No rounding; binary angles, one turn = 2^W.
+// over: th lies outside the closed arc from low upwards to high. The turns from low to th and from th to high, each
+// less than one turn, are together a whole turn or more.
 // Throughput: one angle per clock.
 // Latency: 1 clock.
 `default_nettype none

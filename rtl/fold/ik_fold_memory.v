@@ -1,8 +1,9 @@
-// No rounding; words of D bits. a returns their high bits, r the bits below the sign.
+// Word memory of the folded datapath, with constants.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Word memory of the folded datapath: 64 read/write words, initially 0, followed by the constants 2^(1-n), n = 0 to 63,
-// but -2 for n = 0, and 2^(1-n+DOWN) from n = AD on, which underflows to 0. Three copies, one per read port.
+// No rounding; words of D bits. a returns their high bits, r the bits below the sign.
+// 64 read/write words, initially 0, followed by the constants 2^(1-n), n = 0 to 63, but -2 for n = 0, and 2^(1-n+DOWN)
+// from n = AD on, which underflows to 0. Three copies, one per read port.
 // Throughput: three reads and one write per clock with go high.
 // Latency: 1 clock from address to word. A word can be read in the clock after its write.
 `default_nettype none
@@ -36,8 +37,8 @@ module ik_fold_memory #(
   (* no_rw_check, ram_style = "block" *)
   reg [RW-1:0] mem_r[0:63];
 
-  function [D-1:0] power(input integer n);
-    power = {1'b1, {(D - 1) {1'b0}}} >> ((n < AD) ? n : n - DOWN);
+  function [D-1:0] power(input integer k);
+    power = {1'b1, {(D - 1) {1'b0}}} >> ((k < AD) ? k : k - DOWN);
   endfunction
 
   integer i;

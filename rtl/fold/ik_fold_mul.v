@@ -1,7 +1,8 @@
-// Truncates: the step's `cut` drops low bits of each tile, as ik_mul3 and ik_quadratic do; signed D-bit operands.
+// Multiplier of the folded datapath: p = a * b, from four tiles.
 // SPDX-License-Identifier: Apache-2.0
 //
-// p = a * b of two signed words, from four tiles: high parts of TILE bits, low parts of at most TILE - 1.
+// Truncates: the step's `cut` drops low bits of each tile, as ik_mul3 and ik_quadratic do; signed D-bit operands.
+// The tiles have high parts of TILE bits, low parts of at most TILE - 1.
 // Throughput: one step per clock with go high.
 // Latency: 3 clocks: operands, tiles, sum. `cut` is used in the third.
 `default_nettype none

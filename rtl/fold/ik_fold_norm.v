@@ -1,7 +1,8 @@
-// Rounds down: bits of T below the word are dropped; T has XW bits, the word D.
+// T as a mantissa, shifted left until it fills its word, or T shifted left by a count.
 // SPDX-License-Identifier: Apache-2.0
 //
-// T as a mantissa, shifted left by pairs of bits until one of its two highest bits is set, or T shifted left by n.
+// Rounds down: bits of T below the word are dropped; T has XW bits, the word D.
+// A mantissa is shifted by pairs of bits until one of its two highest bits is set.
 // Throughput: one step per clock with go high.
 // Latency: 2 clocks.
 `default_nettype none

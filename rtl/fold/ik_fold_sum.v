@@ -1,9 +1,9 @@
-// The addend supplies the rounding constant: half an LSB, or the constant in a table's c0.
+// Adder of the folded datapath: T = S + Y or S - Y, where Y is a product.
 // SPDX-License-Identifier: Apache-2.0
 //
-// T = S + Y or S - Y. Y is a product, times 2^-DOWN for table functions and small powers of two. S is a constant, a
-// table word, or derived from the previous T. S and T hold a product's XW highest bits, down to the lowest bit of an
-// exact square.
+// The addend supplies the rounding constant: half an LSB, or the constant in a table's c0.
+// Y is the product, times 2^-DOWN for table functions and small powers of two. S is a constant, a table word, or
+// derived from the previous T. S and T hold a product's XW highest bits, down to the lowest bit of an exact square.
 // Throughput: one step per clock with go high.
 // Latency: 1 clock to S, 1 clock from S and the product to T.
 `default_nettype none
@@ -44,7 +44,7 @@ module ik_fold_sum #(
   localparam [XW-1:0] ROUND = ONE << (LAST - 1);
   localparam [XW-1:0] KEPT = ~((ONE << LAST) - ONE);  // clears the bits below an inner word's LSB
   // T is truncated after the subtraction. Ones below the slope's LSB make this a subtraction of a truncated product.
-  localparam [XW-1:0] LESS = (ONE << SLOPE) - ONE;
+  localparam [XW-1:0] BELOW_SLOPE = (ONE << SLOPE) - ONE;
 
   wire [XW-1:0] value = {{(XW - C0W) {1'b0}}, c0} << C0_AT;
   wire [XW-1:0] slope = {{(XW - C1W) {1'b0}}, c1} << C1_AT;
@@ -61,7 +61,7 @@ module ik_fold_sum #(
         S_T: s <= t;
         S_T_HALF: s <= (t & KEPT) | ROUND;
         S_SLOPE: s <= slope;
-        S_SLOPE_LESS: s <= slope | LESS;
+        S_SLOPE_LESS: s <= slope | BELOW_SLOPE;
         S_VALUE: s <= value;
         S_LENGTH: s <= by ? ONE << (HALF + 1) : ONE << HALF;
         S_NONE_OR_HALF: s <= by ? ONE << HALF : {XW{1'b0}};

@@ -1,9 +1,10 @@
-// No rounding here: returns a row {c0, c1, c2}; c0 includes the constant that rounds the result.
+// Table rows of the folded datapath: {c0, c1, c2} of a word for 1/(2 sqrt m), sine or cosine.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The table row of a word for 1/(2 sqrt m), sine or cosine (model/dataflow/quadratic.py, long form; small form with
-// TILE < 18). A mantissa in [1/4, 1/2) uses the first half of the root's rows; its segment number reaches one mantissa
-// bit lower than in [1/2, 1). The cosine is the sine of the complementary angle.
+// No rounding here: c0 includes the constant that rounds the result.
+// model/dataflow/quadratic.py derives the rows: long form; small form with TILE < 18. A mantissa in [1/4, 1/2) uses the
+// first half of the root's rows; its segment number reaches one mantissa bit lower than in [1/2, 1). The cosine is the
+// sine of the complementary angle.
 // Throughput: one step per clock with go high.
 // Latency: 1 clock.
 `default_nettype none

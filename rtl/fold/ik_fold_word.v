@@ -1,7 +1,7 @@
-// Rounds down: a word is a window of T, truncated at its LSB; T has XW bits, the word D, the result W.
+// Selects the word to write from one of two windows of T, saturated on request, and the result word.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Selects the word to write from one of two windows of T, saturated on request, and the result word.
+// Rounds down: a word is a window of T, truncated at its LSB; T has XW bits, the word D, the result W.
 // Latency: 0 clocks.
 `default_nettype none
 

@@ -1,39 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by `python -m scripts.generate.headers` from model/dataflow/fold/program.py; do not edit.
 
-// For the body of ik_fold: the fields of the step.
+// For the body of ik_fold: lowest bit of each field of a step, and the number of bits if not 1.
 
-wire [1:0] f_a_by = step[1:0];
-wire [1:0] f_b_by = step[3:2];
-wire [1:0] f_w_by = step[5:4];
-wire [1:0] f_s_by = step[7:6];
-wire [3:0] f_minus_by = step[11:8];
-wire [1:0] f_r_function = step[13:12];
-wire [1:0] f_b_place = step[15:14];
-wire [2:0] f_cut = step[18:16];
-wire [3:0] f_s = step[22:19];
-wire f_carry = step[23];
-wire [1:0] f_window = step[25:24];
-wire [1:0] f_last = step[27:26];
-wire [3:0] f_sign = step[31:28];
-wire [2:0] f_norm = step[34:32];
-wire [1:0] f_source = step[36:35];
-wire [2:0] f_input = step[39:37];
-wire [2:0] f_result = step[42:40];
-wire [2:0] f_e_set = step[45:43];
-wire [2:0] f_n_base = step[48:46];
-wire [2:0] f_n_e = step[51:49];
-wire [6:0] f_a = step[58:52];
-wire [6:0] f_b = step[65:59];
-wire f_b_count = step[66];
-wire [5:0] f_r = step[72:67];
-wire f_a_bend = step[73];
-wire f_b_high = step[74];
-wire f_limit = step[75];
-wire [5:0] f_w = step[81:76];
-wire f_n_minus = step[82];
-wire f_n_twice = step[83];
-wire f_last_input = step[84];
-wire f_hold = step[85];
-wire f_first_result = step[86];
-wire f_last_result = step[87];
+localparam integer AT_A_BY = 0, BITS_A_BY = 2;
+localparam integer AT_B_BY = 2, BITS_B_BY = 2;
+localparam integer AT_W_BY = 4, BITS_W_BY = 2;
+localparam integer AT_S_BY = 6, BITS_S_BY = 2;
+localparam integer AT_MINUS_BY = 8, BITS_MINUS_BY = 4;
+localparam integer AT_R_FUNCTION = 12, BITS_R_FUNCTION = 2;
+localparam integer AT_B_PLACE = 14, BITS_B_PLACE = 2;
+localparam integer AT_CUT = 16, BITS_CUT = 3;
+localparam integer AT_S = 19, BITS_S = 4;
+localparam integer AT_CARRY = 23;
+localparam integer AT_WINDOW = 24, BITS_WINDOW = 2;
+localparam integer AT_LAST = 26, BITS_LAST = 2;
+localparam integer AT_SIGN = 28, BITS_SIGN = 4;
+localparam integer AT_NORM = 32, BITS_NORM = 3;
+localparam integer AT_SOURCE = 35, BITS_SOURCE = 2;
+localparam integer AT_INPUT = 37, BITS_INPUT = 3;
+localparam integer AT_RESULT = 40, BITS_RESULT = 3;
+localparam integer AT_E_SET = 43, BITS_E_SET = 3;
+localparam integer AT_N_BASE = 46, BITS_N_BASE = 3;
+localparam integer AT_N_E = 49, BITS_N_E = 3;
+localparam integer AT_A = 52, BITS_A = 7;
+localparam integer AT_B = 59, BITS_B = 7;
+localparam integer AT_B_COUNT = 66;
+localparam integer AT_R = 67, BITS_R = 6;
+localparam integer AT_A_BEND = 73;
+localparam integer AT_B_HIGH = 74;
+localparam integer AT_LIMIT = 75;
+localparam integer AT_W = 76, BITS_W = 6;
+localparam integer AT_N_MINUS = 82;
+localparam integer AT_N_TWICE = 83;
+localparam integer AT_LAST_INPUT = 84;
+localparam integer AT_HOLD = 85;
+localparam integer AT_FIRST_RESULT = 86;
+localparam integer AT_LAST_RESULT = 87;

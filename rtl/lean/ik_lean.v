@@ -1,10 +1,10 @@
-// Results Q2.(W-2), half up; inputs Q2.(W-2) and a binary angle; rounding and format of each node: ik_lean_nodes.vh.
+// The lean dataflow: the problem of ik_paper, on the same ports, with two levels of reciprocal square roots.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The lean dataflow: solves the same problem as ik_paper, on the same ports, with two levels of reciprocal square
-// roots. A node's declaration carries the number (L1), (L2), ... of its equation in docs/generated/lean.md; signals
-// without a number are flags, aligned copies or intermediate terms. The pipeline has no enable, and only the valid bits
-// and the pointers of ik_ring are reset; valid and tag travel with the data.
+// Results Q2.(W-2), half up; inputs Q2.(W-2) and a binary angle; rounding and format of each node: ik_lean_nodes.vh.
+// A node's declaration carries the number , , ... of its equation in docs/generated/lean.md; signals without a
+// number are flags, aligned copies or intermediate terms. The pipeline has no enable, and only the valid bits and the
+// pointers of ik_ring are reset; valid and tag travel with the data.
 // Throughput: one target per clock.
 //
 // A signal named like a node holds it in the node's clock, T_<NODE>. Operators delay their own operands (DA, DB, ..:

@@ -1,10 +1,10 @@
-// Results Q2.(W-2) and binary angles, half up; inputs Q2.(W-2), a binary angle; each node's format: ik_arm_nodes.vh.
+// The whole arm around the lean dataflow: hand pose in, seven joint angles out.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The whole arm around the lean dataflow: hand pose in, seven joint angles out. A node's declaration carries the number
-// (L1), (L2), ... of its equation in model/dataflow/arm.py; signals without a number are flags, aligned copies or
-// intermediate terms. The pipeline has no enable, and only the valid bits and the pointers of ik_ring are reset; valid
-// and tag travel with the data.
+// Results Q2.(W-2) and binary angles, half up; inputs Q2.(W-2), a binary angle; each node's format: ik_arm_nodes.vh.
+// A node's declaration carries the number , , ... of its equation in model/dataflow/arm.py; signals without a
+// number are flags, aligned copies or intermediate terms. The pipeline has no enable, and only the valid bits and the
+// pointers of ik_ring are reset; valid and tag travel with the data.
 // Throughput: one pose per clock.
 //
 // A signal named like a node holds it in the node's clock, T_<NODE>; x_at_y is x in clock T_<Y>. ik_lean gets the
@@ -30,10 +30,11 @@ module ik_lean_arm #(
     // Result
     output wire             out_valid,
     output wire [TAG_W-1:0] out_tag,
-    output wire [     15:0] out_flags,   // as in ik_lean; bit 5 saturated, 8 bad_hand, 9 to 15 over_1 to over_7
+    output wire [     15:0] out_flags,   // positions: ik_flags.vh
     output wire [ 17*W-1:0] out_data     // th1 .. th7, qs_w .. qs_k, qe_w, qe_i, qw_w .. qw_k, lowest bits first
 );
 
+  `include "ik_flags.vh"
   `include "ik_arm_nodes.vh"
 
   generate
@@ -96,7 +97,6 @@ module ik_lean_arm #(
 
   // ---- shoulder and elbow: the tag carries what belongs to the pose ----
 
-  localparam integer SIDE_W = TAG_W + 5;  // wrist, elbow, shoulder, saturated, bad_hand, tag
   wire signed [W-1:0] phi_at_x, d1_at_x, d2_at_x;
   wire [TAG_W-1:0] tag_at_x;
   wire [2:0] branch_at_x;
@@ -108,16 +108,19 @@ module ik_lean_arm #(
   );
   ik_delay #(.W(1), .N(T_X-T_BAD_HAND)) u_bad_hand_at_x (.clk(clk), .d(bad_hand), .q(bad_hand_at_x));
 
-  wire [SIDE_W-1:0] side_at_qs;
+  wire [2:0] branch_at_qs;
+  wire saturated_at_qs, bad_hand_at_qs;
+  wire [TAG_W-1:0] tag_at_qs;
   wire [7:0] flags_at_qs;
   wire [6*W-1:0] qse_at_qs;
-  ik_lean #(.W(W), .TAG_W(SIDE_W), .TILE(TILE)) u_lean (
+  ik_lean #(.W(W), .TAG_W(TAG_W+5), .TILE(TILE)) u_lean (
       .clk(clk), .rst(rst),
       .in_valid(valid[T_X-1]), .in_tag({branch_at_x, saturated, bad_hand_at_x, tag_at_x}),
       .in_data({d2_at_x, d1_at_x, phi_at_x, z, y, x}),
-      .out_valid(lean_valid), .out_tag(side_at_qs), .out_flags(flags_at_qs), .out_data(qse_at_qs)
+      .out_valid(lean_valid), .out_tag({branch_at_qs, saturated_at_qs, bad_hand_at_qs, tag_at_qs}),
+      .out_flags(flags_at_qs), .out_data(qse_at_qs)
   );
-  wire unused_flags = &{1'b0, flags_at_qs[7:5]};  // 0
+  wire unused_flags = &{1'b0, flags_at_qs[7:FLAG_SATURATED]};  // 0
 
   // ---- wrist quaternion ----
 
@@ -137,20 +140,25 @@ module ik_lean_arm #(
   // ---- joints, of the words that leave ----
 
   // The last clock of the delay negates qe_w.
-  localparam integer FLAGS_W = SIDE_W + 5;
-  wire [FLAGS_W-1:0] flags_before;
+  localparam integer SIDE_W = TAG_W + 2 + FLAG_BAD_LENGTH + 1;  // saturated, bad_hand, tag, flags of ik_lean
+  wire [2:0] branch_before;
+  wire [SIDE_W-1:0] side_before;
   wire [6*W-1:0] qse_before;
-  ik_ring #(.W(FLAGS_W+6*W), .N(T_QW_W-T_QS_W-1)) u_before_qw (
-      .clk(clk), .rst(rst), .d({side_at_qs, flags_at_qs[4:0], qse_at_qs}), .q({flags_before, qse_before})
+  ik_ring #(.W(3+SIDE_W+6*W), .N(T_QW_W-T_QS_W-1)) u_before_qw (
+      .clk(clk), .rst(rst),
+      .d({branch_at_qs, saturated_at_qs, bad_hand_at_qs, tag_at_qs, flags_at_qs[FLAG_BAD_LENGTH:0], qse_at_qs}),
+      .q({branch_before, side_before, qse_before})
   );
   wire signed [W-1:0] qe_w_before = qse_before[4*W+:W];
-  reg [FLAGS_W-1:0] flags_at_qw;
+  reg [2:0] branch_at_qw;
+  reg [SIDE_W-1:0] side_at_qw;
   reg [6*W-1:0] qse_at_qw;
   reg signed [W:0] minus_qe_w;
   always @(posedge clk) begin
-    flags_at_qw <= flags_before;
-    qse_at_qw   <= qse_before;
-    minus_qe_w  <= -{qe_w_before[W-1], qe_w_before};
+    branch_at_qw <= branch_before;
+    side_at_qw   <= side_before;
+    qse_at_qw    <= qse_before;
+    minus_qe_w   <= -{qe_w_before[W-1], qe_w_before};
   end
 
   wire [W-1:0] th1, th2, th3, th4, th5, th6, th7;
@@ -159,7 +167,7 @@ module ik_lean_arm #(
       .clk(clk),
       .qs_w(qse_at_qw[0*W+:W]), .qs_i(qse_at_qw[1*W+:W]), .qs_j(qse_at_qw[2*W+:W]), .qs_k(qse_at_qw[3*W+:W]),
       .qe_i(qse_at_qw[5*W+:W]), .minus_qe_w(minus_qe_w), .qw_w(qw_w), .qw_i(qw_i), .qw_j(qw_j), .qw_k(qw_k),
-      .shoulder(flags_at_qw[FLAGS_W-3]), .elbow(flags_at_qw[FLAGS_W-2]), .wrist(flags_at_qw[FLAGS_W-1]),
+      .shoulder(branch_at_qw[0]), .elbow(branch_at_qw[1]), .wrist(branch_at_qw[2]),
       .limits(limits),
       .th1(th1), .th2(th2), .th3(th3), .th4(th4), .th5(th5), .th6(th6), .th7(th7),
       .over_1(over_1), .over_2(over_2), .over_3(over_3), .over_4(over_4), .over_5(over_5), .over_6(over_6),
@@ -169,10 +177,12 @@ module ik_lean_arm #(
   // ---- align the results ----
 
   wire [10*W-1:0] words_at_out;
-  wire [FLAGS_W-4:0] flags_at_out;  // saturated, bad_hand, tag, flags of ik_lean
-  ik_ring #(.W(10*W+FLAGS_W-3), .N(T_OUT-T_QW_W)) u_words_at_out (
+  wire saturated_at_out, bad_hand_at_out;
+  wire [FLAG_BAD_LENGTH:0] flags_at_out;  // of ik_lean
+  ik_ring #(.W(SIDE_W+10*W), .N(T_OUT-T_QW_W)) u_words_at_out (
       .clk(clk), .rst(rst),
-      .d({flags_at_qw[FLAGS_W-4:0], qw_k, qw_j, qw_i, qw_w, qse_at_qw}), .q({flags_at_out, words_at_out})
+      .d({side_at_qw, qw_k, qw_j, qw_i, qw_w, qse_at_qw}),
+      .q({saturated_at_out, bad_hand_at_out, out_tag, flags_at_out, words_at_out})
   );
   wire [W-1:0] th1_at_out, th2_at_out, th3_at_out, th4_at_out, th5_at_out, th6_at_out, th7_at_out;
   ik_ring #(.W(4*W), .N(T_OUT-T_TH1)) u_th1_at_out (
@@ -187,12 +197,12 @@ module ik_lean_arm #(
       .clk(clk), .d({over_7, over_5, over_3, over_1}), .q({over_7_at_out, over_5_at_out, over_3_at_out, over_1_at_out})
   );
   ik_delay #(.W(1), .N(T_OUT-T_OVER_4)) u_over_4_at_out (.clk(clk), .d(over_4), .q(over_4_at_out));
-  assign out_tag = flags_at_out[5+:TAG_W];
-  assign out_flags = {
-    over_7_at_out, over_6, over_5_at_out, over_4_at_out, over_3_at_out, over_2, over_1_at_out,
-    flags_at_out[TAG_W+5],  // bad_hand
-    2'b00, flags_at_out[TAG_W+6],  // saturated
-    flags_at_out[4:0]
+  assign out_flags[FLAG_BAD_LENGTH:0] = flags_at_out;
+  assign out_flags[FLAG_SATURATED] = saturated_at_out;
+  assign out_flags[FLAG_BAD_HAND-1:FLAG_SATURATED+1] = 0;
+  assign out_flags[FLAG_BAD_HAND] = bad_hand_at_out;
+  assign out_flags[FLAG_OVER_1+:7] = {
+    over_7_at_out, over_6, over_5_at_out, over_4_at_out, over_3_at_out, over_2, over_1_at_out
   };
 
 endmodule

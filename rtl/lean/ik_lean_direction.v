@@ -1,6 +1,7 @@
-// Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, roots faithful, shifts and halves floor.
+// Direction of the target: azimuth, elevation, and a half angle for each.
 // SPDX-License-Identifier: Apache-2.0
 //
+// Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, roots faithful, shifts and halves floor.
 // Azimuth (u_x, u_y) = (x, y)/rho and elevation sin_el = z/|p|, cos_el = rho/|p| of the target, and a half angle for
 // each. The half angle of (c, s) is (1 + c, s)/2, or (s, 1 - c)/2 if c < 0: a quaternion of squared length (1 + |c|)/2.
 // Results: (az_c, az_s) and az_sq, (tilt_c, tilt_s) and tilt_sq. Inputs at clock 0, each output at its clock T_<NODE>.
@@ -24,16 +25,16 @@ module ik_lean_direction #(
     input  wire                  on_axis,      // T_ON_AXIS
     input  wire                  at_shoulder,  // T_AT_SHOULDER
     // For the triangle
-    output wire        [    5:0] e_s,          // (L9) T_E_S
-    output wire signed [  N-1:0] inv_s,        // (L9) T_INV_S
+    output wire        [    5:0] e_s,          // T_E_S
+    output wire signed [  N-1:0] inv_s,        // T_INV_S
     // Azimuth
-    output reg  signed [  N-1:0] az_sq,        // (L29) T_AZ_SQ
-    output reg  signed [  N-1:0] az_c,         // (L32) T_AZ_C
-    output reg  signed [  N-1:0] az_s,         // (L33)
+    output reg  signed [  N-1:0] az_sq,        // T_AZ_SQ
+    output reg  signed [  N-1:0] az_c,         // T_AZ_C
+    output reg  signed [  N-1:0] az_s,
     // Tilt
-    output reg  signed [  N-1:0] tilt_sq,      // (L30) T_TILT_SQ
-    output reg  signed [  N-1:0] tilt_c,       // (L34) T_TILT_C
-    output reg  signed [  N-1:0] tilt_s        // (L35)
+    output reg  signed [  N-1:0] tilt_sq,      // T_TILT_SQ
+    output reg  signed [  N-1:0] tilt_c,       // T_TILT_C
+    output reg  signed [  N-1:0] tilt_s
 );
 
   `include "ik_lean_nodes.vh"
@@ -46,74 +47,71 @@ module ik_lean_direction #(
 
   localparam integer MW = ROOT_FRAC + 3;  // width of a mantissa
 
-  // ---- (L8) (L9) roots of rho^2 and |p|^2 ----
+  // ---- roots of rho^2 and |p|^2 ----
 
-  wire [5:0] e_rho;  // (L8)
-  wire [MW-1:0] m_rho;  // (L8)
-  wire [MW-1:0] m_s;  // (L9)
-  wire signed [N-1:0] inv_rho;  // (L8)
-  // (L8) inv_rho = 1 / (2 sqrt rho_sq)
+  wire [5:0] e_rho;
+  wire [MW-1:0] m_rho;
+  wire [MW-1:0] m_s;
+  wire signed [N-1:0] inv_rho;
+  // inv_rho = 1 / (2 * sqrt m_rho)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_rho (
       .clk(clk), .v(rho_sq[2*W-1:0]), .e(e_rho), .m(m_rho), .inv(inv_rho)
   );
-  // (L9) inv_s = 1 / (2 sqrt s)
+  // inv_s = 1 / (2 * sqrt m_s)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_s (.clk(clk), .v(s[2*W-1:0]), .e(e_s), .m(m_s), .inv(inv_s));
   wire unused = &{1'b0, rho_sq[2*W+1:2*W], s[2*W+1:2*W], m_s};  // sums of squares are below 2^2W; m_s is for waves only
 
-  // ---- (L14)-(L16) (u_x, u_y) = (x, y)/rho and z/|p|: coordinates are shifted by the root's count ----
+  // ---- (u_x, u_y) = (x, y)/rho and z/|p|: coordinates are shifted by the root's count ----
 
   localparam integer CW = F_X_N + 1;  // width of a coordinate; short words are padded with zeros below
   wire signed [CW-1:0] x_w = {{(CW - W) {x[W-1]}}, x};
   wire signed [CW-1:0] y_w = {{(CW - W) {y[W-1]}}, y};
   wire signed [CW-1:0] z_w = {{(CW - W) {z[W-1]}}, z};
-  wire signed [CW-1:0] x_n;  // (L14)
-  wire signed [CW-1:0] y_n;  // (L15)
-  wire signed [CW-1:0] z_n;  // (L16)
+  wire signed [CW-1:0] x_n;
+  wire signed [CW-1:0] y_n;
+  wire signed [CW-1:0] z_n;
   ik_shift #(.W(CW), .DD(T_E_RHO)) u_x_n (.clk(clk), .d(x_w <<< (F_X_N - W)), .count(e_rho), .q(x_n));
   ik_shift #(.W(CW), .DD(T_E_RHO)) u_y_n (.clk(clk), .d(y_w <<< (F_X_N - W)), .count(e_rho), .q(y_n));
   ik_shift #(.W(CW), .DD(T_E_S)) u_z_n (.clk(clk), .d(z_w <<< (F_X_N - W)), .count(e_s), .q(z_n));
 
-  wire signed [N-1:0] u_x;  // (L14)
-  wire signed [N-1:0] u_y;  // (L15)
-  wire signed [N-1:0] sin_el;  // (L16)
+  wire signed [N-1:0] u_x;
+  wire signed [N-1:0] u_y;
+  wire signed [N-1:0] sin_el;
   localparam integer SH_U = F_X_N + F_INV_RHO - 1 - F_U_X;
-  // (L14) u_x = 2 * x_n * inv_rho
-  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_RHO-T_X_N), .TILE(TILE)) u_u_x (
-      .clk(clk), .a(x_n), .b(inv_rho), .q(u_x)
+  // u_x = 2 * x_n * inv_rho
+  // u_y = 2 * y_n * inv_rho
+  ik_scale #(.COUNT(2), .AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_RHO-T_X_N), .TILE(TILE)) u_by_inv_rho (
+      .clk(clk), .a({y_n, x_n}), .b(inv_rho), .q({u_y, u_x})
   );
-  // (L15) u_y = 2 * y_n * inv_rho
-  ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_RHO-T_X_N), .TILE(TILE)) u_u_y (
-      .clk(clk), .a(y_n), .b(inv_rho), .q(u_y)
-  );
-  // (L16) sin_el = 2 * z_n * inv_s
+  // sin_el = 2 * z_n * inv_s
   ik_mul3 #(.AW(CW), .BW(N), .SH(SH_U), .OW(N), .DA(T_INV_S-T_Z_N), .TILE(TILE)) u_sin_el (
       .clk(clk), .a(z_n), .b(inv_s), .q(sin_el)
   );
 
-  // ---- (L17) (L18) cos_el = rho/|p|: sqrt(m) in rho's unit, the inverse shifted to the same unit ----
+  // ---- cos_el = rho/|p|: sqrt(m) in rho's unit, the inverse shifted to the same unit ----
 
-  wire signed [N-1:0] root_rho;  // (L17)
-  // (L17) root_rho = 2 * inv_rho * m_rho
+  wire signed [N-1:0] root_rho;
+  // root_rho = 2 * inv_rho * m_rho
   ik_mul3 #(.AW(N), .BW(MW+1), .SH(F_INV_RHO+MW-1-F_ROOT_RHO), .OW(N), .DB(T_INV_RHO-T_M_RHO), .TILE(TILE)) u_root_rho (
       .clk(clk), .a(inv_rho), .b({1'b0, m_rho}), .q(root_rho)
   );
 
   wire [5:0] e_rho_at_e_s;
-  reg [5:0] n_el;  // (L18) rho^2 <= |p|^2: not negative
+  reg [5:0] n_el;  // rho^2 <= |p|^2: not negative
   ik_delay #(.W(6), .N(T_E_S-T_E_RHO)) u_e_rho_at_e_s (.clk(clk), .d(e_rho), .q(e_rho_at_e_s));
   always @(posedge clk) n_el <= e_rho_at_e_s - e_s;
-  wire signed [N-1:0] inv_s_el;  // (L18)
+  wire signed [N-1:0] inv_s_el;
   ik_shift #(.W(N), .RIGHT(1), .DC(T_INV_S-T_N_EL)) u_inv_s_el (.clk(clk), .d(inv_s), .count(n_el), .q(inv_s_el));
 
   localparam integer T_COS_EL_IN = T_COS_EL - LAT_MUL3;
-  wire signed [N-1:0] cos_el;  // (L18)
-  // (L18) cos_el = 2 * root_rho * inv_s_el
+  wire signed [N-1:0] cos_el;
+  // cos_el = 2 * root_rho * inv_s_el
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_RHO+F_INV_S_EL-1-F_COS_EL), .OW(N), .DA(T_COS_EL_IN-T_ROOT_RHO),
       .DB(T_COS_EL_IN-T_INV_S_EL), .TILE(TILE)) u_cos_el (
       .clk(clk), .a(root_rho), .b(inv_s_el), .q(cos_el)
   );
 
-  // ---- (L29) (L32) (L33) az: the first rotation is by the azimuth plus 90 degrees, cosine -u_y, sine u_x ----
+  // ---- az: the first rotation is by the azimuth plus 90 degrees, cosine -u_y, sine u_x ----
 
   localparam signed [N-1:0] ONE = {{(N - 1) {1'b0}}, 1'b1} << FRAC;
   wire on_axis_at_u_y;
@@ -128,7 +126,7 @@ module ik_lean_direction #(
     az_s  <= u_y[N-1] ? half_u_x : half_az;
   end
 
-  // ---- (L30) (L34) (L35) tilt: the second rotation is by the angle between p and z, cosine sin_el, sine cos_el ----
+  // ---- tilt: the second rotation is by the angle between p and z, cosine sin_el, sine cos_el ----
 
   wire at_shoulder_at_sin_el;
   wire signed [N-1:0] tilt_sq_at_cos_el;

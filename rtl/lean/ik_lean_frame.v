@@ -1,8 +1,9 @@
-// Rounding and format of each node: ik_arm_nodes.vh; products as in ik_mul3, results half up.
+// The wrist's orientation Qw, from Qs, Qe and the hand.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The wrist's orientation Qw = (Qs Rx(th4))~ Qh, as two quaternion products: G = Qs~ h, then (-qe_i + qe_w i)~ G. h, qs
-// and qe are valid at clock T_QS_W, each output at its clock T_<NODE>.
+// Rounding and format of each node: ik_arm_nodes.vh; products as in ik_mul3, results half up.
+// Qw = (Qs Rx(th4))~ Qh, as two quaternion products: G = Qs~ h, then (-qe_i + qe_w i)~ G. h, qs and qe are valid at
+// clock T_QS_W, each output at its clock T_<NODE>.
 // Throughput: one pose per clock.
 `default_nettype none
 
@@ -26,10 +27,10 @@ module ik_lean_frame #(
     input  wire signed [W-1:0] qe_w,
     input  wire signed [W-1:0] qe_i,
     // Results
-    output reg  signed [W-1:0] qw_w,  // (L75) T_QW_W
-    output reg  signed [W-1:0] qw_i,  // (L76)
-    output reg  signed [W-1:0] qw_j,  // (L77)
-    output reg  signed [W-1:0] qw_k   // (L78)
+    output reg  signed [W-1:0] qw_w,  // T_QW_W
+    output reg  signed [W-1:0] qw_i,
+    output reg  signed [W-1:0] qw_j,
+    output reg  signed [W-1:0] qw_k
 );
 
   `include "ik_arm_nodes.vh"
@@ -40,7 +41,7 @@ module ik_lean_frame #(
     end
   endgenerate
 
-  // ---- (L71)-(L74) G = Qs~ h ----
+  // ---- G = Qs~ h ----
 
   localparam integer SH_G = F_QS_W + F_H_W - F_G_WW;
   localparam integer FAR = T_G_WW - LAT_MUL3 - T_QS_W;
@@ -49,92 +50,56 @@ module ik_lean_frame #(
       .clk(clk), .d({h_k, h_j, h_i, h_w, qs_k, qs_j, qs_i, qs_w}),
       .q({h_k_q, h_j_q, h_i_q, h_w_q, qs_k_q, qs_j_q, qs_i_q, qs_w_q})
   );
-  wire signed [N-1:0] g_ww;  // (L71)
-  wire signed [N-1:0] g_ii;  // (L71)
-  wire signed [N-1:0] g_jj;  // (L71)
-  wire signed [N-1:0] g_kk;  // (L71)
-  wire signed [N-1:0] g_wi;  // (L72)
-  wire signed [N-1:0] g_iw;  // (L72)
-  wire signed [N-1:0] g_jk;  // (L72)
-  wire signed [N-1:0] g_kj;  // (L72)
-  wire signed [N-1:0] g_wj;  // (L73)
-  wire signed [N-1:0] g_jw;  // (L73)
-  wire signed [N-1:0] g_ki;  // (L73)
-  wire signed [N-1:0] g_ik;  // (L73)
-  wire signed [N-1:0] g_wk;  // (L74)
-  wire signed [N-1:0] g_kw;  // (L74)
-  wire signed [N-1:0] g_ij;  // (L74)
-  wire signed [N-1:0] g_ji;  // (L74)
-  // (L71) g_ww = qs_w * h_w
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_ww (
-      .clk(clk), .a(qs_w_q), .b(h_w_q), .q(g_ww)
+  wire signed [N-1:0] g_ww;
+  wire signed [N-1:0] g_ii;
+  wire signed [N-1:0] g_jj;
+  wire signed [N-1:0] g_kk;
+  wire signed [N-1:0] g_wi;
+  wire signed [N-1:0] g_iw;
+  wire signed [N-1:0] g_jk;
+  wire signed [N-1:0] g_kj;
+  wire signed [N-1:0] g_wj;
+  wire signed [N-1:0] g_jw;
+  wire signed [N-1:0] g_ki;
+  wire signed [N-1:0] g_ik;
+  wire signed [N-1:0] g_wk;
+  wire signed [N-1:0] g_kw;
+  wire signed [N-1:0] g_ij;
+  wire signed [N-1:0] g_ji;
+  // g_ww = qs_w * h_w
+  // g_iw = qs_i * h_w
+  // g_jw = qs_j * h_w
+  // g_kw = qs_k * h_w
+  ik_scale #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_by_h_w (
+      .clk(clk), .a({qs_k_q, qs_j_q, qs_i_q, qs_w_q}), .b(h_w_q), .q({g_kw, g_jw, g_iw, g_ww})
   );
-  // (L71) g_ii = qs_i * h_i
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_ii (
-      .clk(clk), .a(qs_i_q), .b(h_i_q), .q(g_ii)
+  // g_wi = qs_w * h_i
+  // g_ii = qs_i * h_i
+  // g_ji = qs_j * h_i
+  // g_ki = qs_k * h_i
+  ik_scale #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_by_h_i (
+      .clk(clk), .a({qs_k_q, qs_j_q, qs_i_q, qs_w_q}), .b(h_i_q), .q({g_ki, g_ji, g_ii, g_wi})
   );
-  // (L71) g_jj = qs_j * h_j
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_jj (
-      .clk(clk), .a(qs_j_q), .b(h_j_q), .q(g_jj)
+  // g_wj = qs_w * h_j
+  // g_ij = qs_i * h_j
+  // g_jj = qs_j * h_j
+  // g_kj = qs_k * h_j
+  ik_scale #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_by_h_j (
+      .clk(clk), .a({qs_k_q, qs_j_q, qs_i_q, qs_w_q}), .b(h_j_q), .q({g_kj, g_jj, g_ij, g_wj})
   );
-  // (L71) g_kk = qs_k * h_k
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_kk (
-      .clk(clk), .a(qs_k_q), .b(h_k_q), .q(g_kk)
-  );
-  // (L72) g_wi = qs_w * h_i
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_wi (
-      .clk(clk), .a(qs_w_q), .b(h_i_q), .q(g_wi)
-  );
-  // (L72) g_iw = qs_i * h_w
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_iw (
-      .clk(clk), .a(qs_i_q), .b(h_w_q), .q(g_iw)
-  );
-  // (L72) g_jk = qs_j * h_k
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_jk (
-      .clk(clk), .a(qs_j_q), .b(h_k_q), .q(g_jk)
-  );
-  // (L72) g_kj = qs_k * h_j
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_kj (
-      .clk(clk), .a(qs_k_q), .b(h_j_q), .q(g_kj)
-  );
-  // (L73) g_wj = qs_w * h_j
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_wj (
-      .clk(clk), .a(qs_w_q), .b(h_j_q), .q(g_wj)
-  );
-  // (L73) g_jw = qs_j * h_w
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_jw (
-      .clk(clk), .a(qs_j_q), .b(h_w_q), .q(g_jw)
-  );
-  // (L73) g_ki = qs_k * h_i
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_ki (
-      .clk(clk), .a(qs_k_q), .b(h_i_q), .q(g_ki)
-  );
-  // (L73) g_ik = qs_i * h_k
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_ik (
-      .clk(clk), .a(qs_i_q), .b(h_k_q), .q(g_ik)
-  );
-  // (L74) g_wk = qs_w * h_k
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_wk (
-      .clk(clk), .a(qs_w_q), .b(h_k_q), .q(g_wk)
-  );
-  // (L74) g_kw = qs_k * h_w
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_kw (
-      .clk(clk), .a(qs_k_q), .b(h_w_q), .q(g_kw)
-  );
-  // (L74) g_ij = qs_i * h_j
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_ij (
-      .clk(clk), .a(qs_i_q), .b(h_j_q), .q(g_ij)
-  );
-  // (L74) g_ji = qs_j * h_i
-  ik_mul3 #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_g_ji (
-      .clk(clk), .a(qs_j_q), .b(h_i_q), .q(g_ji)
+  // g_wk = qs_w * h_k
+  // g_ik = qs_i * h_k
+  // g_jk = qs_j * h_k
+  // g_kk = qs_k * h_k
+  ik_scale #(.AW(W), .BW(W), .SH(SH_G), .OW(N), .TILE(TILE)) u_by_h_k (
+      .clk(clk), .a({qs_k_q, qs_j_q, qs_i_q, qs_w_q}), .b(h_k_q), .q({g_kk, g_jk, g_ik, g_wk})
   );
 
   reg signed [N-1:0] g_w_1, g_w_2, g_i_1, g_i_2, g_j_1, g_j_2, g_k_1, g_k_2;
-  reg signed [N-1:0] g_w;  // (L71)
-  reg signed [N-1:0] g_i;  // (L72)
-  reg signed [N-1:0] g_j;  // (L73)
-  reg signed [N-1:0] g_k;  // (L74)
+  reg signed [N-1:0] g_w;
+  reg signed [N-1:0] g_i;
+  reg signed [N-1:0] g_j;
+  reg signed [N-1:0] g_k;
   always @(posedge clk) begin
     g_w_1 <= g_ww + g_ii;
     g_w_2 <= g_jj + g_kk;
@@ -150,51 +115,33 @@ module ik_lean_frame #(
     g_k   <= g_k_1 + g_k_2;
   end
 
-  // ---- (L75)-(L78) Qw = (-qe_i + qe_w i)~ G ----
+  // ---- Qw = (-qe_i + qe_w i)~ G ----
 
   localparam integer SH_F = F_G_W + F_QE_W - F_F_WW;
   localparam integer T_F_IN = T_F_WW - LAT_MUL3;
   wire signed [W-1:0] qe_w_at_f, qe_i_at_f;
   ik_delay #(.W(2*W), .N(T_F_IN-T_QS_W)) u_qe_at_f (.clk(clk), .d({qe_i, qe_w}), .q({qe_i_at_f, qe_w_at_f}));
-  wire signed [N-1:0] f_ww;  // (L75)
-  wire signed [N-1:0] f_wi;  // (L75)
-  wire signed [N-1:0] f_ii;  // (L76)
-  wire signed [N-1:0] f_iw;  // (L76)
-  wire signed [N-1:0] f_jj;  // (L77)
-  wire signed [N-1:0] f_jk;  // (L77)
-  wire signed [N-1:0] f_kk;  // (L78)
-  wire signed [N-1:0] f_kj;  // (L78)
-  // (L75) f_ww = g_w * qe_i
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_ww (
-      .clk(clk), .a(g_w), .b(qe_i_at_f), .q(f_ww)
+  wire signed [N-1:0] f_ww;
+  wire signed [N-1:0] f_wi;
+  wire signed [N-1:0] f_ii;
+  wire signed [N-1:0] f_iw;
+  wire signed [N-1:0] f_jj;
+  wire signed [N-1:0] f_jk;
+  wire signed [N-1:0] f_kk;
+  wire signed [N-1:0] f_kj;
+  // f_ww = g_w * qe_i
+  // f_ii = g_i * qe_i
+  // f_jj = g_j * qe_i
+  // f_kk = g_k * qe_i
+  ik_scale #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_by_qe_i (
+      .clk(clk), .a({g_k, g_j, g_i, g_w}), .b(qe_i_at_f), .q({f_kk, f_jj, f_ii, f_ww})
   );
-  // (L75) f_wi = g_i * qe_w
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_wi (
-      .clk(clk), .a(g_i), .b(qe_w_at_f), .q(f_wi)
-  );
-  // (L76) f_ii = g_i * qe_i
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_ii (
-      .clk(clk), .a(g_i), .b(qe_i_at_f), .q(f_ii)
-  );
-  // (L76) f_iw = g_w * qe_w
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_iw (
-      .clk(clk), .a(g_w), .b(qe_w_at_f), .q(f_iw)
-  );
-  // (L77) f_jj = g_j * qe_i
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_jj (
-      .clk(clk), .a(g_j), .b(qe_i_at_f), .q(f_jj)
-  );
-  // (L77) f_jk = g_k * qe_w
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_jk (
-      .clk(clk), .a(g_k), .b(qe_w_at_f), .q(f_jk)
-  );
-  // (L78) f_kk = g_k * qe_i
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_kk (
-      .clk(clk), .a(g_k), .b(qe_i_at_f), .q(f_kk)
-  );
-  // (L78) f_kj = g_j * qe_w
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_f_kj (
-      .clk(clk), .a(g_j), .b(qe_w_at_f), .q(f_kj)
+  // f_iw = g_w * qe_w
+  // f_wi = g_i * qe_w
+  // f_kj = g_j * qe_w
+  // f_jk = g_k * qe_w
+  ik_scale #(.AW(N), .BW(W), .SH(SH_F), .OW(N), .DA(T_F_IN-T_G_W), .TILE(TILE)) u_by_qe_w (
+      .clk(clk), .a({g_k, g_j, g_i, g_w}), .b(qe_w_at_f), .q({f_jk, f_kj, f_wi, f_iw})
   );
 
   localparam integer DROP = F_F_WW - F_QW_W;

@@ -1,9 +1,9 @@
-// Exact, no rounding; words of 2W + 2 bits, fraction bits in ik_lean_nodes.vh.
+// Squares of the input words and their sums, and the flags that follow from their signs.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Squares of the input words and their sums: rho^2, s = |p|^2, A = (d1 + d2)^2 - s, B = s - (d1 - d2)^2 and
-// K = s + d1^2 - d2^2. The signs of A and B give too_far and too_near. Inputs at clock 0, each output at its clock
-// T_<NODE>.
+// Exact, no rounding; words of 2W + 2 bits, fraction bits in ik_lean_nodes.vh.
+// The sums: rho^2, s = |p|^2, A = (d1 + d2)^2 - s, B = s - (d1 - d2)^2 and K = s + d1^2 - d2^2. The signs of A and B
+// give too_far and too_near. Inputs at clock 0, each output at its clock T_<NODE>.
 // Throughput: one target per clock.
 `default_nettype none
 
@@ -20,11 +20,11 @@ module ik_lean_guard #(
     input  wire signed [  W-1:0] d1,
     input  wire signed [  W-1:0] d2,
     // Results
-    output wire signed [2*W+1:0] rho_sq,       // (L3) T_RHO_SQ
-    output wire signed [2*W+1:0] s,            // (L4) T_S
-    output wire signed [2*W+1:0] a_far,        // (L5) T_A_FAR
-    output wire signed [2*W+1:0] b_near,       // (L6)
-    output wire signed [2*W+1:0] k_law,        // (L7)
+    output wire signed [2*W+1:0] rho_sq,       // T_RHO_SQ
+    output wire signed [2*W+1:0] s,            // T_S
+    output wire signed [2*W+1:0] a_far,        // T_A_FAR
+    output wire signed [2*W+1:0] b_near,
+    output wire signed [2*W+1:0] k_law,
     // Flags
     output reg                   bad_length,   // T_BAD_LENGTH
     output reg                   on_axis,      // T_ON_AXIS
@@ -48,10 +48,10 @@ module ik_lean_guard #(
     at_shoulder <= no_xy && (z == {W{1'b0}});
   end
 
-  // ---- (L1) (L2) and squares ----
+  // ---- and squares ----
 
-  reg signed [W:0] d_sum;  // (L1)
-  reg signed [W:0] d_dif;  // (L2)
+  reg signed [W:0] d_sum;
+  reg signed [W:0] d_dif;
   always @(posedge clk) begin
     d_sum <= {d1[W-1], d1} + {d2[W-1], d2};
     d_dif <= {d1[W-1], d1} - {d2[W-1], d2};
@@ -61,36 +61,36 @@ module ik_lean_guard #(
   wire signed [W-1:0] none = {W{1'b0}};
   wire signed [W:0] none_d = {(W + 1) {1'b0}};
   wire [2*W-1:0] x_sq_w, y_sq_w, z_sq_w;
-  wire signed [XW-1:0] x_sq = {2'b00, x_sq_w};  // (L3)
-  wire signed [XW-1:0] y_sq = {2'b00, y_sq_w};  // (L3)
-  wire signed [XW-1:0] z_sq = {2'b00, z_sq_w};  // (L4)
-  wire signed [XW-1:0] d_sum_sq;  // (L5)
-  wire signed [XW-1:0] d_dif_sq;  // (L6)
-  wire signed [XW-1:0] sum_dif;  // (L7) d1^2 - d2^2
-  // (L3) x_sq = x^2
+  wire signed [XW-1:0] x_sq = {2'b00, x_sq_w};
+  wire signed [XW-1:0] y_sq = {2'b00, y_sq_w};
+  wire signed [XW-1:0] z_sq = {2'b00, z_sq_w};
+  wire signed [XW-1:0] d_sum_sq;
+  wire signed [XW-1:0] d_dif_sq;
+  wire signed [XW-1:0] sum_dif;  // d1^2 - d2^2
+  // x_sq = x^2
   ik_exact #(.W(W), .SQUARE(1)) u_x_sq (.clk(clk), .a(x), .b(none), .p(x_sq_w));
-  // (L3) y_sq = y^2
+  // y_sq = y^2
   ik_exact #(.W(W), .SQUARE(1)) u_y_sq (.clk(clk), .a(y), .b(none), .p(y_sq_w));
-  // (L4) z_sq = z^2
+  // z_sq = z^2
   ik_exact #(.W(W), .SQUARE(1)) u_z_sq (.clk(clk), .a(z), .b(none), .p(z_sq_w));
-  // (L5) d_sum_sq = d_sum^2
+  // d_sum_sq = d_sum^2
   ik_exact #(.W(W+1), .SQUARE(1)) u_d_sum_sq (.clk(clk), .a(d_sum), .b(none_d), .p(d_sum_sq));
-  // (L6) d_dif_sq = d_dif^2
+  // d_dif_sq = d_dif^2
   ik_exact #(.W(W+1), .SQUARE(1)) u_d_dif_sq (.clk(clk), .a(d_dif), .b(none_d), .p(d_dif_sq));
-  // (L7) sum_dif = d_sum * d_dif
+  // sum_dif = d_sum * d_dif
   ik_exact #(.W(W+1)) u_sum_dif (.clk(clk), .a(d_sum), .b(d_dif), .p(sum_dif));
 
-  // ---- (L3)-(L7) sums, each as soon as its terms are ready ----
+  // ---- sums, each as soon as its terms are ready ----
 
-  // (L3) rho_sq = x_sq + y_sq
+  // rho_sq = x_sq + y_sq
   ik_wide #(.W(XW)) u_rho_sq (.clk(clk), .a(x_sq), .b(y_sq), .q(rho_sq));
-  // (L4) s = rho_sq + z_sq
+  // s = rho_sq + z_sq
   ik_wide #(.W(XW), .DB(T_RHO_SQ-T_Z_SQ)) u_s (.clk(clk), .a(rho_sq), .b(z_sq), .q(s));
-  // (L5) a_far = d_sum_sq - s
+  // a_far = d_sum_sq - s
   ik_wide #(.W(XW), .SUB(1), .DA(T_S-T_D_SUM_SQ)) u_a_far (.clk(clk), .a(d_sum_sq), .b(s), .q(a_far));
-  // (L6) b_near = s - d_dif_sq
+  // b_near = s - d_dif_sq
   ik_wide #(.W(XW), .SUB(1), .DB(T_S-T_D_DIF_SQ)) u_b_near (.clk(clk), .a(s), .b(d_dif_sq), .q(b_near));
-  // (L7) k_law = s + sum_dif
+  // k_law = s + sum_dif
   ik_wide #(.W(XW), .DB(T_S-T_SUM_DIF)) u_k_law (.clk(clk), .a(s), .b(sum_dif), .q(k_law));
 
   // ---- flags ----

@@ -1,9 +1,10 @@
-// Rounding and format of each node: ik_arm_nodes.vh; flags exact, products as in ik_mul3, the wrist half up, saturated.
+// The wrist of a hand pose, and the check of the hand's quaternion.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The wrist of a hand pose: hand - 2 t r, where t is the tool's length and r is half the third column of Qh's rotation
-// matrix. A hand is bad if |Qh| is outside [1 - 2^-8, 1 + 2^-8); then Qh is replaced by 1 and t by 0. Inputs are valid
-// at clock 0, each output at its clock T_<NODE>.
+// Rounding and format of each node: ik_arm_nodes.vh; flags exact, products as in ik_mul3, the wrist half up, saturated.
+// The wrist is hand - 2 t r, where t is the tool's length and r is half the third column of Qh's rotation matrix. A
+// hand is bad if |Qh| is outside [1 - 2^-8, 1 + 2^-8); then Qh is replaced by 1 and t by 0. Inputs are valid at clock
+// 0, each output at its clock T_<NODE>.
 // Throughput: one pose per clock.
 `default_nettype none
 
@@ -26,14 +27,14 @@ module ik_lean_hand #(
     input  wire signed [W-1:0] qh_k,
     // Orientation
     output reg                 bad_hand,   // T_BAD_HAND
-    output reg  signed [W-1:0] h_w,        // (L63) T_H_W
+    output reg  signed [W-1:0] h_w,        // T_H_W
     output reg  signed [W-1:0] h_i,
     output reg  signed [W-1:0] h_j,
     output reg  signed [W-1:0] h_k,
     // Wrist
-    output wire signed [W-1:0] x,          // (L68) T_X
-    output wire signed [W-1:0] y,          // (L69)
-    output wire signed [W-1:0] z,          // (L70)
+    output wire signed [W-1:0] x,          // T_X
+    output wire signed [W-1:0] y,
+    output wire signed [W-1:0] z,
     output wire                saturated   // T_SATURATED
 );
 
@@ -45,30 +46,30 @@ module ik_lean_hand #(
     end
   endgenerate
 
-  // ---- (L62) squared length; a sum of 8 or more wraps to one that is not near 1 ----
+  // ---- squared length; a sum of 8 or more wraps to one that is not near 1 ----
 
   localparam integer XW = 2 * W;
   wire signed [W-1:0] none = {W{1'b0}};
-  wire signed [XW-1:0] hi_sq;  // (L62)
-  wire signed [XW-1:0] hj_sq;  // (L62)
-  wire signed [XW-1:0] hk_sq;  // (L62)
-  wire signed [XW-1:0] hw_sq;  // (L62)
-  wire signed [XW-1:0] hij_sq;  // (L62)
-  wire signed [XW-1:0] hijk_sq;  // (L62)
-  wire signed [XW-1:0] hand_sq;  // (L62)
-  // (L62) hi_sq = qh_i^2
+  wire signed [XW-1:0] hi_sq;
+  wire signed [XW-1:0] hj_sq;
+  wire signed [XW-1:0] hk_sq;
+  wire signed [XW-1:0] hw_sq;
+  wire signed [XW-1:0] hij_sq;
+  wire signed [XW-1:0] hijk_sq;
+  wire signed [XW-1:0] hand_sq;
+  // hi_sq = qh_i^2
   ik_exact #(.W(W), .SQUARE(1)) u_hi_sq (.clk(clk), .a(qh_i), .b(none), .p(hi_sq));
-  // (L62) hj_sq = qh_j^2
+  // hj_sq = qh_j^2
   ik_exact #(.W(W), .SQUARE(1)) u_hj_sq (.clk(clk), .a(qh_j), .b(none), .p(hj_sq));
-  // (L62) hk_sq = qh_k^2
+  // hk_sq = qh_k^2
   ik_exact #(.W(W), .SQUARE(1)) u_hk_sq (.clk(clk), .a(qh_k), .b(none), .p(hk_sq));
-  // (L62) hw_sq = qh_w^2
+  // hw_sq = qh_w^2
   ik_exact #(.W(W), .SQUARE(1)) u_hw_sq (.clk(clk), .a(qh_w), .b(none), .p(hw_sq));
-  // (L62) hij_sq = hi_sq + hj_sq
+  // hij_sq = hi_sq + hj_sq
   ik_wide #(.W(XW)) u_hij_sq (.clk(clk), .a(hi_sq), .b(hj_sq), .q(hij_sq));
-  // (L62) hijk_sq = hij_sq + hk_sq
+  // hijk_sq = hij_sq + hk_sq
   ik_wide #(.W(XW), .DB(T_HIJ_SQ-T_HK_SQ)) u_hijk_sq (.clk(clk), .a(hij_sq), .b(hk_sq), .q(hijk_sq));
-  // (L62) hand_sq = hijk_sq + hw_sq
+  // hand_sq = hijk_sq + hw_sq
   ik_wide #(.W(XW), .DB(T_HIJK_SQ-T_HW_SQ)) u_hand_sq (.clk(clk), .a(hijk_sq), .b(hw_sq), .q(hand_sq));
 
   // (1 -+ 2^-8)^2 = 1 + 2^-16 -+ 2^-7
@@ -77,7 +78,7 @@ module ik_lean_hand #(
   localparam signed [XW-1:0] MOST = ONE + (ONE >>> 16) + (ONE >>> 7);
   always @(posedge clk) bad_hand <= (hand_sq < LEAST) || (hand_sq >= MOST);
 
-  // ---- (L63) (L64) orientation and tool of a good hand ----
+  // ---- orientation and tool of a good hand ----
 
   wire signed [W-1:0] qh_w_at_bad, qh_i_at_bad, qh_j_at_bad, qh_k_at_bad, tool_at_bad;
   ik_ring #(.W(5*W), .N(T_BAD_HAND)) u_qh_at_bad (
@@ -85,7 +86,7 @@ module ik_lean_hand #(
       .q({tool_at_bad, qh_k_at_bad, qh_j_at_bad, qh_i_at_bad, qh_w_at_bad})
   );
   localparam signed [W-1:0] UNIT = {2'b01, {(W - 2) {1'b0}}};
-  reg signed [W-1:0] tool_h;  // (L64)
+  reg signed [W-1:0] tool_h;
   always @(posedge clk) begin
     h_w    <= bad_hand ? UNIT : qh_w_at_bad;
     h_i    <= bad_hand ? {W{1'b0}} : qh_i_at_bad;
@@ -94,61 +95,55 @@ module ik_lean_hand #(
     tool_h <= bad_hand ? {W{1'b0}} : tool_at_bad;
   end
 
-  // ---- (L65)-(L67) half the third column of Qh's rotation matrix; multiplied by 0 for a bad hand ----
+  // ---- half the third column of Qh's rotation matrix; multiplied by 0 for a bad hand ----
 
   localparam integer SH_H = F_QH_I + F_QH_K - F_H_IK;
-  wire signed [N-1:0] h_ik;  // (L65)
-  wire signed [N-1:0] h_wj;  // (L65)
-  wire signed [N-1:0] h_jk;  // (L66)
-  wire signed [N-1:0] h_wi;  // (L66)
-  wire signed [N-1:0] h_ii;  // (L67)
-  wire signed [N-1:0] h_jj;  // (L67)
-  // (L65) h_ik = qh_i * qh_k
+  wire signed [N-1:0] h_ik;
+  wire signed [N-1:0] h_wj;
+  wire signed [N-1:0] h_jk;
+  wire signed [N-1:0] h_wi;
+  wire signed [N-1:0] h_ii;
+  wire signed [N-1:0] h_jj;
+  // h_ik = qh_i * qh_k
   ik_mul3 #(.AW(W), .BW(W), .SH(SH_H), .OW(N), .TILE(TILE)) u_h_ik (.clk(clk), .a(qh_i), .b(qh_k), .q(h_ik));
-  // (L65) h_wj = qh_w * qh_j
+  // h_wj = qh_w * qh_j
   ik_mul3 #(.AW(W), .BW(W), .SH(SH_H), .OW(N), .TILE(TILE)) u_h_wj (.clk(clk), .a(qh_w), .b(qh_j), .q(h_wj));
-  // (L66) h_jk = qh_j * qh_k
+  // h_jk = qh_j * qh_k
   ik_mul3 #(.AW(W), .BW(W), .SH(SH_H), .OW(N), .TILE(TILE)) u_h_jk (.clk(clk), .a(qh_j), .b(qh_k), .q(h_jk));
-  // (L66) h_wi = qh_w * qh_i
+  // h_wi = qh_w * qh_i
   ik_mul3 #(.AW(W), .BW(W), .SH(SH_H), .OW(N), .TILE(TILE)) u_h_wi (.clk(clk), .a(qh_w), .b(qh_i), .q(h_wi));
-  // (L67) h_ii = qh_i^2
+  // h_ii = qh_i^2
   ik_mul3 #(.AW(W), .BW(W), .SH(SH_H), .OW(N), .SQUARE(1), .TILE(TILE)) u_h_ii (
       .clk(clk), .a(qh_i), .b(qh_i), .q(h_ii)
   );
-  // (L67) h_jj = qh_j^2
+  // h_jj = qh_j^2
   ik_mul3 #(.AW(W), .BW(W), .SH(SH_H), .OW(N), .SQUARE(1), .TILE(TILE)) u_h_jj (
       .clk(clk), .a(qh_j), .b(qh_j), .q(h_jj)
   );
   localparam signed [N-1:0] HALF = {{(N - 1) {1'b0}}, 1'b1} << (FRAC - 1);
-  reg signed [N-1:0] r_x;  // (L65)
-  reg signed [N-1:0] r_y;  // (L66)
-  reg signed [N-1:0] r_z;  // (L67)
+  reg signed [N-1:0] r_x;
+  reg signed [N-1:0] r_y;
+  reg signed [N-1:0] r_z;
   always @(posedge clk) begin
     r_x <= h_ik + h_wj;
     r_y <= h_jk - h_wi;
     r_z <= HALF - h_ii - h_jj;
   end
 
-  // ---- (L68)-(L70) the wrist: off is half the offset ----
+  // ---- the wrist: off is half the offset ----
 
   localparam integer T_OFF_IN = T_OFF_X - LAT_MUL3;
   localparam integer SH_OFF = F_R_X + F_TOOL_H - F_OFF_X;
   wire signed [W-1:0] tool_at_off;
-  wire signed [N-1:0] off_x;  // (L68)
-  wire signed [N-1:0] off_y;  // (L69)
-  wire signed [N-1:0] off_z;  // (L70)
+  wire signed [N-1:0] off_x;
+  wire signed [N-1:0] off_y;
+  wire signed [N-1:0] off_z;
   ik_delay #(.W(W), .N(T_OFF_IN-T_TOOL_H)) u_tool_at_off (.clk(clk), .d(tool_h), .q(tool_at_off));
-  // (L68) off_x = r_x * tool_h
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_OFF), .OW(N), .DA(T_OFF_IN-T_R_X), .TILE(TILE)) u_off_x (
-      .clk(clk), .a(r_x), .b(tool_at_off), .q(off_x)
-  );
-  // (L69) off_y = r_y * tool_h
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_OFF), .OW(N), .DA(T_OFF_IN-T_R_Y), .TILE(TILE)) u_off_y (
-      .clk(clk), .a(r_y), .b(tool_at_off), .q(off_y)
-  );
-  // (L70) off_z = r_z * tool_h
-  ik_mul3 #(.AW(N), .BW(W), .SH(SH_OFF), .OW(N), .DA(T_OFF_IN-T_R_Z), .TILE(TILE)) u_off_z (
-      .clk(clk), .a(r_z), .b(tool_at_off), .q(off_z)
+  // off_x = r_x * tool_h
+  // off_y = r_y * tool_h
+  // off_z = r_z * tool_h
+  ik_scale #(.COUNT(3), .AW(N), .BW(W), .SH(SH_OFF), .OW(N), .DA(T_OFF_IN-T_R_X), .TILE(TILE)) u_by_tool_h (
+      .clk(clk), .a({r_z, r_y, r_x}), .b(tool_at_off), .q({off_z, off_y, off_x})
   );
 
   localparam integer DROP = F_OFF_X - F_X - 1;
@@ -161,11 +156,11 @@ module ik_lean_hand #(
   wire signed [N-1:0] half_x = {hand_x_at_off[W-1], hand_x_at_off, {DROP{1'b0}}};
   wire signed [N-1:0] half_y = {hand_y_at_off[W-1], hand_y_at_off, {DROP{1'b0}}};
   wire signed [N-1:0] half_z = {hand_z_at_off[W-1], hand_z_at_off, {DROP{1'b0}}};
-  // (L68) x = hand_x - 2 * off_x
+  // x = hand_x - 2 * off_x
   ik_sum2 #(.IW(N), .SH(DROP), .OW(W), .SUB_B(1)) u_x (.clk(clk), .a(half_x), .b(off_x), .q(x), .ovf(x_over));
-  // (L69) y = hand_y - 2 * off_y
+  // y = hand_y - 2 * off_y
   ik_sum2 #(.IW(N), .SH(DROP), .OW(W), .SUB_B(1)) u_y (.clk(clk), .a(half_y), .b(off_y), .q(y), .ovf(y_over));
-  // (L70) z = hand_z - 2 * off_z
+  // z = hand_z - 2 * off_z
   ik_sum2 #(.IW(N), .SH(DROP), .OW(W), .SUB_B(1)) u_z (.clk(clk), .a(half_z), .b(off_z), .q(z), .ovf(z_over));
   assign saturated = x_over || y_over || z_over;
 

@@ -1,9 +1,9 @@
-// Joints half up from angles of W + 4 bits, see ik_vector; binary angles, one turn = 2^W; limits exact.
+// The seven joint angles: three from Qs, one from Qe, three from Qw; and their limits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The seven joint angles: three from Qs, one from Qe, three from Qw. Each branch bit turns or negates some of them:
-// th + half a turn, or -th. over_<k> is set if th<k> is outside its limits. qs, qw, qe and the branch are valid at
-// clock T_QW_W, each output at its clock T_<NODE>.
+// Joints half up from angles of W + 4 bits, see ik_vector; binary angles, one turn = 2^W; limits exact.
+// Each branch bit turns or negates some of them: th + half a turn, or -th. over_<k> is set if th<k> is outside its
+// limits. qs, qw, qe and the branch are valid at clock T_QW_W, each output at its clock T_<NODE>.
 // Throughput: one pose per clock.
 `default_nettype none
 
@@ -31,13 +31,13 @@ module ik_lean_joints #(
     // Lower and upper limit of th1, .. th7, lowest bits first; static
     input  wire        [14*W-1:0] limits,
     // Results
-    output wire        [   W-1:0] th1,     // (L82) T_TH1
-    output reg         [   W-1:0] th2,     // (L83) T_TH2
-    output wire        [   W-1:0] th3,     // (L84) T_TH1
-    output reg         [   W-1:0] th4,     // (L86) T_TH4
-    output wire        [   W-1:0] th5,     // (L90) T_TH1
-    output reg         [   W-1:0] th6,     // (L91) T_TH2
-    output wire        [   W-1:0] th7,     // (L92) T_TH1
+    output wire        [   W-1:0] th1,     // T_TH1
+    output wire        [   W-1:0] th2,     // T_TH2
+    output wire        [   W-1:0] th3,     // T_TH1
+    output wire        [   W-1:0] th4,     // T_TH4
+    output wire        [   W-1:0] th5,     // T_TH1
+    output wire        [   W-1:0] th6,     // T_TH2
+    output wire        [   W-1:0] th7,     // T_TH1
     output wire                   over_1,  // T_OVER_1
     output wire                   over_2,
     output wire                   over_3,
@@ -64,81 +64,77 @@ module ik_lean_joints #(
   wire turn_5 = elbow_at_d ^ wrist_at_d;
   wire turn_7 = wrist_at_d;
 
-  // A negated angle: half an LSB of the joint, and the 1 of -x = ~x + 1, on the same carry chain.
   localparam integer DROP = F_QS_S - F_TH1;
 
-  // ---- (L79)-(L84) shoulder: th1 and th3 are sum and difference of two angles, th2 twice an angle ----
+  // ---- shoulder: th1 and th3 are sum and difference of two angles, th2 twice an angle ----
 
-  wire [W+2:0] qs_ij;  // (L79)
-  wire [W+2:0] qs_wk;  // (L80)
-  wire [W+3:0] qs_d;  // (L79)
-  wire [W+3:0] qs_s;  // (L80)
-  wire [W+3:0] qs_b;  // (L81)
-  // (L79) qs_d = atan2(qs_j, qs_i), qs_ij = K |(qs_i, qs_j)|
+  wire [W+2:0] qs_ij;
+  wire [W+2:0] qs_wk;
+  wire [W+3:0] qs_d;
+  wire [W+3:0] qs_s;
+  wire [W+3:0] qs_b;
+  // qs_d = atan2(qs_j, qs_i)
+  // qs_ij = K * |(qs_i, qs_j)|
   ik_vector #(.W(W)) u_qs_d (
       .clk(clk), .x({qs_i[W-1], qs_i, 3'b000}), .y({qs_j[W-1], qs_j, 3'b000}), .length(qs_ij), .angle(qs_d)
   );
-  // (L80) qs_s = atan2(qs_k, qs_w), qs_wk = K |(qs_w, qs_k)|
+  // qs_s = atan2(qs_k, qs_w)
+  // qs_wk = K * |(qs_w, qs_k)|
   ik_vector #(.W(W)) u_qs_s (
       .clk(clk), .x({qs_w[W-1], qs_w, 3'b000}), .y({qs_k[W-1], qs_k, 3'b000}), .length(qs_wk), .angle(qs_s)
   );
-  // (L81) qs_b = atan2(qs_ij, qs_wk)
+  // qs_b = atan2(qs_ij, qs_wk)
   ik_vector #(.W(W)) u_qs_b (.clk(clk), .x({1'b0, qs_wk}), .y({1'b0, qs_ij}), .length(), .angle(qs_b));
-  // (L82) th1 = qs_s + qs_d
+  // th1 = qs_s + qs_d + ((branch_shoulder) ? -1 : 0)
   ik_sum2 #(.IW(W+4), .SH(DROP), .OW(W), .SAT(0)) u_th1 (
       .clk(clk), .a(qs_s ^ {turn_1, {(W + 3) {1'b0}}}), .b(qs_d), .q(th1), .ovf()
   );
-  // (L84) th3 = qs_s - qs_d
+  // th3 = qs_s - qs_d + ((branch_shoulder xor branch_elbow) ? -1 : 0)
   ik_sum2 #(.IW(W+4), .SH(DROP), .OW(W), .SUB_B(1), .SAT(0)) u_th3 (
       .clk(clk), .a(qs_s ^ {turn_3, {(W + 3) {1'b0}}}), .b(qs_d), .q(th3), .ovf()
   );
-  // (L83) th2 = 2 * qs_b
-  wire [W+3:0] th2_r = (qs_b ^ {(W + 4) {minus_2}}) + {{(W + 5 - DROP) {1'b0}}, 1'b1, {(DROP - 3) {1'b0}}, minus_2};
+  // th2 = branch_shoulder ? -2 * qs_b : 2 * qs_b
+  ik_double #(.IW(W+4), .OW(W)) u_th2 (.clk(clk), .a(qs_b), .negate(minus_2), .q(th2));
 
-  // ---- (L85) (L86) elbow ----
+  // ---- elbow ----
 
-  wire [W+3:0] qe_e;  // (L85)
-  // (L85) qe_e = atan2(-qe_w, qe_i)
+  wire [W+3:0] qe_e;
+  // qe_e = atan2(-qe_w, qe_i)
   ik_vector #(.W(W)) u_qe_e (
       .clk(clk), .x({qe_i[W-1], qe_i, 3'b000}), .y({minus_qe_w, 3'b000}), .length(), .angle(qe_e)
   );
-  // (L86) th4 = 2 * qe_e
-  wire [W+3:0] th4_r = (qe_e ^ {(W + 4) {minus_4}}) + {{(W + 5 - DROP) {1'b0}}, 1'b1, {(DROP - 3) {1'b0}}, minus_4};
+  // th4 = branch_elbow ? -2 * qe_e : 2 * qe_e
+  ik_double #(.IW(W+4), .OW(W)) u_th4 (.clk(clk), .a(qe_e), .negate(minus_4), .q(th4));
 
-  // ---- (L87)-(L92) wrist: th5 and th7 are sum and difference of two angles, th6 twice an angle ----
+  // ---- wrist: th5 and th7 are sum and difference of two angles, th6 twice an angle ----
 
-  wire [W+2:0] qw_ij;  // (L87)
-  wire [W+2:0] qw_wk;  // (L88)
-  wire [W+3:0] qw_d;  // (L87)
-  wire [W+3:0] qw_s;  // (L88)
-  wire [W+3:0] qw_b;  // (L89)
-  // (L87) qw_d = atan2(qw_j, qw_i), qw_ij = K |(qw_i, qw_j)|
+  wire [W+2:0] qw_ij;
+  wire [W+2:0] qw_wk;
+  wire [W+3:0] qw_d;
+  wire [W+3:0] qw_s;
+  wire [W+3:0] qw_b;
+  // qw_d = atan2(qw_j, qw_i)
+  // qw_ij = K * |(qw_i, qw_j)|
   ik_vector #(.W(W)) u_qw_d (
       .clk(clk), .x({qw_i[W-1], qw_i, 3'b000}), .y({qw_j[W-1], qw_j, 3'b000}), .length(qw_ij), .angle(qw_d)
   );
-  // (L88) qw_s = atan2(qw_k, qw_w), qw_wk = K |(qw_w, qw_k)|
+  // qw_s = atan2(qw_k, qw_w)
+  // qw_wk = K * |(qw_w, qw_k)|
   ik_vector #(.W(W)) u_qw_s (
       .clk(clk), .x({qw_w[W-1], qw_w, 3'b000}), .y({qw_k[W-1], qw_k, 3'b000}), .length(qw_wk), .angle(qw_s)
   );
-  // (L89) qw_b = atan2(qw_ij, qw_wk)
+  // qw_b = atan2(qw_ij, qw_wk)
   ik_vector #(.W(W)) u_qw_b (.clk(clk), .x({1'b0, qw_wk}), .y({1'b0, qw_ij}), .length(), .angle(qw_b));
-  // (L90) th5 = qw_s + qw_d
+  // th5 = qw_s + qw_d + ((branch_elbow xor branch_wrist) ? -1 : 0)
   ik_sum2 #(.IW(W+4), .SH(DROP), .OW(W), .SAT(0)) u_th5 (
       .clk(clk), .a(qw_s ^ {turn_5, {(W + 3) {1'b0}}}), .b(qw_d), .q(th5), .ovf()
   );
-  // (L92) th7 = qw_s - qw_d
+  // th7 = qw_s - qw_d + ((branch_wrist) ? -1 : 0)
   ik_sum2 #(.IW(W+4), .SH(DROP), .OW(W), .SUB_B(1), .SAT(0)) u_th7 (
       .clk(clk), .a(qw_s ^ {turn_7, {(W + 3) {1'b0}}}), .b(qw_d), .q(th7), .ovf()
   );
-  // (L91) th6 = 2 * qw_b
-  wire [W+3:0] th6_r = (qw_b ^ {(W + 4) {minus_6}}) + {{(W + 5 - DROP) {1'b0}}, 1'b1, {(DROP - 3) {1'b0}}, minus_6};
-
-  always @(posedge clk) begin
-    th2 <= th2_r[DROP-1+:W];
-    th4 <= th4_r[DROP-1+:W];
-    th6 <= th6_r[DROP-1+:W];
-  end
-  wire unused = &{1'b0, th2_r, th4_r, th6_r};  // dropped by rounding and by a whole turn
+  // th6 = branch_wrist ? -2 * qw_b : 2 * qw_b
+  ik_double #(.IW(W+4), .OW(W)) u_th6 (.clk(clk), .a(qw_b), .negate(minus_6), .q(th6));
 
   // ---- limits ----
 

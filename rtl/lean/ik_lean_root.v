@@ -1,8 +1,8 @@
-// Rounds the mantissa m down, inv = 1/(2 sqrt m) faithfully; v unsigned, inv with N - 2 fraction bits.
+// Reciprocal square root with full relative precision for any argument.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reciprocal square root with full relative precision for any v: v 4^e = m 2^VW with m in [1/4, 1), so
-// 1/sqrt v = 2 inv 2^(e - VW/2).
+// Rounds the mantissa m down, inv = 1/(2 sqrt m) faithfully; v unsigned, inv with N - 2 fraction bits.
+// v 4^e = m 2^VW with m in [1/4, 1), so 1/sqrt v = 2 inv 2^(e - VW/2).
 // Throughput: one result per clock.
 // Latency: LAT_EVEN for e and m, LAT_RSQRT_FAR more for inv: m, already registered, drives ik_rsqrt's m_next.
 `default_nettype none
@@ -24,7 +24,7 @@ module ik_lean_root #(
   ik_even #(.VW(VW), .MW(R+3)) u_even (.clk(clk), .v(v), .k(e), .m(m));
 
   wire [R:0] y;
-  // y = 1 / (2 sqrt m)
+  // y = hand_y - 2 * off_y
   ik_rsqrt #(.F(R), .TILE(TILE)) u_rsqrt (.clk(clk), .m_next(m), .twice(1'b0), .y(y));
   wire [N-1:0] y_x = {{(N - R - 1) {1'b0}}, y};
   assign inv = y_x << (N - 2 - R);

@@ -1,9 +1,9 @@
-// Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, roots faithful, shifts and halves floor.
+// The triangle of shoulder, elbow and wrist from its three sides: elbow quaternion, and angle at the shoulder.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The triangle of shoulder, elbow and wrist from its three sides: Qe = (sqrt A, -sqrt B)/(2 sqrt(d1 d2)) (14), and the
-// angle a at the shoulder, cos a = K/(2 d1 |p|), sin a = sqrt(A B)/(2 d1 |p|), as half angle (arm_c, arm_s). d1 and d2
-// at clock 0, each other port at its clock T_<NODE>.
+// Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, roots faithful, shifts and halves floor.
+// Qe = (sqrt A, -sqrt B)/(2 sqrt(d1 d2)) (14), and the angle a at the shoulder, cos a = K/(2 d1 |p|), sin a = sqrt(A
+// B)/(2 d1 |p|), as half angle (arm_c, arm_s). d1 and d2 at clock 0, each other port at its clock T_<NODE>.
 // Throughput: one target per clock.
 `default_nettype none
 
@@ -28,14 +28,14 @@ module ik_lean_triangle #(
     input  wire        [    5:0] e_s,     // T_E_S
     input  wire signed [  N-1:0] inv_s,   // T_INV_S
     // Elbow quaternion
-    output reg  signed [  W-1:0] qe_w,    // (L22) (14) T_QE_W
-    output reg  signed [  W-1:0] qe_i,    // (L23) (14)
+    output reg  signed [  W-1:0] qe_w,    // (14) T_QE_W
+    output reg  signed [  W-1:0] qe_i,    // (14)
     // Angle at the shoulder
-    output reg  signed [  N-1:0] arm_sq,  // (L31) T_ARM_SQ
+    output reg  signed [  N-1:0] arm_sq,  // T_ARM_SQ
     output reg                   arm_swap,  // T_ARM_SWAP
-    output reg  signed [  N-1:0] arm_c,   // (L36) T_ARM_C
-    output reg  signed [  N-1:0] arm_sum,  // (L53)
-    output reg  signed [  N-1:0] arm_dif  // (L52)
+    output reg  signed [  N-1:0] arm_c,   // T_ARM_C
+    output reg  signed [  N-1:0] arm_sum,
+    output reg  signed [  N-1:0] arm_dif
 );
 
   `include "ik_lean_nodes.vh"
@@ -51,65 +51,65 @@ module ik_lean_triangle #(
   localparam integer EW = W + ODD;  // width of a length, made even
   localparam integer RW = FRAC + 5;  // width of a word shifted up by 2
 
-  // ---- (L10)-(L13) roots of A, B, d1, d2 ----
+  // ---- roots of A, B, d1, d2 ----
 
-  wire [5:0] e_far;  // (L10)
-  wire [5:0] e_near;  // (L11)
-  wire [5:0] e_1;  // (L12)
-  wire [5:0] e_2;  // (L13)
-  wire [MW-1:0] m_far;  // (L10)
-  wire [MW-1:0] m_near;  // (L11)
-  wire [MW-1:0] m_1;  // (L12)
-  wire [MW-1:0] m_2;  // (L13)
-  wire signed [N-1:0] inv_far;  // (L10)
-  wire signed [N-1:0] inv_near;  // (L11)
-  wire signed [N-1:0] inv_1;  // (L12)
-  wire signed [N-1:0] inv_2;  // (L13)
+  wire [5:0] e_far;
+  wire [5:0] e_near;
+  wire [5:0] e_1;
+  wire [5:0] e_2;
+  wire [MW-1:0] m_far;
+  wire [MW-1:0] m_near;
+  wire [MW-1:0] m_1;
+  wire [MW-1:0] m_2;
+  wire signed [N-1:0] inv_far;
+  wire signed [N-1:0] inv_near;
+  wire signed [N-1:0] inv_1;
+  wire signed [N-1:0] inv_2;
   // Negative values lose their sign here; the arm is clamped then.
   wire [EW:0] d1_x = {{(ODD + 1) {d1[W-1]}}, d1};
   wire [EW:0] d2_x = {{(ODD + 1) {d2[W-1]}}, d2};
-  // (L10) inv_far = 1 / (2 sqrt a_far)
+  // inv_far = 1 / (2 * sqrt m_far)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_far (
       .clk(clk), .v(a_far[2*W-1:0]), .e(e_far), .m(m_far), .inv(inv_far)
   );
-  // (L11) inv_near = 1 / (2 sqrt b_near)
+  // inv_near = 1 / (2 * sqrt m_near)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_near (
       .clk(clk), .v(b_near[2*W-1:0]), .e(e_near), .m(m_near), .inv(inv_near)
   );
-  // (L12) inv_1 = 1 / (2 sqrt d1)
+  // inv_1 = 1 / (2 * sqrt m_1)
   ik_lean_root #(.VW(EW), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_1 (.clk(clk), .v(d1_x[EW-1:0]), .e(e_1), .m(m_1), .inv(inv_1));
-  // (L13) inv_2 = 1 / (2 sqrt d2)
+  // inv_2 = 1 / (2 * sqrt m_2)
   ik_lean_root #(.VW(EW), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_2 (.clk(clk), .v(d2_x[EW-1:0]), .e(e_2), .m(m_2), .inv(inv_2));
   wire unused = &{1'b0, a_far[2*W+1:2*W], b_near[2*W+1:2*W], d1_x[EW], d2_x[EW], m_1, m_2};
 
-  // ---- (L19) (L20) sqrt A and sqrt B as mantissas ----
+  // ---- sqrt A and sqrt B as mantissas ----
 
-  wire signed [N-1:0] root_far;  // (L19)
-  wire signed [N-1:0] root_near;  // (L20)
+  wire signed [N-1:0] root_far;
+  wire signed [N-1:0] root_near;
   localparam integer SH_ROOT = F_INV_FAR + MW - 1 - F_ROOT_FAR;
-  // (L19) root_far = 2 * inv_far * m_far
+  // root_far = 2 * inv_far * m_far
   ik_mul3 #(.AW(N), .BW(MW+1), .SH(SH_ROOT), .OW(N), .DB(T_INV_FAR-T_M_FAR), .TILE(TILE)) u_root_far (
       .clk(clk), .a(inv_far), .b({1'b0, m_far}), .q(root_far)
   );
-  // (L20) root_near = 2 * inv_near * m_near
+  // root_near = 2 * inv_near * m_near
   ik_mul3 #(.AW(N), .BW(MW+1), .SH(SH_ROOT), .OW(N), .DB(T_INV_NEAR-T_M_NEAR), .TILE(TILE)) u_root_near (
       .clk(clk), .a(inv_near), .b({1'b0, m_near}), .q(root_near)
   );
 
-  // ---- (L21) 1/(2 sqrt(d1 d2)), shifted to the units of sqrt A and sqrt B ----
+  // ---- 1/(2 sqrt(d1 d2)), shifted to the units of sqrt A and sqrt B ----
 
-  wire signed [N:0] inv_12_raw;  // (L21)
-  // (L21) inv_12_raw = inv_1 * inv_2
+  wire signed [N:0] inv_12_raw;
+  // inv_12_raw = inv_1 * inv_2
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_2-F_INV_12), .OW(N+1), .TILE(TILE)) u_inv_12 (
       .clk(clk), .a(inv_1), .b(inv_2), .q(inv_12_raw)
   );
   // Powers of two can give inv_12 = 1 and inv_law = 2, which saturate to the largest word.
   localparam signed [N-1:0] TOP = {1'b0, {(N - 1) {1'b1}}};
-  reg signed [N-1:0] inv_12;  // (L21)
+  reg signed [N-1:0] inv_12;
   always @(posedge clk) inv_12 <= (|inv_12_raw[N:N-1]) ? TOP : inv_12_raw[N-1:0];
   wire [5:0] e_1_at_e_far, e_2_at_e_far;
-  reg [5:0] n_far;  // (L22)
-  reg [5:0] n_near;  // (L23)
+  reg [5:0] n_far;
+  reg [5:0] n_near;
   localparam [5:0] RAISED = (ODD != 0) ? 6'd3 : 6'd2;
   ik_delay #(.W(12), .N(T_E_FAR-T_E_1)) u_e_at_e_far (.clk(clk), .d({e_2, e_1}), .q({e_2_at_e_far, e_1_at_e_far}));
   always @(posedge clk) begin
@@ -118,32 +118,32 @@ module ik_lean_triangle #(
   end
 
   localparam integer T_INV_12_IN = T_INV_12_FAR_RAW - LAT_SHIFT;
-  wire signed [RW-1:0] inv_12_far_raw;  // (L22)
-  wire signed [RW-1:0] inv_12_near_raw;  // (L23)
+  wire signed [RW-1:0] inv_12_far_raw;
+  wire signed [RW-1:0] inv_12_near_raw;
   ik_shift #(.W(RW), .RIGHT(1), .DD(T_INV_12_IN-T_INV_12), .DC(T_INV_12_IN-T_N_FAR)) u_inv_12_far (
       .clk(clk), .d({inv_12[N-1], inv_12, 2'b00}), .count(n_far), .q(inv_12_far_raw)
   );
   ik_shift #(.W(RW), .RIGHT(1), .DD(T_INV_12_IN-T_INV_12), .DC(T_INV_12_IN-T_N_FAR)) u_inv_12_near (
       .clk(clk), .d({inv_12[N-1], inv_12, 2'b00}), .count(n_near), .q(inv_12_near_raw)
   );
-  reg signed [N-1:0] inv_12_far;  // (L22)
-  reg signed [N-1:0] inv_12_near;  // (L23)
+  reg signed [N-1:0] inv_12_far;
+  reg signed [N-1:0] inv_12_near;
   always @(posedge clk) begin
     inv_12_far  <= (|inv_12_far_raw[RW-1:N-1]) ? TOP : inv_12_far_raw[N-1:0];
     inv_12_near <= (|inv_12_near_raw[RW-1:N-1]) ? TOP : inv_12_near_raw[N-1:0];
   end
 
-  // ---- (L22) (L23) Qe; the clamped elbow is folded (1, 0) or straight (0, -1) ----
+  // ---- Qe; the clamped elbow is folded (1, 0) or straight (0, -1) ----
 
-  wire signed [N-1:0] elbow_w;  // (L22)
-  wire signed [N-1:0] elbow_i;  // (L23)
+  wire signed [N-1:0] elbow_w;
+  wire signed [N-1:0] elbow_i;
   localparam integer T_ELBOW_IN = T_ELBOW_W - LAT_MUL3;
-  // (L22) elbow_w = root_far * inv_12_far
+  // elbow_w = root_far * inv_12_far
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_FAR+F_INV_12_FAR-F_ELBOW_W), .OW(N), .DA(T_ELBOW_IN-T_ROOT_FAR),
       .DB(T_ELBOW_IN-T_INV_12_FAR), .TILE(TILE)) u_elbow_w (
       .clk(clk), .a(root_far), .b(inv_12_far), .q(elbow_w)
   );
-  // (L23) elbow_i = root_near * inv_12_near
+  // elbow_i = root_near * inv_12_near
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_NEAR+F_INV_12_NEAR-F_ELBOW_I), .OW(N), .DA(T_ELBOW_IN-T_ROOT_FAR),
       .DB(T_ELBOW_IN-T_INV_12_FAR), .TILE(TILE)) u_elbow_i (
       .clk(clk), .a(root_near), .b(inv_12_near), .q(elbow_i)
@@ -164,28 +164,28 @@ module ik_lean_triangle #(
   end
   wire unused_el = &{1'b0, plus_w, minus_i};  // dropped by rounding
 
-  // ---- (L24)-(L26) 1/(4 d1 |p|), as a mantissa, and K in its units ----
+  // ---- 1/(4 d1 |p|), as a mantissa, and K in its units ----
 
-  wire signed [N-1:0] inv_11;  // (L24)
-  wire signed [N:0] inv_law_raw;  // (L25)
-  // (L24) inv_11 = inv_1^2
+  wire signed [N-1:0] inv_11;
+  wire signed [N:0] inv_law_raw;
+  // inv_11 = inv_1^2
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_1+F_INV_1-F_INV_11), .OW(N), .SQUARE(1), .TILE(TILE)) u_inv_11 (
       .clk(clk), .a(inv_1), .b(inv_1), .q(inv_11)
   );
-  // (L25) inv_law_raw = 2 * inv_11 * inv_s
+  // inv_law_raw = 2 * inv_11 * inv_s
   ik_mul3 #(.AW(N), .BW(N), .SH(F_INV_11+F_INV_S-1-F_INV_LAW_RAW), .OW(N+1), .DA(T_INV_S-T_INV_11),
       .TILE(TILE)) u_inv_law (
       .clk(clk), .a(inv_11), .b(inv_s), .q(inv_law_raw)
   );
-  reg signed [N-1:0] inv_law;  // (L25)
+  reg signed [N-1:0] inv_law;
   always @(posedge clk) inv_law <= (|inv_law_raw[N:N-1]) ? TOP : inv_law_raw[N-1:0];
 
   wire [5:0] e_1_at_e_s;
-  reg [5:0] n_law;  // (L26)
+  reg [5:0] n_law;
   ik_delay #(.W(6), .N(T_E_S-T_E_1)) u_e_1_at_e_s (.clk(clk), .d(e_1), .q(e_1_at_e_s));
   always @(posedge clk) n_law <= {e_1_at_e_s[4:0], 1'b0} + e_s;
   wire unused_e = e_1_at_e_s[5];  // at most 15 pairs
-  wire signed [N-1:0] k_scaled;  // (L26)
+  wire signed [N-1:0] k_scaled;
   // Short words are padded with zeros below.
   localparam integer DROP_K = (2 * W + ODD > FRAC) ? 2 * W + ODD - FRAC : 1;
   localparam integer PAD_K = DROP_K - (2 * W + ODD - FRAC);
@@ -194,23 +194,23 @@ module ik_lean_triangle #(
   ik_shift3 #(.IW(KW), .DROP(DROP_K), .OW(N), .DD(T_N_LAW-T_K_LAW)) u_k_scaled (
       .clk(clk), .d(k_law_x <<< PAD_K), .count(n_law), .q(k_scaled)
   );
-  wire signed [N-1:0] cos_a;  // (L26)
-  // (L26) cos_a = 2 * k_scaled * inv_law
+  wire signed [N-1:0] cos_a;
+  // cos_a = 2 * k_scaled * inv_law
   ik_mul3 #(.AW(N), .BW(N), .SH(F_K_SCALED+F_INV_LAW-1-F_COS_A), .OW(N), .DA(T_INV_LAW-T_K_SCALED),
       .TILE(TILE)) u_cos_a (
       .clk(clk), .a(k_scaled), .b(inv_law), .q(cos_a)
   );
 
-  // ---- (L27) (L28) sin a ----
+  // ---- sin a ----
 
-  wire signed [N-1:0] root_ab;  // (L27)
-  // (L27) root_ab = root_far * root_near
+  wire signed [N-1:0] root_ab;
+  // root_ab = root_far * root_near
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_FAR+F_ROOT_NEAR-F_ROOT_AB), .OW(N), .TILE(TILE)) u_root_ab (
       .clk(clk), .a(root_far), .b(root_near), .q(root_ab)
   );
   wire [5:0] e_s_at_e_far;
   reg [5:0] e_ab, e_1s;
-  reg [5:0] n_ab;  // (L28)
+  reg [5:0] n_ab;
   ik_delay #(.W(6), .N(T_E_FAR-T_E_S)) u_e_s_at_e_far (.clk(clk), .d(e_s), .q(e_s_at_e_far));
   always @(posedge clk) begin
     e_ab <= e_far + e_near + RAISED;
@@ -218,22 +218,22 @@ module ik_lean_triangle #(
     n_ab <= e_ab - e_1s;
   end
   localparam integer T_INV_LAW_AB_IN = T_INV_LAW_AB_RAW - LAT_SHIFT;
-  wire signed [RW-1:0] inv_law_ab_raw;  // (L28)
+  wire signed [RW-1:0] inv_law_ab_raw;
   ik_shift #(.W(RW), .RIGHT(1), .DD(T_INV_LAW_AB_IN-T_INV_LAW), .DC(T_INV_LAW_AB_IN-T_N_AB)) u_inv_law_ab (
       .clk(clk), .d({inv_law[N-1], inv_law, 2'b00}), .count(n_ab), .q(inv_law_ab_raw)
   );
-  reg signed [N-1:0] inv_law_ab;  // (L28)
+  reg signed [N-1:0] inv_law_ab;
   always @(posedge clk) inv_law_ab <= (|inv_law_ab_raw[RW-1:N-1]) ? TOP : inv_law_ab_raw[N-1:0];
 
   localparam integer T_SIN_A_IN = T_SIN_A - LAT_MUL3;
-  wire signed [N-1:0] sin_a;  // (L28)
-  // (L28) sin_a = 2 * root_ab * inv_law_ab
+  wire signed [N-1:0] sin_a;
+  // sin_a = 2 * root_ab * inv_law_ab
   ik_mul3 #(.AW(N), .BW(N), .SH(F_ROOT_AB+F_INV_LAW_AB-1-F_SIN_A), .OW(N), .DA(T_SIN_A_IN-T_ROOT_AB),
       .DB(T_SIN_A_IN-T_INV_LAW_AB), .TILE(TILE)) u_sin_a (
       .clk(clk), .a(root_ab), .b(inv_law_ab), .q(sin_a)
   );
 
-  // ---- (L31) (L36) (L37) arm: the last rotation is by -a; a clamped arm points at the target, (1, 0), or away ----
+  // ---- arm: the last rotation is by -a; a clamped arm points at the target, (1, 0), or away ----
 
   localparam signed [N-1:0] ONE = {{(N - 1) {1'b0}}, 1'b1} << FRAC;
   wire clamp_at_cos_a, away_at_cos_a, clamp_at_sin_a, swap_at_sin_a;
@@ -247,7 +247,7 @@ module ik_lean_triangle #(
   wire [N-1:0] sum_arm = ONE + (cos_a ^ {N{cos_a[N-1]}});  // 1 + |cos a|, by the one's complement
   wire signed [N-1:0] half_arm = sin_a >>> 1;
   wire signed [N-1:0] small_arm = half_arm & {N{!clamp_at_sin_a}};
-  reg signed [N-1:0] arm_s;  // (L37) for waves only
+  reg signed [N-1:0] arm_s;  // for waves only
   always @(posedge clk) begin
     arm_sq   <= clamp_at_cos_a ? ONE : (sum_arm >> 1);
     arm_swap <= clamp_at_cos_a ? away_at_cos_a : cos_a[N-1];

@@ -1,9 +1,9 @@
-// Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, root faithful, results half up.
+// The shoulder quaternion Qs (18), the product of four rotations divided by its length.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The shoulder quaternion Qs (18), the product of four rotations divided by its length: azimuth plus 90 degrees about
-// z (az), angle to the z axis about x (tilt), swivel angle about z (sin_h, cos_h), -a about x (arm). phi at clock 0,
-// each other port at its clock T_<NODE>.
+// Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, root faithful, results half up.
+// The rotations: azimuth plus 90 degrees about z (az), angle to the z axis about x (tilt), swivel angle about z (sin_h,
+// cos_h), -a about x (arm). phi at clock 0, each other port at its clock T_<NODE>.
 // Throughput: one target per clock.
 `default_nettype none
 
@@ -30,10 +30,10 @@ module ik_lean_turn #(
     input  wire signed [N-1:0] arm_sum,
     input  wire signed [N-1:0] arm_dif,
     // Results
-    output reg  signed [W-1:0] qs_w,     // (L58) (18) T_QS_W
-    output reg  signed [W-1:0] qs_i,     // (L59) (18)
-    output reg  signed [W-1:0] qs_j,     // (L60) (18)
-    output reg  signed [W-1:0] qs_k      // (L61) (18)
+    output reg  signed [W-1:0] qs_w,     // (18) T_QS_W
+    output reg  signed [W-1:0] qs_i,     // (18)
+    output reg  signed [W-1:0] qs_j,     // (18)
+    output reg  signed [W-1:0] qs_k      // (18)
 );
 
   `include "ik_lean_nodes.vh"
@@ -46,42 +46,36 @@ module ik_lean_turn #(
 
   localparam integer MW = ROOT_FRAC + 3;  // width of a mantissa
 
-  // ---- (L38)-(L47) half the sum and half the difference of azimuth and swivel angle ----
+  // ---- half the sum and half the difference of azimuth and swivel angle ----
 
   localparam integer TF = (FRAC < 31) ? FRAC : 31;  // fraction bits of sine and cosine
   wire signed [TF+1:0] sin_t, cos_t;
   wire signed [N-1:0] sin_x = {{(N - TF - 1) {sin_t[TF+1]}}, sin_t[TF:0]};
-  wire signed [N-1:0] sin_h = sin_x <<< (FRAC - TF);  // (L38)
+  wire signed [N-1:0] sin_h = sin_x <<< (FRAC - TF);
   wire signed [N-1:0] cos_x = {{(N - TF - 1) {cos_t[TF+1]}}, cos_t[TF:0]};
-  wire signed [N-1:0] cos_h = cos_x <<< (FRAC - TF);  // (L39)
+  wire signed [N-1:0] cos_h = cos_x <<< (FRAC - TF);
   // An angle shorter than WX bits is padded with zeros below.
   wire signed [WX-1:0] phi_w = {{(WX - W + 1) {phi[W-1]}}, phi[W-2:0]};
   ik_trig #(.W(WX), .F(TF), .TILE(TILE)) u_trig (.clk(clk), .phi(phi_w <<< (WX - W)), .sin_h(sin_t), .cos_h(cos_t));
 
-  wire signed [N-1:0] cc;  // (L40)
-  wire signed [N-1:0] ss;  // (L41)
-  wire signed [N-1:0] sc;  // (L42)
-  wire signed [N-1:0] cs;  // (L43)
-  // (L40) cc = az_c * cos_h
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_cc (
-      .clk(clk), .a(az_c), .b(cos_h), .q(cc)
+  wire signed [N-1:0] cc;
+  wire signed [N-1:0] ss;
+  wire signed [N-1:0] sc;
+  wire signed [N-1:0] cs;
+  // cc = az_c * cos_h
+  // sc = az_s * cos_h
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_by_cos_h (
+      .clk(clk), .a({az_s, az_c}), .b(cos_h), .q({sc, cc})
   );
-  // (L41) ss = az_s * sin_h
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_ss (
-      .clk(clk), .a(az_s), .b(sin_h), .q(ss)
+  // cs = az_c * sin_h
+  // ss = az_s * sin_h
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_by_sin_h (
+      .clk(clk), .a({az_s, az_c}), .b(sin_h), .q({ss, cs})
   );
-  // (L42) sc = az_s * cos_h
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_sc (
-      .clk(clk), .a(az_s), .b(cos_h), .q(sc)
-  );
-  // (L43) cs = az_c * sin_h
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DB(T_AZ_C-T_SIN_H), .TILE(TILE)) u_cs (
-      .clk(clk), .a(az_c), .b(sin_h), .q(cs)
-  );
-  reg signed [N-1:0] c_plus;  // (L44)
-  reg signed [N-1:0] c_minus;  // (L46)
-  reg signed [N-1:0] s_plus;  // (L45)
-  reg signed [N-1:0] s_minus;  // (L47)
+  reg signed [N-1:0] c_plus;
+  reg signed [N-1:0] c_minus;
+  reg signed [N-1:0] s_plus;
+  reg signed [N-1:0] s_minus;
   always @(posedge clk) begin
     c_plus <= cc - ss;
     c_minus <= cc + ss;
@@ -89,75 +83,69 @@ module ik_lean_turn #(
     s_minus <= sc - cs;
   end
 
-  // ---- (L48)-(L51) the first three rotations ----
+  // ---- the first three rotations ----
 
   localparam integer T_0_IN = T_W_0 - LAT_MUL3;
-  wire signed [N-1:0] w_0;  // (L48)
-  wire signed [N-1:0] i_0;  // (L49)
-  wire signed [N-1:0] j_0;  // (L50)
-  wire signed [N-1:0] k_0;  // (L51)
-  // (L48) w_0 = tilt_c * c_plus
+  wire signed [N-1:0] w_0;
+  wire signed [N-1:0] i_0;
+  wire signed [N-1:0] j_0;
+  wire signed [N-1:0] k_0;
+  // w_0 = tilt_c * c_plus
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS), .TILE(TILE)) u_w_0 (
       .clk(clk), .a(tilt_c), .b(c_plus), .q(w_0)
   );
-  // (L49) i_0 = tilt_s * c_minus
+  // i_0 = tilt_s * c_minus
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS), .TILE(TILE)) u_i_0 (
       .clk(clk), .a(tilt_s), .b(c_minus), .q(i_0)
   );
-  // (L50) j_0 = tilt_s * s_minus
+  // j_0 = tilt_s * s_minus
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS), .TILE(TILE)) u_j_0 (
       .clk(clk), .a(tilt_s), .b(s_minus), .q(j_0)
   );
-  // (L51) k_0 = tilt_c * s_plus
+  // k_0 = tilt_c * s_plus
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_0_IN-T_TILT_C), .DB(T_0_IN-T_C_PLUS), .TILE(TILE)) u_k_0 (
       .clk(clk), .a(tilt_c), .b(s_plus), .q(k_0)
   );
 
-  // ---- (L52)-(L55) the fourth rotation: w c + i s = (w + i) c - i (c - s), i c - w s = (w + i) c - w (c + s); c - s
+  // ---- the fourth rotation: w c + i s = (w + i) c - i (c - s), i c - w s = (w + i) c - w (c + s); c - s
   // changes sign if the parts of arm are swapped ----
 
-  reg signed [N-1:0] wi_0;  // (L52)
-  reg signed [N-1:0] kj_0;  // (L54)
+  reg signed [N-1:0] wi_0;
+  reg signed [N-1:0] kj_0;
   always @(posedge clk) begin
     wi_0 <= w_0 + i_0;
     kj_0 <= k_0 + j_0;
   end
 
   localparam integer T_1_IN = T_WI_C - LAT_MUL3;
-  wire signed [N-1:0] wi_c;  // (L52)
-  wire signed [N-1:0] i_dif;  // (L52)
-  wire signed [N-1:0] w_sum;  // (L53)
-  wire signed [N-1:0] kj_c;  // (L54)
-  wire signed [N-1:0] j_dif;  // (L55)
-  wire signed [N-1:0] k_sum;  // (L54)
-  // (L52) wi_c = wi_0 * arm_c
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_WI_0), .DB(T_1_IN-T_ARM_C), .TILE(TILE)) u_wi_c (
-      .clk(clk), .a(wi_0), .b(arm_c), .q(wi_c)
+  wire signed [N-1:0] wi_c;
+  wire signed [N-1:0] i_dif;
+  wire signed [N-1:0] w_sum;
+  wire signed [N-1:0] kj_c;
+  wire signed [N-1:0] j_dif;
+  wire signed [N-1:0] k_sum;
+  // wi_c = wi_0 * arm_c
+  // kj_c = kj_0 * arm_c
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_WI_0), .DB(T_1_IN-T_ARM_C),
+      .TILE(TILE)) u_by_arm_c (
+      .clk(clk), .a({kj_0, wi_0}), .b(arm_c), .q({kj_c, wi_c})
   );
-  // (L52) i_dif = i_0 * arm_dif
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_I_0), .DB(T_1_IN-T_ARM_DIF), .TILE(TILE)) u_i_dif (
-      .clk(clk), .a(i_0), .b(arm_dif), .q(i_dif)
+  // i_dif = i_0 * arm_dif
+  // j_dif = j_0 * arm_dif
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_I_0), .DB(T_1_IN-T_ARM_DIF),
+      .TILE(TILE)) u_by_arm_dif (
+      .clk(clk), .a({j_0, i_0}), .b(arm_dif), .q({j_dif, i_dif})
   );
-  // (L53) w_sum = w_0 * arm_sum
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_SUM), .TILE(TILE)) u_w_sum (
-      .clk(clk), .a(w_0), .b(arm_sum), .q(w_sum)
+  // w_sum = w_0 * arm_sum
+  // k_sum = k_0 * arm_sum
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_SUM),
+      .TILE(TILE)) u_by_arm_sum (
+      .clk(clk), .a({k_0, w_0}), .b(arm_sum), .q({k_sum, w_sum})
   );
-  // (L54) kj_c = kj_0 * arm_c
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_KJ_0), .DB(T_1_IN-T_ARM_C), .TILE(TILE)) u_kj_c (
-      .clk(clk), .a(kj_0), .b(arm_c), .q(kj_c)
-  );
-  // (L55) j_dif = j_0 * arm_dif
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_J_0), .DB(T_1_IN-T_ARM_DIF), .TILE(TILE)) u_j_dif (
-      .clk(clk), .a(j_0), .b(arm_dif), .q(j_dif)
-  );
-  // (L54) k_sum = k_0 * arm_sum
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_K_0), .DB(T_1_IN-T_ARM_SUM), .TILE(TILE)) u_k_sum (
-      .clk(clk), .a(k_0), .b(arm_sum), .q(k_sum)
-  );
-  reg signed [N-1:0] w_1;  // (L52)
-  reg signed [N-1:0] i_1;  // (L53)
-  reg signed [N-1:0] j_1;  // (L54)
-  reg signed [N-1:0] k_1;  // (L55)
+  reg signed [N-1:0] w_1;
+  reg signed [N-1:0] i_1;
+  reg signed [N-1:0] j_1;
+  reg signed [N-1:0] k_1;
   wire swap_at_wi_c;
   ik_delay #(.W(1), .N(T_WI_C-T_ARM_SWAP)) u_swap_at_wi_c (.clk(clk), .d(arm_swap), .q(swap_at_wi_c));
   // Add or subtract on one carry chain; the extra lowest bit generates the carry.
@@ -171,58 +159,49 @@ module ik_lean_turn #(
     k_1 <= k_x[N:1];
   end
 
-  // ---- (L56) (L57) the product's squared length, in [1/8, 1], and its reciprocal root; below 1/4, of 4 times it ----
+  // ---- the product's squared length, in [1/8, 1], and its reciprocal root; below 1/4, of 4 times it ----
 
-  wire signed [N-1:0] az_tilt_sq;  // (L56)
-  wire signed [N-1:0] length_sq;  // (L56)
-  // (L56) az_tilt_sq = az_sq * tilt_sq
+  wire signed [N-1:0] az_tilt_sq;
+  wire signed [N-1:0] length_sq;
+  // az_tilt_sq = az_sq * tilt_sq
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_TILT_SQ-T_AZ_SQ), .TILE(TILE)) u_az_tilt_sq (
       .clk(clk), .a(az_sq), .b(tilt_sq), .q(az_tilt_sq)
   );
   localparam integer T_LENGTH_IN = T_LENGTH_SQ - LAT_MUL3;
-  // (L56) length_sq = az_tilt_sq * arm_sq
+  // length_sq = az_tilt_sq * arm_sq
   ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_LENGTH_IN-T_AZ_TILT_SQ), .DB(T_LENGTH_IN-T_ARM_SQ),
       .TILE(TILE)) u_length_sq (
       .clk(clk), .a(az_tilt_sq), .b(arm_sq), .q(length_sq)
   );
 
   localparam integer UP = MW - FRAC;
-  wire low = (length_sq[N-1:FRAC-2] == {(N - FRAC + 2) {1'b0}});  // (L57)
+  wire low = (length_sq[N-1:FRAC-2] == {(N - FRAC + 2) {1'b0}});
   wire [MW-1:0] m_q_next = length_sq[FRAC] ? {MW{1'b1}} : low ? {length_sq[FRAC-3:0], {(UP + 2) {1'b0}}}
                                                               : {length_sq[FRAC-1:0], {UP{1'b0}}};
-  reg [MW-1:0] m_q;  // (L57) for waves only: ik_rsqrt has its own register
+  reg [MW-1:0] m_q;  // for waves only: ik_rsqrt has its own register
   always @(posedge clk) m_q <= m_q_next;
   wire [ROOT_FRAC:0] y_q;
   wire [N-1:0] y_q_x = {{(N - ROOT_FRAC - 1) {1'b0}}, y_q};
-  wire signed [N-1:0] inv_q = y_q_x << (FRAC - ROOT_FRAC);  // (L57)
+  wire signed [N-1:0] inv_q = y_q_x << (FRAC - ROOT_FRAC);
   wire low_at_m_q;
   ik_delay #(.W(1), .N(T_M_Q-T_LOW)) u_low_at_m_q (.clk(clk), .d(low), .q(low_at_m_q));
-  // (L57) inv_q = 1 / (2 sqrt m_q)
+  // inv_q = low ? 1 / sqrt m_q : 1 / (2 * sqrt m_q)
   ik_rsqrt #(.F(ROOT_FRAC), .TILE(TILE)) u_inv_q (.clk(clk), .m_next(m_q_next), .twice(low_at_m_q), .y(y_q));
 
-  // ---- (L58)-(L61) the unit quaternion with a non-negative k part ----
+  // ---- the unit quaternion with a non-negative k part ----
 
-  wire signed [N-1:0] w_q;  // (L58)
-  wire signed [N-1:0] i_q;  // (L59)
-  wire signed [N-1:0] j_q;  // (L60)
-  wire signed [N-1:0] k_q;  // (L61)
+  wire signed [N-1:0] w_q;
+  wire signed [N-1:0] i_q;
+  wire signed [N-1:0] j_q;
+  wire signed [N-1:0] k_q;
   localparam integer SH_Q = F_W_1 + F_INV_Q - 1 - F_W_Q;
   localparam integer T_Q_IN = T_W_Q - LAT_MUL3;
-  // (L58) w_q = 2 * w_1 * inv_q
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_w_q (
-      .clk(clk), .a(w_1), .b(inv_q), .q(w_q)
-  );
-  // (L59) i_q = 2 * i_1 * inv_q
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_i_q (
-      .clk(clk), .a(i_1), .b(inv_q), .q(i_q)
-  );
-  // (L60) j_q = 2 * j_1 * inv_q
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_j_q (
-      .clk(clk), .a(j_1), .b(inv_q), .q(j_q)
-  );
-  // (L61) k_q = 2 * k_1 * inv_q
-  ik_mul3 #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_k_q (
-      .clk(clk), .a(k_1), .b(inv_q), .q(k_q)
+  // w_q = 2 * w_1 * inv_q
+  // i_q = 2 * i_1 * inv_q
+  // j_q = 2 * j_1 * inv_q
+  // k_q = 2 * k_1 * inv_q
+  ik_scale #(.AW(N), .BW(N), .SH(SH_Q), .OW(N), .DA(T_Q_IN-T_W_1), .DB(T_Q_IN-T_INV_Q), .TILE(TILE)) u_by_inv_q (
+      .clk(clk), .a({k_1, j_1, i_1, w_1}), .b(inv_q), .q({k_q, j_q, i_q, w_q})
   );
 
   localparam integer DROP = F_W_Q - F_QS_W;

@@ -1,7 +1,8 @@
-// No rounding, any format: q is d delayed by N clocks.
+// q is d delayed by N clocks, to balance pipeline paths.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Balances pipeline paths. Without reset and enable, so that it maps to shift-register primitives.
+// No rounding, any format.
+// Without reset and enable, so that it maps to shift-register primitives.
 // Throughput: one word per clock.
 // Latency: N clocks; 0 is a wire.
 `default_nettype none

@@ -1,6 +1,7 @@
-// Rounds down (floor), saturates: q = floor(n * 2^SH / d); n signed NW, d signed DW, q signed QW bits.
+// Quotient of two words: q = floor(n * 2^SH / d).
 // SPDX-License-Identifier: Apache-2.0
 //
+// Rounds down (floor), saturates; n signed NW, d signed DW, q signed QW bits.
 // The quotient saturates by the sign of n if d <= 0; n = 0 counts as positive. ovf is valid with q and set if q is
 // saturated. DIGIT selects the behavioural reference or ik_div_digit, a digit recurrence for synthesis; both give the
 // same bits with the same latency.

@@ -1,10 +1,11 @@
-// Rounds down (floor), saturates: q = floor(n * 2^SH / d); n signed NW, d signed DW, q signed QW bits.
+// Pipelined digit recurrence with the ports and results of ik_div: q = floor(n * 2^SH / d).
 // SPDX-License-Identifier: Apache-2.0
 //
-// Pipelined digit recurrence with the ports and results of ik_div. The rows divide n 2^SH if it is positive, its one's
-// complement if negative: for x < 0, floor(x / d) = -1 - floor((-1 - x) / d). Neither inversion needs a carry. For
-// either sign, q fits if the unsigned quotient is below 2^(QW-1), that is, if the bits above the ones fed to the rows
-// are less than d. So the first remainder is less than d unless ovf is set.
+// Rounds down (floor), saturates; n signed NW, d signed DW, q signed QW bits.
+// The rows divide n 2^SH if it is positive, its one's complement if negative: for x < 0, floor(x / d) = -1 - floor((-1
+// - x) / d). Neither inversion needs a carry. For either sign, q fits if the unsigned quotient is below 2^(QW-1), that
+// is, if the bits above the ones fed to the rows are less than d. So the first remainder is less than d unless ovf is
+// set.
 // The rows are non-restoring: a remainder is signed, and its sign is the inverse of the quotient bit found with it.
 // A row's registers: divisor, remainder without sign, and one word {remaining dividend, quotient so far} that shifts
 // left by one bit. The dividend's last SH bits are copies of the sign and are not stored.

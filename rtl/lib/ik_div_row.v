@@ -1,6 +1,7 @@
-// No rounding, integers: a non-restoring division row, r_next = 2 r + bit_in - d if r >= 0, else 2 r + bit_in + d.
+// A non-restoring division row: r_next = 2 r + bit_in - d if r >= 0, else 2 r + bit_in + d.
 // SPDX-License-Identifier: Apache-2.0
 //
+// No rounding, integers.
 // The partial remainder r is signed: ge = (r >= 0), ge_next = (r_next >= 0); the ports r and r_next carry the bits
 // below the sign, which is ~ge. bit_in is the dividend's next bit, ge_next the quotient's.
 // One subtractor without a multiplexer, one LUT per bit: 2 r + bit + d = 2 r + bit - ~d - 1, with the 1 as a borrow

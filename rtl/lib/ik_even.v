@@ -1,6 +1,7 @@
-// Rounds down: m = floor(v 4^k / 2^(VW-MW)), a mantissa in [1/4, 1); k = leading zero pairs of v, unsigned VW bits.
+// Mantissa in [1/4, 1) by an even shift: m = floor(v 4^k / 2^(VW-MW)).
 // SPDX-License-Identifier: Apache-2.0
 //
+// Rounds down; k = leading zero pairs of v, unsigned VW bits.
 // v = 0 gives m = 0 and k = VW/2 - 1. If MW > VW, m ends in zeros.
 // Throughput: one result per clock.
 // Latency: 3 clocks (LAT_EVEN): count in groups of eight pairs, shift by groups, shift by pairs.

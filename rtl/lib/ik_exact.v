@@ -1,6 +1,7 @@
-// Exact: p = a * b, signed W bits each, 2W bits.
+// Product of two words: p = a * b.
 // SPDX-License-Identifier: Apache-2.0
 //
+// Exact; a and b signed W bits, p 2W bits.
 // Four tiles of half words (17x17 bits for W = 33); a square (SQUARE = 1, b is ignored) needs three.
 // Throughput: one result per clock.
 // Latency: 4 clocks (LAT_PRODUCT): operands, tile products, tile sums, sum; a square 3 (LAT_SQUARE).

@@ -1,8 +1,9 @@
-// No rounding, any format: a first-word-fall-through FIFO of 2^LOG2 words behind a register.
+// A first-word-fall-through FIFO of 2^LOG2 words behind a register.
 // SPDX-License-Identifier: Apache-2.0
 //
-// There is no full flag: the writer reserves a slot beforehand (see ik_axis). Memory and output register are not reset;
-// m_valid is, and it is initially 0.
+// No rounding, any format.
+// There is no full flag: the writer reserves a slot beforehand (see ik_credit_fifo). Memory and output register are not
+// reset; m_valid is, and it is initially 0.
 // Throughput: one word per clock.
 // Latency: 2 clocks from write to m_valid.
 `default_nettype none

@@ -1,6 +1,7 @@
-// Exact, limited to [0, 1]: q = (1 +- c) / 2, equations (6), (7); c signed Q2.(W-2), q unsigned, W-1 fraction bits.
+// Squared cosine or sine of half an angle, q = (1 +- c) / 2: equations (6), (7).
 // SPDX-License-Identifier: Apache-2.0
 //
+// Exact, limited to [0, 1]; c signed Q2.(W-2), q unsigned, W-1 fraction bits.
 // A cosine rounded past +-1 gives 0 or 1.
 // Throughput: one result per clock.
 // Latency: 1 clock (LAT_MUX).

@@ -1,8 +1,9 @@
-// No rounding; binary angles, one turn = 2^W.
+// Compares a joint with its limits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// over: the angle lies outside the closed arc from low upwards to high, (th - low) mod 2^W > (high - low) mod 2^W. As
-// unsigned comparisons, without a subtractor; each changes where its arc passes 0. high = low - 1: no limit.
+// No rounding; binary angles, one turn = 2^W.
+// over: th lies outside the closed arc from low upwards to high, (th - low) mod 2^W > (high - low) mod 2^W. As unsigned
+// comparisons, without a subtractor; each changes where its arc passes 0. high = low - 1: no limit.
 // Throughput: one angle per clock.
 // Latency: 1 clock.
 `default_nettype none

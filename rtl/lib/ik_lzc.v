@@ -1,6 +1,7 @@
-// Exact: count = common left shift of N signed words of W bits without overflow; 0 if all are 0.
+// Common left shift of N words without overflow; 0 if all are 0.
 // SPDX-License-Identifier: Apache-2.0
 //
+// Exact; signed words of W bits.
 // Throughput: one result per clock.
 // Latency: 2 clocks (LAT_LZC).
 `default_nettype none

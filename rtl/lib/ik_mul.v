@@ -1,6 +1,7 @@
-// Rounds half up: q = floor(a * b / 2^SH + 1/2), a signed AW bits, b signed BW bits, q signed OW bits.
+// Product of two words, rounded: q = floor(a * b / 2^SH + 1/2).
 // SPDX-License-Identifier: Apache-2.0
 //
+// Rounds half up; a signed AW bits, b signed BW bits, q signed OW bits.
 // Built from tiles that each fit an 18x18-bit multiplier block with input and output registers. Words of up to 18 bits
 // are one tile; longer ones are split above their lowest 17 bits, which keeps the high parts and the tile sums short.
 // SQUARE = 1 computes a * a and ignores b: both mixed products are one tile, and their sum is a shift.

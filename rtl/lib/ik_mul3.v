@@ -1,6 +1,7 @@
-// Rounds half up after truncation: q = a * b / 2^SH, signed, less than 2^(AL+BL-SH) + 1 LSBs too small.
+// Product of two words from three tiles: q = a * b / 2^SH.
 // SPDX-License-Identifier: Apache-2.0
 //
+// Rounds half up after truncation; signed, less than 2^(AL+BL-SH) + 1 LSBs too small.
 // a is split below its highest TILE bits, b below its highest min(TILE, 18), leaving AL and BL low bits; a shorter word
 // is not split. Three of the four tile products are kept, 18x18 bits each with TILE = 18; the fourth is less than
 // 2^(AL+BL-SH) LSBs of q. With TILE = 25, for 25x18-bit multipliers, two remain if a is not split. Each tile is

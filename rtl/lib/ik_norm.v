@@ -1,6 +1,7 @@
-// Exact: shifts N signed words of W bits left together until the largest fills its word; mantissas in [-1, 1).
+// Shifts N words left together until the largest fills its word.
 // SPDX-License-Identifier: Apache-2.0
 //
+// Exact; signed words of W bits, mantissas in [-1, 1).
 // The scale removed is 2^count. The all-zero vector, which has no direction, becomes (1/2, 0, ..).
 // Throughput: one result per clock.
 // Latency: 3 clocks (LAT_NORM).

@@ -1,7 +1,8 @@
-// Exact, any format: q = a, b or -b; -b is modulo 2^W.
+// Selects one of two words, the second with either sign: q = a, b or -b.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Selects and negates on one carry chain, one LUT per bit: the selected word, inverted, plus 1.
+// Exact, any format; -b is modulo 2^W.
+// One carry chain, one LUT per bit: the selected word, inverted, plus 1.
 // Throughput: one result per clock.
 // Latency: 1 clock (LAT_MUX).
 `default_nettype none

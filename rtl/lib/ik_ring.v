@@ -1,6 +1,7 @@
-// No rounding, any format: q is d delayed by N clocks; ik_delay for wide words and long delays.
+// q is d delayed by N clocks, through a memory: ik_delay for wide words and long delays.
 // SPDX-License-Identifier: Apache-2.0
 //
+// No rounding, any format.
 // A ring buffer: each clock writes one word and reads the word written N-2 clocks earlier. One 512x36 block RAM
 // replaces up to 1152 16-bit shift registers, or flip-flops on FPGAs without them. No enable. The pointer may start
 // anywhere; it is reset for four-state simulation without initial values. For the first N clocks, q is the memory's

@@ -1,6 +1,7 @@
-// Rounds down (floor): q = floor(sqrt(n * 2^SH)), 0 if n < 0; n signed NW bits, q signed QW bits, never negative.
+// Square root: q = floor(sqrt(n * 2^SH)), 0 if n < 0.
 // SPDX-License-Identifier: Apache-2.0
 //
+// Rounds down (floor); n signed NW bits, q signed QW bits, never negative.
 // neg is valid with q and set if n is negative. A root that does not fit saturates. DIGIT selects the behavioural
 // reference or ik_root_digit, a digit recurrence for synthesis; both give the same bits with the same latency.
 // Throughput: one root per clock.

@@ -1,7 +1,8 @@
-// Rounds down (floor): q = floor(sqrt(n * 2^SH)), 0 if n < 0; n signed NW bits, q signed QW bits, never negative.
+// Pipelined digit recurrence with the ports and results of ik_root: q = floor(sqrt(n * 2^SH)), 0 if n < 0.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Pipelined digit recurrence with the ports and results of ik_root. A root that does not fit saturates.
+// Rounds down (floor); n signed NW bits, q signed QW bits, never negative.
+// A root that does not fit saturates.
 // The rows are non-restoring: a remainder is signed, and its sign is the inverse of the result bit found with it.
 // A row's registers: remainder without sign, and one word {remaining radicand, root so far} that loses two bits on the
 // left and gains one on the right. The zeros that end n 2^SH are not stored.

@@ -1,6 +1,7 @@
-// No rounding, integers: a non-restoring root row, r_next = 4 r + pair + (r >= 0 ? -(4 root + 1) : 4 root + 3).
+// A non-restoring root row: r_next = 4 r + pair + (r >= 0 ? -(4 root + 1) : 4 root + 3).
 // SPDX-License-Identifier: Apache-2.0
 //
+// No rounding, integers.
 // root holds the K highest bits of the result, pair the radicand's next two bits. The remainder r is signed:
 // ge = (r >= 0), ge_next = (r_next >= 0); the ports r and r_next carry the bits below the sign, ~ge. ge is also root's
 // last bit (before the first row, root = 0 and ge = 1), ge_next the result's next: root_next = 2 root + ge_next.

@@ -1,6 +1,7 @@
-// Faithful rounding: y = 1/(2 sqrt m), m unsigned with F+3 fraction bits in [1/4, 1), y with F fraction bits.
+// Reciprocal square root of a mantissa: y = 1/(2 sqrt m).
 // SPDX-License-Identifier: Apache-2.0
 //
+// Faithful rounding; m unsigned with F+3 fraction bits in [1/4, 1), y with F fraction bits.
 // The error is below one LSB of y (1.1 with small tables and F = 29), even if m is a truncated longer mantissa; proof
 // in model/dataflow/quadratic.py.
 // The second bit of m is taken as set if m < 1/4, so m = 0 gives y = 1. A doubled y has a 0 as its LSB.

@@ -1,6 +1,7 @@
-// Left: exact modulo 2^W. Right: rounds down (floor). q = d * 2^count or floor(d / 2^count), signed words of W bits.
+// Shifts a word left or right: q = d * 2^count or d / 2^count.
 // SPDX-License-Identifier: Apache-2.0
 //
+// Left exact modulo 2^W, right rounded down (floor); signed words of W bits.
 // Two stages: by eights, by ones. With PRODUCT = 1, left only, one or two multiplier blocks shift by 0 to 15, a product
 // with a power of two; then a shift by sixteens: one LUT per bit instead of four.
 // Throughput: one result per clock.

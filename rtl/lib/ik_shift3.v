@@ -1,7 +1,7 @@
-// Rounds down: q = floor(d * 2^count / 2^DROP), the low OW bits; d signed IW bits.
+// Shifts a long word left and keeps its upper end: q = d * 2^count / 2^DROP.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Left shift of a long word of which only the upper end is kept.
+// Rounds down (floor); d signed IW bits, q the low OW bits.
 // Throughput: one result per clock.
 // Latency: 3 clocks (LAT_SHIFT3): by sixteens, by fours, by ones; DD more from d.
 `default_nettype none

@@ -1,8 +1,9 @@
-// Rounds half up; each iteration rounds down with 6 guard bits: sin and cos of phi/2, signed Q2.(W-2).
+// Sine and cosine of phi/2, by CORDIC.
 // SPDX-License-Identifier: Apache-2.0
 //
-// CORDIC. phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees: within the range of convergence
-// without quadrant folding. The start vector compensates the gain of the rotations.
+// Rounds half up; each iteration rounds down with 6 guard bits. Results signed Q2.(W-2).
+// phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees: within the range of convergence without
+// quadrant folding. The start vector compensates the gain of the rotations.
 // The vector after FIRST iterations depends only on the first FIRST signs of the angle, so it is read from a memory;
 // only the angle passes through all iterations. The memory is read for both values of the last of these signs.
 // Throughput: one angle per clock.

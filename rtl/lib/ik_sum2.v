@@ -1,6 +1,7 @@
-// Rounds half up and saturates: q = sat(floor((a +- b) / 2^SH + 1/2)), a and b signed IW bits, q signed OW bits.
+// Sum or difference of two words, rounded and saturated: q = sat(floor((a +- b) / 2^SH + 1/2)).
 // SPDX-License-Identifier: Apache-2.0
 //
+// Rounds half up and saturates; a and b signed IW bits, q signed OW bits.
 // ovf is valid with q and set if q is saturated. SAT = 0 is for sums proved to fit their format
 // (docs/generated/wordlengths.md): no check, ovf is 0.
 // Throughput: one result per clock.

@@ -1,6 +1,7 @@
-// Rounds half up and saturates: q = sat(floor((a + b +- c) / 2^SH + 1/2)), a, b, c signed IW bits, q signed OW bits.
+// Sum of three words, rounded and saturated: q = sat(floor((a + b +- c) / 2^SH + 1/2)).
 // SPDX-License-Identifier: Apache-2.0
 //
+// Rounds half up and saturates; a, b, c signed IW bits, q signed OW bits.
 // One adder in front of ik_sum2; ovf and SAT as there.
 // Throughput: one result per clock.
 // Latency: 3 clocks (LAT_SUM3).

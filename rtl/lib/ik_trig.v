@@ -1,6 +1,7 @@
-// Rounds the magnitude half up: sine and cosine of phi/2, signed Q2.F, error below one LSB.
+// Sine and cosine of phi/2, from a table.
 // SPDX-License-Identifier: Apache-2.0
 //
+// Rounds the magnitude half up, error below one LSB; signed Q2.F.
 // phi is a binary angle, one turn = 2^W, so phi/2 lies in [-90, 90) degrees. The table holds the sine of a quarter
 // turn; the cosine reads it from the other end, where u changes sign. Interpolation is linear up to F = 23, else
 // quadratic; likewise for TILE < 18, which has the smallest table. Proof of the error bound: model/dataflow/quadratic.py.

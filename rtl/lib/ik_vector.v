@@ -1,8 +1,9 @@
-// No final rounding: length and angle of a vector; each iteration rounds X down, the table's angles are rounded.
+// Length and angle of a vector, by CORDIC.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Vectoring CORDIC. x, y and length have 3 guard bits below a word's LSB: W+1 fraction bits. The length is 1.6468 times
-// the vector's. The angle is binary, one turn = 2^(W+4). Bits and error bounds: model/dataflow/angles.py.
+// No final rounding: each iteration rounds X down, the table's angles are rounded.
+// x, y and length have 3 guard bits below a word's LSB: W+1 fraction bits. The length is 1.6468 times the vector's. The
+// angle is binary, one turn = 2^(W+4). Bits and error bounds: model/dataflow/angles.py.
 // A vector left of the y axis is first turned by half a turn. Iteration i turns it towards the x axis by atan(2^-i).
 // Y = 2^i y, so that no bit is lost:
 //     X += |Y| / 4^i          Y = 2 (Y - X) for Y >= 0, else 2 (Y + X)

@@ -1,7 +1,7 @@
-// Exact modulo 2^W: q = a + b, or a - b with SUB = 1; words of W bits.
+// Sum or difference of words twice as wide as the datapath: q = a + b, or a - b with SUB = 1.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Adder for words twice as wide as the datapath.
+// Exact modulo 2^W; words of W bits.
 // Throughput: one result per clock.
 // Latency: 1 clock (LAT_WIDE); DA more from a, DB more from b.
 `default_nettype none

@@ -1,7 +1,8 @@
-// Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, roots and quotient floor.
+// The elbow quaternion Qe = qe_w + qe_i i: section 3.3, equation (14).
 // SPDX-License-Identifier: Apache-2.0
 //
-// Section 3.3: the elbow quaternion Qe = qe_w + qe_i i (14). Each port is valid at its clock T_<NODE>.
+// Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, roots and quotient floor.
+// Each port is valid at its clock T_<NODE>.
 // Throughput: one target per clock.
 `default_nettype none
 

@@ -1,7 +1,8 @@
-// Comparisons exact; scaling drops at most one bit: ORed into the LSB, floor for d_dif_j; Q2.(W-2) to Q1.(W-1).
+// Prepares arbitrary input words for the paper's equations.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Prepares arbitrary input words for the paper's equations:
+// Comparisons exact; scaling drops at most one bit: ORed into the LSB, floor for d_dif_j; Q2.(W-2) to Q1.(W-1).
+// This section:
 // - detects targets without an elbow: too far, too near, at the shoulder, arms without length. These are clamped: the
 //   datapath sees an ordinary arm, and three later nodes (p_e, c4 and the side for (17)) are overridden;
 // - scales lengths to full words. Kinematics is scale-free: the arms are scaled to 1/2 <= d1 + d2 < 1; the target has

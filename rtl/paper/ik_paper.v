@@ -1,7 +1,8 @@
-// Results Q2.(W-2); inputs Q2.(W-2) and a binary angle; rounding and format of each node: ik_paper_nodes.vh.
+// The paper's dataflow, equations (10) to (19).
 // SPDX-License-Identifier: Apache-2.0
 //
-// The paper's dataflow, equations (10) to (19). The pipeline has no enable, and only the valid bits and the
+// Results Q2.(W-2); inputs Q2.(W-2) and a binary angle; rounding and format of each node: ik_paper_nodes.vh.
+// The pipeline has no enable, and only the valid bits and the
 // pointers of ik_ring are reset; valid and tag travel with the data.
 //
 // A signal named like a node holds it in the node's clock, T_<NODE>. Operators delay their own operands (DA, DB, ..:

@@ -4,6 +4,7 @@
 python -m scripts.generate.headers      writes the headers that are out of date
 """
 
+import os
 import re
 from collections.abc import Iterable, Sequence
 from itertools import groupby
@@ -21,6 +22,7 @@ from model.dataflow.formats import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latenc
 from model.dataflow.nodes import Node
 from model.dataflow.paper_operations import SINCOS_GUARD, cordic_gain
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, Form, Table, table_rows
+from model.io.flags import ARM_FLAGS
 from scripts.generate.render import TEMPLATES, update
 from tb.sim.env import ROOT
 
@@ -53,6 +55,10 @@ def _start(operands: tuple[Node, ...], runs: dict[int, dict[str, Node]]) -> str:
 
 def lean_formats() -> str:
     return BODIES.lean_formats(WIDTHS[0], *ROOT_FRACS, inner_frac(24) - 24, INNER_FRAC)
+
+
+def flags() -> str:
+    return BODIES.flags((name, flag.bit_length() - 1) for name, flag in ARM_FLAGS.items())
 
 
 def node_formats(datapath: str) -> str:
@@ -123,7 +129,7 @@ def _name(code: str | Selector) -> str:
 def fold_fields(name: str) -> str:
     found, at = [], 0
     for field, bits in fields(name).items():
-        found.append((field, f"[{bits - 1}:0] ", f"{at + bits - 1}:{at}") if bits > 1 else (field, "", f"{at}"))
+        found.append((field, bits, at))
         at += bits
     return BODIES.fold_fields(name, found)
 
@@ -230,6 +236,7 @@ def texts() -> dict[Path, str]:
         "lean_nodes": (node_formats("lean"), "lean.py"),
         "arm_nodes": (node_formats("arm"), "arm.py", "lean.py"),
         "lean_formats": (lean_formats(), "nodes.py"),
+        "flags": (flags(), "../io/flags.py"),
         "latency": (latencies(), "paper.py", "lean.py"),
         "sincos_table": (BODIES.sincos_table(TABLE_BITS, SINCOS_GUARD, cordic_gain(), atan_table()), "fixed.py"),
         "rsqrt_table": (quadratic_table("ik_rsqrt", INVERSE_ROOT, rounding, "tiles", "clocks"), "quadratic.py"),
@@ -248,7 +255,7 @@ def texts() -> dict[Path, str]:
         }
     made = {}
     for name, (text, *files) in found.items():
-        note = NOTE.format(source=" and ".join(f"model/dataflow/{file}" for file in files))
+        note = NOTE.format(source=" and ".join(os.path.normpath(f"model/dataflow/{file}") for file in files))
         made[ROOT / "rtl" / "include" / f"ik_{name}.vh"] = f"{note}{text.rstrip()}\n"
     return made
 

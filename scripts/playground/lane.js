@@ -82,7 +82,7 @@ function drawWaiting(g, w, machine, laid) {
   const { colours: c } = state;
   const left = w - LANE.right + 18;
   const waiting = machine.flying.filter((target) => machine.waits(target));
-  const credits = machine.places ? Number(machine.live("g_fifo.credits")) : null;
+  const credits = machine.places ? Number(machine.live("g_fifo.u_credits.credits")) : null;
   const lines = [
     `inside ${machine.flying.length - waiting.length}, waiting ${waiting.length}`,
     credits === null ? "no FIFO" : `credits ${credits} of ${machine.places}`,

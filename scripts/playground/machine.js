@@ -99,7 +99,7 @@ class Machine {
       this.core.edge();
     }
     this.put("rst", 0n);
-    this.places = this.table.folded ? 0 : Number(this.live("g_fifo.credits"));
+    this.places = this.table.folded ? 0 : Number(this.live("g_fifo.u_credits.credits"));
   }
 
   put(name, bits) {

@@ -278,7 +278,7 @@ async function useMachines() {
   ui.laid = layLane(machine);
   ui.followed = null;
   ui.node = machine.nodes.find(({ name }) => name === ui.node?.name) ?? machine.nodes.at(-1);
-  ui.watched = ["s_axis_tvalid", "s_axis_tready", "m_axis_tvalid", "m_axis_tready", ...(machine.places ? ["g_fifo.credits"] : []), "m_axis_tuser", "m_axis_tdata"];
+  ui.watched = ["s_axis_tvalid", "s_axis_tready", "m_axis_tvalid", "m_axis_tready", ...(machine.places ? ["g_fifo.u_credits.credits"] : []), "m_axis_tuser", "m_axis_tdata"];
   ui.watched.push(ui.node.signal.join("."));
   element("signals").replaceChildren(...[...machine.signals.keys()].sort().map((name) => new Option(name)));
   makeColumn();

@@ -130,7 +130,7 @@ class Monitor:
         parts = ("addr", "len", "size", "burst", "cache", "prot", "id")
         self.payload = {name: [getattr(dut, f"m_axi_{name}{part}") for part in parts] for name in self.bursts}
         self.kind = ((BYTES // record_beats).bit_length() - 1, 1, 0b0011, 0, 0)  # from size to id
-        core = dut.g_arm.u_arm if ARM else dut.g_axis.u_axis
+        core = dut.u_records.g_arm.u_arm if ARM else dut.u_records.g_axis.u_axis
         self.axis_valid, self.axis_ready = core.s_axis_tvalid, core.s_axis_tready
         self._clear()
 

@@ -18,6 +18,7 @@ from cocotb.task import bridge, resume
 from cocotb.triggers import ClockCycles, RisingEdge
 from cocotbext.axi import AxiResp
 
+from model.io.flags import BAD_HAND, OVER_BIT
 from model.io.words import FIELDS, Targets, result_values, to_words
 from tb.axi.bench import ARM, BYTES, CHANNELS, LAYOUT, Bench, started
 from tb.axi.binding import REGISTER, WAIT, Driver, Uio, uio_device
@@ -185,7 +186,7 @@ class Platform:
         assert (results["qe"] == values[:, first + 4 :]).all(), "qe"
         if ARM:
             assert (results["th"] == answers[:written, :7] * (2 * np.pi / 2**bench.width)).all(), "th"
-            assert (results["over_limit"] == (flags >> 9 | flags & 256)[:written]).all(), "over_limit"
+            assert (results["over_limit"] == (flags >> OVER_BIT | flags & BAD_HAND)[:written]).all(), "over_limit"
         assert (results["flags"] == flags[:written] & 255).all() and (results["tag"] == tags[:written]).all(), (
             "flags, tags"
         )

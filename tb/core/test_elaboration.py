@@ -165,7 +165,7 @@ def test_elaborates(top, parameters):
     assert elaborated(top, parameters) == (0, set())
 
 
-PARTS = ("ik_axis", "ik_axi", "ik_arm", "ik_lean", "ik_lean_arm", "ik_paper")
+PARTS = ("ik_axis", "ik_axi", "ik_arm", "ik_credit_fifo", "ik_lean", "ik_lean_arm", "ik_paper")
 """Modules that define T_OUT and LOG2; of the others only the header is compiled."""
 
 
@@ -179,8 +179,8 @@ def test_fifo_has_a_slot_for_each_clock_and_not_twice_as_many(tmp_path):
         for width in (w for w in path.widths if w in WIDTHS):
             values = ", ".join(f".{k}({v})" for k, v in {"W": width, **path.parameters}.items())
             u, v, checked = f"{path.name}_{width}", f"memory_{path.name}_{width}", checked + 1
-            out, slots = f"{u}.g_{path.rtl}.u_core.T_OUT", f"(1 << {u}.LOG2)"
-            equal = f"{v}.LATENCY == {out} + 2 && {v}.LOG2_PLACES == {u}.LOG2"
+            out, slots = f"{u}.g_{path.rtl}.u_core.T_OUT", f"(1 << {u}.g_fifo.u_credits.LOG2)"
+            equal = f"{v}.LATENCY == {out} + 2 && {v}.LOG2_PLACES == {u}.g_fifo.u_credits.LOG2"
             lines += [
                 f"{path.top} #({values}) {u} ();",
                 f"ik_axi #({values}, .ARM({int(path.top == 'ik_arm')})) {v} ();",

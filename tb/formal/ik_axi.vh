@@ -7,8 +7,8 @@
 // The other assumptions of the engines are assertions here (chformal -assume2assert).
 // Wires \u_*.* are signals of the engines, connected by name when the hierarchy is flattened.
 
-(* hierconn *) wire [9:0] \g_axis.u_axis.inside ;
-(* hierconn *) wire \g_axis.u_axis.s_axis_tready ;
+(* hierconn *) wire [9:0] \u_records.g_axis.u_axis.inside ;
+(* hierconn *) wire \u_records.g_axis.u_axis.s_axis_tready ;
 (* hierconn, init = 1'b0 *) wire \u_job.f_on ;
 (* hierconn *) wire [2:0] \u_job.state ;
 (* hierconn *) wire \u_read.ask ;
@@ -23,8 +23,10 @@
 (* hierconn *) wire [31:0] \u_read.left ;
 (* hierconn *) wire [LOG2_BURST:0] \u_read.size ;
 (* hierconn *) wire \u_read.sized ;
-(* hierconn *) wire [2:0] \u_result.beat ;
-(* hierconn *) wire \u_result.ends ;
+(* hierconn *) wire [2:0] \u_records.u_result.beat ;
+(* hierconn *) wire \u_records.u_result.ends ;
+(* hierconn *) wire \u_records.target_valid ;
+(* hierconn *) wire \u_records.result_valid ;
 (* hierconn *) wire \u_write.ended ;
 (* hierconn *) wire [ADDR_W-6:0] \u_write.f_base ;
 (* hierconn *) wire [31:0] \u_write.f_count ;
@@ -53,7 +55,7 @@ wire [7:0] f_open;
 wire [LOG2_BURST:0] f_oldest, f_newest;
 ik_bursts #(.N(LOG2_BURST + 1), .S(8), .WHOLE(1 << LOG2_BURST)) f_bus (
     .clk(clk), .clear(rst || go), .push(\u_write.tell ), .size(\u_write.size ), .pop(f_gone &&
-        \u_result.beat == F_LAST), .drop(1'b0),
+        \u_records.u_result.beat == F_LAST), .drop(1'b0),
     .n(f_open), .oldest(f_oldest), .newest(f_newest), .sum(), .middle()
 );
 wire f_owes_answer = \u_write.f_waits - m_axi_awvalid > f_open;  // a burst accepted with all its data
@@ -64,12 +66,12 @@ end
 
 // ---- whose turn it is ----
 
-wire f_event = \u_read.ask || (m_axi_arvalid && m_axi_arready) || m_axi_rvalid || record_valid || target_valid ||
-    \u_write.tell ||
+wire f_event = \u_read.ask || (m_axi_arvalid && m_axi_arready) || m_axi_rvalid || record_valid ||
+    \u_records.target_valid || \u_write.tell ||
     (m_axi_awvalid && m_axi_awready) || leave || f_gone || m_axi_bvalid;
 // the memory or ik_axis has to act
 wire f_owed = m_axi_arvalid || \u_read.due != 0 || m_axi_awvalid || m_axi_wvalid || f_owes_answer ||
-    (\g_axis.u_axis.inside != 0 && !result_valid);
+    (\u_records.g_axis.u_axis.inside != 0 && !\u_records.result_valid );
 reg [1:0] f_still;  // clocks of a job in which neither side has to act
 always @(posedge clk) begin
   f_still <= (rst || !f_running || f_event || f_owed) ? 2'd0 : f_still + (f_still != 3);
@@ -87,8 +89,8 @@ always @* if (\u_job.f_on ) begin
   read_inside : assert (!m_axi_arvalid || (m_axi_araddr >= f_source && f_read_end <= f_source + f_bytes));
   written_inside : assert (!m_axi_awvalid || (m_axi_awaddr >= f_destination && f_write_end <= f_destination + f_bytes));
   wlast_as_announced : assert (!m_axi_wvalid || (f_open != 0 && m_axi_wlast == (f_oldest == 1 &&
-      \u_result.beat == F_LAST)));
-  never_refused : assert (rst || !target_valid || \g_axis.u_axis.s_axis_tready );
+      \u_records.u_result.beat == F_LAST)));
+  never_refused : assert (rst || !\u_records.target_valid || \u_records.g_axis.u_axis.s_axis_tready );
   quiet : assert (f_running || (!m_axi_arvalid && \u_read.f_open == 0 && !m_axi_awvalid && !m_axi_wvalid &&
       \u_write.f_waits == 0 && \u_write.f_open == 0));
   some_in_each_burst : assert ((!\u_read.ask || \u_read.size != 0) && (!\u_write.tell || \u_write.size != 0));
@@ -101,27 +103,27 @@ end
 always @* if (\u_job.f_on || \u_read.f_on || \u_write.f_on ) together : assert (\u_job.f_on && \u_read.f_on &&
     \u_write.f_on );
 always @* if (\u_job.f_on ) begin
-  none_on_the_way : assert (f_running || (!record_valid && (!target_valid || \u_job.state == F_FINISH)));
-  inside_fits : assert (\g_axis.u_axis.inside <= 1 << LOG2_PLACES);
-  emptied : assert (\u_job.state <= F_ENDS || \u_job.state > F_DECIDE || \g_axis.u_axis.inside == 0);
-  core_is : assert (\u_read.f_core >= record_valid + target_valid + \g_axis.u_axis.inside && (!f_running ||
-      \u_read.f_core == record_valid + target_valid + \g_axis.u_axis.inside ));
+  none_on_the_way : assert (f_running || (!record_valid && (!\u_records.target_valid || \u_job.state == F_FINISH)));
+  inside_fits : assert (\u_records.g_axis.u_axis.inside <= 1 << LOG2_PLACES);
+  emptied : assert (\u_job.state <= F_ENDS || \u_job.state > F_DECIDE || \u_records.g_axis.u_axis.inside == 0);
+  core_is : assert (\u_read.f_core >= record_valid + \u_records.target_valid + \u_records.g_axis.u_axis.inside &&
+      (!f_running || \u_read.f_core == record_valid + \u_records.target_valid + \u_records.g_axis.u_axis.inside ));
   to_write_is : assert (!f_running || {1'b0, \u_read.f_core } == \u_write.ready + \u_write.to_send );
   counts_are : assert (!f_running || (\u_read.f_count == job_count && \u_write.f_count == job_count && job_count != 0));
   bases_are : assert (!f_running || (\u_read.f_base == job_source && \u_write.f_base == job_destination));
   areas_are : assert (!f_running || (f_source + {3'd0, job_count, 5'd0} <= {2'b01, {ADDR_W{1'b0}}} && f_destination +
       {3'd0, job_count, 5'd0} <= {2'b01, {ADDR_W{1'b0}}}));
   got_is : assert (!f_running || read_error || \u_write.f_got + \u_read.due + \u_read.left == job_count);
-  beat_is : assert (\u_result.beat <= F_LAST || !m_axi_wvalid);
+  beat_is : assert (\u_records.u_result.beat <= F_LAST || !m_axi_wvalid);
   at_is : assert (\u_read.at <= F_LAST && (\u_read.due != 0 || \u_read.at == 0 || !f_running));
   bus_is : assert (!m_axi_wvalid ? f_open == \u_write.f_open && (f_open == 0 || f_oldest == \u_write.f_oldest ) :
-                   \u_result.ends ? f_open == \u_write.f_open + 1 && f_oldest == 1 : f_open == \u_write.f_open &&
+                   \u_records.u_result.ends ? f_open == \u_write.f_open + 1 && f_oldest == 1 : f_open == \u_write.f_open &&
                        f_open != 0 && f_oldest == \u_write.f_oldest + 1);
   bus_newest : assert ((f_open == 0 || f_newest == \u_write.f_newest ) && (\u_write.f_waits == 0 ||
       \u_write.f_last == \u_write.f_newest ));
   bus_behind : assert (\u_write.f_waits >= f_open && \u_write.f_waits <= 8);
   offered_waits : assert (!m_axi_awvalid || \u_write.f_waits != 0);
-  bus_next : assert (!m_axi_wvalid || !\u_result.ends || \u_write.f_open == 0 ||
+  bus_next : assert (!m_axi_wvalid || !\u_records.u_result.ends || \u_write.f_open == 0 ||
       \u_write.f_oldest == ((\u_write.f_open == 1) ? \u_write.f_newest : 1 << LOG2_BURST));
   still_sized : assert (!f_running || f_still == 0 || \u_read.sized || \u_write.sized || f_event || f_owed || stop);
   still_told : assert (!f_running || f_still == 0 || \u_write.sized || f_event || f_owed || stop ||

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axis or ik_arm, with the real FIFO and the abstract pipeline of ik_core.v: results leave in the order of the
+// Appended to ik_axis or ik_arm, with the real credits and FIFO and the abstract pipeline of ik_core.v: results leave in the order of the
 // targets, each once, for any sender, receiver and reset. No assumptions: every input is free in every clock, and so is
 // the state before the first reset.
 //
@@ -12,6 +12,7 @@ localparam integer T = datapath_latency(DATAPATH, W, TILE);
 `endif
 localparam integer DATA = `IK_OUT * W;
 localparam integer RESULT = DATA + `IK_FLAGS;
+localparam integer LOG2 = $clog2(T + 3);  // as in ik_credit_fifo
 localparam integer K = LOG2 + 1;
 localparam [K-1:0] T_K = T;
 localparam [LOG2:0] PLACES = {1'b1, {LOG2{1'b0}}};
@@ -44,12 +45,13 @@ wire f_taken = \g_paper.u_core.taken ;
 wire [TAG_W-1:0] f_core_tag = \g_paper.u_core.tag ;
 wire [RESULT-1:0] f_result = \g_paper.u_core.f_result ;
 `endif
-(* hierconn *) wire [LOG2:0] \g_fifo.u_fifo.wr_ptr ;
-(* hierconn *) wire [LOG2:0] \g_fifo.u_fifo.rd_ptr ;
-(* hierconn *) wire [LOG2-1:0] \g_fifo.u_fifo.f_addr ;
-(* hierconn *) wire [RESULT+TAG_W-1:0] \g_fifo.u_fifo.f_word ;
-wire [LOG2:0] f_wr_ptr = \g_fifo.u_fifo.wr_ptr ;
-wire [LOG2:0] f_rd_ptr = \g_fifo.u_fifo.rd_ptr ;
+(* hierconn *) wire [LOG2:0] \g_fifo.u_credits.credits ;
+(* hierconn *) wire [LOG2:0] \g_fifo.u_credits.u_fifo.wr_ptr ;
+(* hierconn *) wire [LOG2:0] \g_fifo.u_credits.u_fifo.rd_ptr ;
+(* hierconn *) wire [LOG2-1:0] \g_fifo.u_credits.u_fifo.f_addr ;
+(* hierconn *) wire [RESULT+TAG_W-1:0] \g_fifo.u_credits.u_fifo.f_word ;
+wire [LOG2:0] f_wr_ptr = \g_fifo.u_credits.u_fifo.wr_ptr ;
+wire [LOG2:0] f_rd_ptr = \g_fifo.u_credits.u_fifo.rd_ptr ;
 
 reg f_on = 1'b0;  // there was a reset
 reg f_reset;      // in the previous clock
@@ -211,14 +213,14 @@ end
 wire [K-1:0] f_depth = f_index - f_rd_ptr;
 wire f_is_in_mem = f_depth < f_in_mem;
 wire f_is_out = m_axis_tvalid && (f_index + 1'b1 == f_rd_ptr);
-assign \g_fifo.u_fifo.f_addr = f_index[LOG2-1:0];
+assign \g_fifo.u_credits.u_fifo.f_addr = f_index[LOG2-1:0];
 
 always @* if (f_on) begin
   not_yet_stored : assert (!f_taken || f_stored || f_index - f_D < T_K);
   last_row : assert (f_count[K*(T-1)+:K] == f_D + {{LOG2{1'b0}}, f_valid[T-1]});
   flight : assert (f_flight <= T_K);
   counted : assert (f_total <= PLACES);  // at the ports
-  credits_are_free_places : assert (g_fifo.credits == PLACES - f_total);
+  credits_are_free_places : assert (\g_fifo.u_credits.credits == PLACES - f_total);
   count_written : assert (f_wr_ptr == f_D);
   count_left : assert (f_rd_ptr - {{LOG2{1'b0}}, m_axis_tvalid} == f_L);
   memory_fits : assert (f_in_mem <= PLACES);
@@ -236,7 +238,7 @@ always @* if (f_on) begin
     ahead : assert (f_ahead == f_index - f_L);
     ahead_inside : assert (f_ahead < f_total);
     somewhere : assert (!f_stored || f_is_in_mem || f_is_out);
-    kept_in_memory : assert (!f_stored || !f_is_in_mem || \g_fifo.u_fifo.f_word == f_expected);
+    kept_in_memory : assert (!f_stored || !f_is_in_mem || \g_fifo.u_credits.u_fifo.f_word == f_expected);
     kept_in_register : assert (!f_stored || !f_is_out || {m_axis_tuser, m_axis_tdata} == f_expected);
   end
 end

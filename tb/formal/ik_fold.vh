@@ -1,25 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
 // Appended to ik_fold or, with IK_ARM, to ik_fold_arm, whose multiplier, memory, sum, counts, flags, angles and limits
-// are left out: streams and sequencer, with the real program. Words are arbitrary; the program's checker shows that it
+// are left out: laps, steps and results, with the real program. Words are arbitrary; the program's checker shows that it
 // computes the dataflow.
 //
 // One assumption, the stream's rule: the sender offers a target until it is taken (f_sender). The state before the
 // first reset is arbitrary, and a reset may occur at any time.
 
 `ifdef IK_ARM
-`define IK_FIELDS "ik_fold_arm_fields.vh"
 localparam integer WORDS = 17, CLOCK_W = 8, SIDE_W = TAG_W + 3;
-wire f_earlier = earlier;
-wire [STEP_W-1:0] f_step_read = g_steps.next_step;
+`else
+localparam integer WORDS = 6, CLOCK_W = 7, SIDE_W = TAG_W;
+`endif
+// signals of the instances, connected by name when the hierarchy is flattened
+(* hierconn *) wire [CLOCK_W-1:0] \u_fetch.read ;
+(* hierconn *) wire \u_lap.current ;
+(* hierconn *) wire \u_lap.previous ;
+(* hierconn *) wire \u_lap.earlier ;
+(* hierconn *) wire \u_lap.occupied ;
+(* hierconn *) wire \u_lap.begun ;
+wire [CLOCK_W-1:0] read = \u_fetch.read ;
+wire current = \u_lap.current ;
+wire previous = \u_lap.previous ;
+wire f_earlier = \u_lap.earlier ;
+wire f_begun = \u_lap.begun ;
+`ifdef IK_ARM
 wire [SIDE_W-1:0] f_side = {branch_in, tag};  // of the target taken last
 wire [SIDE_W-1:0] f_side_given = {branch, m_axis_tuser[TAG_W-1:0]};  // of the results
 wire [W*WORDS-1:0] f_value = {{10{answer}}, {7{th}}};
+(* hierconn *) wire [17*W-1:0] \u_results.words ;
+(* hierconn *) wire [6:0] \u_results.overs ;
+(* hierconn *) wire [2:0] \u_results.joint_1 ;
+(* hierconn *) wire \u_results.angle_1 ;
+(* hierconn *) wire \u_results.angle_2 ;
+wire [17*W-1:0] words = \u_results.words ;
+wire [6:0] overs = \u_results.overs ;
+wire [2:0] joint_1 = \u_results.joint_1 ;
+wire angle_1 = \u_results.angle_1 ;
+wire angle_2 = \u_results.angle_2 ;
+function integer angles_after(input integer joint);  // angles written after th1 (0) to th7 (6)
+  integer m;
+  begin
+    angles_after = 0;
+    for (m = 0; m < 7; m = m + 1) if (AFTER[8*m+:8] < AFTER[8*joint+:8]) angles_after = angles_after + 1;
+  end
+endfunction
 `else
-`define IK_FIELDS "ik_fold_fields.vh"
-localparam integer WORDS = 6, CLOCK_W = 7, SIDE_W = TAG_W;
-wire f_earlier = 1'b0;
-wire [STEP_W-1:0] f_step_read = step_read;
-wire [SIDE_W-1:0] f_side = tag;
+(* hierconn *) wire [TAG_W-1:0] \u_results.tag ;
+wire [SIDE_W-1:0] f_side = \u_results.tag ;
 wire [SIDE_W-1:0] f_side_given = m_axis_tuser[TAG_W-1:0];
 wire [W*WORDS-1:0] f_value = {WORDS{answer}};
 `endif
@@ -51,12 +78,14 @@ assign f_so_far[WORDS-1:0] = f_in_lap[WORDS*PERIOD+:WORDS];
 genvar gi;
 generate
   for (gi = 0; gi < PERIOD; gi = gi + 1) begin : g_f
-    wire [STEP_W-1:0] step = rom[gi];
+    wire [STEP_W-1:0] f_step = rom[gi];
     localparam [CLOCK_W-1:0] CLOCK = gi;
     localparam integer BEFORE = CLOCK_W * (gi == 0 ? 0 : gi - 1);
-    `include `IK_FIELDS
+    wire f_first_result = f_step[AT_FIRST_RESULT], f_last_result = f_step[AT_LAST_RESULT];
+    wire f_last_input = f_step[AT_LAST_INPUT];
+    wire [BITS_RESULT-1:0] f_result = f_step[AT_RESULT+:BITS_RESULT];
     assign f_takes[gi] = f_last_input;
-    assign f_holds[gi] = f_hold;
+    assign f_holds[gi] = f_step[AT_HOLD];
     assign f_begins[gi] = f_first_result;
     assign f_ends[gi] = f_last_result;
     wire [WORDS-1:0] of_clock = f_result == RESULT_NONE ? {WORDS{1'b0}} : ONE << (f_result - 1);
@@ -103,7 +132,7 @@ always @(posedge clk) begin
   else if (f_take) f_at <= LAP;
   else if (f_at == LAP && go && last) f_at <= NEXT;
   else if (f_at == NEXT && go && last && LAST_LAP == 2) f_at <= THIRD;
-  else if (f_at == LAST_LAP + LAP && go && f_last_result) f_at <= OFFERED;
+  else if (f_at == LAST_LAP + LAP && go && step[AT_LAST_RESULT]) f_at <= OFFERED;
   else if (f_at == OFFERED && f_leave) f_at <= OUT;
 end
 
@@ -111,9 +140,9 @@ end
 
 reg [WORDS-1:0] f_words;   // written
 reg [W*WORDS-1:0] f_data;  // their values
-wire [WORDS-1:0] f_word = (go && giving && f_result != RESULT_NONE) ? ONE << (f_result - 1) : {WORDS{1'b0}};
+wire [WORDS-1:0] f_word = (go && writing && result_field != RESULT_NONE) ? ONE << (result_field - 1) : {WORDS{1'b0}};
 always @(posedge clk)
-  f_words <= rst ? {WORDS{1'b0}} : ((go && f_first_result && giving) ? {WORDS{1'b0}} : f_words) | f_word;
+  f_words <= rst ? {WORDS{1'b0}} : ((go && first_result && writing) ? {WORDS{1'b0}} : f_words) | f_word;
 wire [WORDS-1:0] f_kept;
 `ifdef IK_ARM
 // Results are kept in the order of the program, the last one lowest: f_ordered is a whole answer, f_shifted the part of it
@@ -154,7 +183,7 @@ endgenerate
 always @(posedge clk) begin
   f_angle_1 <= rst ? 7'd0 : f_word[6:0];
   f_angle_2 <= rst ? 7'd0 : f_angle_1;
-  f_judged <= rst ? 7'd0 : (go && f_first_result && giving) ? f_angle_2 : f_judged | f_angle_2;
+  f_judged <= rst ? 7'd0 : (go && first_result && writing) ? f_angle_2 : f_judged | f_angle_2;
 end
 wire [CLOCK_W-1:0] f_before = clock == 0 ? END : clock - 1;
 wire [CLOCK_W-1:0] f_two_before = f_before == 0 ? END : f_before - 1;
@@ -163,9 +192,9 @@ always @* if (f_on) begin
   compared : assert (angle_1 == |f_angle_1 && angle_2 == |f_angle_2 && &f_joint);
   compared_once : assert (f_words[6:0] == (f_judged | f_angle_1 | f_angle_2) && (f_angle_2 & f_angle_1) == 0 &&
       (f_judged & (f_angle_1 | f_angle_2)) == 0);
-  angle_of_clock : assert (f_angle_1 == (given ? f_angles[7*f_before+:7] : 7'd0));
-  angle_before : assert (f_angle_2 == (given && f_before != f_first_clock ? f_angles[7*f_two_before+:7] : 7'd0));
-  judged : assert (given || f_judged == 7'd0 || f_judged == 7'h7f);
+  angle_of_clock : assert (f_angle_1 == (f_begun ? f_angles[7*f_before+:7] : 7'd0));
+  angle_before : assert (f_angle_2 == (f_begun && f_before != f_first_clock ? f_angles[7*f_two_before+:7] : 7'd0));
+  judged : assert (f_begun || f_judged == 7'd0 || f_judged == 7'h7f);
   over_kept : assert (f_over_wrong == 7'd0);
 end
 `endif
@@ -200,10 +229,10 @@ always @* if (f_on) begin
   nothing_invented : assert (!m_axis_tvalid || f_total != 0);
   two_at_most : assert (f_total <= 2);
   taken_when_offered : assert (!s_axis_tready || s_axis_tvalid);
-  loads_what_is_offered : assert (!(go && here && f_source == SOURCE_INPUT) || (s_axis_tvalid && !f_accepted));
+  loads_what_is_offered : assert (!(go && \u_lap.occupied && source == SOURCE_INPUT) || (s_axis_tvalid && !f_accepted));
   // all words are written, and they are those of the program
   answer_whole : assert (!m_axis_tvalid || (f_words == {WORDS{1'b1}} && m_axis_tdata == f_data));
-  word_once : assert (!(go && giving && !f_first_result) || (f_word & f_words) == 0);
+  word_once : assert (!(go && writing && !first_result) || (f_word & f_words) == 0);
   step_of_clock : assert (!f_some || step == rom[clock]);
   // no deadlock: bounds of the time until a result is offered, and until a target is taken
   offered_in_time : assert (f_quiet <= LAST_LAP * PERIOD + f_end_clock - f_take_clock);
@@ -226,7 +255,7 @@ always @* if (f_on) begin
   ends_once : assert (f_ends == {{(PERIOD - 1) {1'b0}}, 1'b1} << f_end_clock && f_ends[0] == 0);
   begins_once : assert (f_begins == {{(PERIOD - 1) {1'b0}}, 1'b1} << f_first_clock);
   holds_before : assert (f_holds == {{(PERIOD - 1) {1'b0}}, 1'b1} << (f_first_clock == 0 ? END : f_first_clock - 1));
-  step_read_of_clock : assert (!(read <= END) || f_step_read == rom[read]);
+  step_read_of_clock : assert (!(read <= END) || fetched_step == rom[read]);
   fetched_in_lap : assert (fetched <= END);
   read_in_lap : assert (read <= END || read == NEVER);
   clock_in_lap : assert (f_some || clock == NEVER);
@@ -239,10 +268,11 @@ always @* if (f_on) begin
   accepted_in_lap : assert (f_accepted == (current && clock > f_take_clock));
   early_is_offered : assert (!f_early || f_waits);
   previous_in_lap : assert (!previous || clock <= (LAST_LAP == 1 ? f_end_clock : END));
+  earlier_if_third : assert (!f_earlier || LAST_LAP == 2);
   earlier_in_lap : assert (!f_earlier || clock <= f_end_clock);
-  given_in_lap : assert (given == (f_earlier || (previous && clock > f_first_clock)));
-  given_is_not_offered : assert (!given || !m_axis_tvalid);
-  words_so_far : assert (!given || f_words == f_so_far[WORDS*clock+:WORDS]);
+  begun_in_lap : assert (f_begun == (f_earlier || (previous && clock > f_first_clock)));
+  begun_is_not_offered : assert (!f_begun || !m_axis_tvalid);
+  words_so_far : assert (!f_begun || f_words == f_so_far[WORDS*clock+:WORDS]);
   words_kept : assert (&f_kept);
   stops : assert (go || (m_axis_tvalid && previous && clock == f_first_clock));
   stopped : assert (!(m_axis_tvalid && previous && clock >= f_first_clock) || !go);
@@ -251,7 +281,7 @@ always @* if (f_on) begin
   at_lap : assert (f_at != LAP || (f_accepted && f_side == f_tag &&
       f_ahead == {1'b0, previous} + {1'b0, m_axis_tvalid}));
   at_next : assert (f_at != NEXT || (previous && f_ahead == {1'b0, f_earlier} + {1'b0, m_axis_tvalid}));
-  at_next_tag : assert (f_at != NEXT || (given && !f_earlier ? f_side_given : f_side) == f_tag);
+  at_next_tag : assert (f_at != NEXT || (f_begun && !f_earlier ? f_side_given : f_side) == f_tag);
   at_third : assert (f_at != THIRD || (f_earlier && f_ahead == 0 && f_side_given == f_tag));
   at_offered : assert (f_at != OFFERED || (m_axis_tvalid && f_ahead == 0 &&
       m_axis_tuser[TAG_W-1:0] == f_tag[TAG_W-1:0]));

@@ -48,7 +48,8 @@ WHOLE_AFTER = {
     "read_inside": "inside_source within_4k whole_records quiet bases_are counts_are areas_are together",
     "written_inside": "inside_destination within_4k whole_records quiet bases_are counts_are areas_are together",
 }
-ENGINES = "ik_axi_job ik_axi_read ik_axi_regs ik_axi_result ik_axi_target ik_axi_write"
+CONTROL = "ik_fold_fetch ik_fold_lap"
+ENGINES = "ik_axi_job ik_axi_read ik_axi_records ik_axi_regs ik_axi_result ik_axi_target ik_axi_write"
 
 
 def fifo(log2: int, depth: int = 0) -> Proof:
@@ -65,7 +66,7 @@ def axis(name: str, width: int, depth: int = 0) -> Proof:
         f"axis_{name}",
         path.top,
         sets,
-        "ik_core ik_fifo",
+        "ik_core ik_credit_fifo ik_fifo",
         properties,
         CORE[path.name],
         depth=depth,
@@ -77,12 +78,12 @@ def axis(name: str, width: int, depth: int = 0) -> Proof:
 def handshake(datapath: str) -> Proof:
     """Return the proof that no gates lead from tready or tvalid at one stream to the other's."""
     gates = ("i:m_axis_tready i:s_axis_tvalid", "o:m_axis_tvalid o:s_axis_tready", 2, 2)
-    core, path = "ik_core" if datapath in CORE else f"ik_{datapath}", MODELS[datapath]
+    core, path = "ik_core" if datapath in CORE else f"ik_{datapath} {CONTROL}", MODELS[datapath]
     return Proof(
         f"handshake_{datapath}",
         path.top,
         {"W": 32, "DATAPATH": path.number},
-        f"{core} ik_fifo",
+        f"{core} ik_credit_fifo ik_fifo",
         defines=CORE.get(datapath, ""),
         part=datapath not in CORE,
         gates=gates,
@@ -132,13 +133,14 @@ PROOFS = (
     *(Proof(f"root_row_{k}", "ik_root_row", {"K": k}, depth=1) for k in (15, 30)),
     *(rows("div", *kind, {"LAT": 34, "DW": 32}, 46, FIRST) for kind in ((32, 29), (32, 30), (40, 22), (40, 23))),
     *(rows("root", *kind, {"LAT": 32}, 44, ROW) for kind in ((32, 30), (32, 31), (33, 29))),
-    Proof("fold_24", "ik_fold", {"W": 24}, part=True, depth=220),  # all widths share the program
+    # all widths share the program
+    Proof("fold_24", "ik_fold", {"W": 24}, f"{CONTROL} ik_fold_results", part=True, depth=220),
     handshake("fold"),
     axis("arm", 32),
     handshake("arm"),
     valid("arm"),
-    Proof("fold_arm_24", "ik_fold_arm", {"W": 24}, properties={"ik_fold_arm": "ik_fold"}, defines="IK_ARM", part=True,
-          depth=480),
+    Proof("fold_arm_24", "ik_fold_arm", {"W": 24}, f"{CONTROL} ik_fold_arm_results",
+          properties={"ik_fold_arm": "ik_fold"}, defines="IK_ARM", part=True, depth=480),
     handshake("fold_arm"),
     engine("read", "ik_bursts"),
     engine("write", "ik_bursts"),
@@ -154,7 +156,8 @@ PROOFS = (
         claims=("chformal -assume2assert t:$assume c:u_read.f_data %d c:f_answered %d c:f_length %d",
                 "select -assert-count 3 t:$assume"),
         after=WHOLE_AFTER),
-    Proof("axi_gates_64", "ik_axi", {"DATA_W": 64}, f"ik_core ik_fifo ik_axis {ENGINES}", defines=CORE["lean"],
+    Proof("axi_gates_64", "ik_axi", {"DATA_W": 64}, f"ik_core ik_credit_fifo ik_fifo ik_axis {ENGINES}",
+          defines=CORE["lean"],
           gates=("i:s_axi_* i:m_axi_*", "o:*", 22, 31)),  # rst, which drives the ready of the registers, may lead there
 )  # fmt: skip
 """All proofs by induction and about gates; a test compares the parameters with the model and the RTL."""

@@ -24,7 +24,7 @@ PORTS = {
 }
 
 STREAMS, JOBS, FAULTS, REGISTERS = "tb.core.stream_tests", "tb.axi.ik_axi", "tb.axi.faults", "tb.axi.registers"
-FIFO, AXIS, AXI = "rtl/lib/ik_fifo.v", "rtl/ik_axis.v", "rtl/ik_axi.v"
+FIFO, CREDITS, AXI = "rtl/lib/ik_fifo.v", "rtl/lib/ik_credit_fifo.v", "rtl/ik_axi.v"
 READ, WRITE, RESULT, REGS, JOB, TARGET = (
     f"rtl/axi/ik_axi_{part}.v" for part in ("read", "write", "result", "regs", "job", "target")
 )
@@ -43,7 +43,7 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
      FIFO, "if (load) begin", "if (load || empty) begin"),
     ("m_axis PAYLOAD_STAYS", STREAMS, "full", FIFO, "if (load) m_data", "m_data"),
     ("m_axis PAYLOAD_KNOWN", STREAMS, "one_result", FIFO, "if (wr_en) mem", "if (wr_en && wr_ptr[0]) mem"),
-    ("s_axis READY_KNOWN", STREAMS, "one_result", AXIS, "if (rst) credits <= ", "if (1'b0) credits <= "),
+    ("s_axis READY_KNOWN", STREAMS, "one_result", CREDITS, "if (rst) credits <= ", "if (1'b0) credits <= "),
     ("s_axi B_AFTER_ADDRESS", REGISTERS, "strobes", REGS, "write = waddr_held && ", "write = "),
     ("s_axi B_AFTER_DATA", REGISTERS, "strobes", REGS, "waddr_held && wdata_held &&", "waddr_held &&"),
     ("s_axi BRESP", REGISTERS, "every_field", REGS, "s_axi_bresp <= OKAY", "s_axi_bresp <= 2'b01"),
@@ -176,9 +176,9 @@ def test_a_wrong_driver_is_named(finding, test, forced, when, echo, said):
 
 def test_rules_are_put_in_once(tmp_path):
     """Rules are added to the modules that have ports; an unchanged copy is not rewritten."""
-    found = with_rules([ROOT / AXIS, ROOT / FIFO], tmp_path)
+    found = with_rules([ROOT / "rtl/ik_axis.v", ROOT / FIFO], tmp_path)
     assert found[:2] == [tmp_path / "ik_axis_rules.v", ROOT / FIFO] and found[2:] == [RULES / "ik_rules.v"]
     before = found[0].stat().st_mtime_ns
-    with_rules([ROOT / AXIS], tmp_path)
+    with_rules([ROOT / "rtl/ik_axis.v"], tmp_path)
     assert found[0].stat().st_mtime_ns == before and found[0].read_text().count("ik_rules_channel") == 2
     assert names("ik_rules_channel")[3] == "PAYLOAD_STAYS"

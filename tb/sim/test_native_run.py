@@ -104,7 +104,7 @@ if simulator() == "verilator":
         ("module", "right", "wrong", "message"),
         [
             ("ik_axis", "core_tag, core", "core_tag ^ (core_tag == 9), core", "target 9: the result has tag 8"),
-            ("ik_axis", "!rst && (credits != 0)", "!rst && (credits == 0)", "no result for 20000 clocks"),
+            ("lib/ik_credit_fifo", "!rst && (credits != 0)", "!rst && (credits == 0)", "no result for 20000 clocks"),
             (
                 "lib/ik_fifo",
                 "(wr_ptr == rd_ptr)",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_vector``, ``ik_fold_angle`` against their model; ``ik_limit``, ``ik_fold_limit`` against the definition."""
+"""``ik_vector`` and ``ik_fold_angle`` against their model; ``ik_double`` and the limits against the definition."""
 
 import itertools
 import random
@@ -12,7 +12,22 @@ from cocotb.triggers import FallingEdge, RisingEdge
 from model.dataflow import angles
 from model.dataflow.expressions import round_shift
 from model.dataflow.formats import Latency
-from tb.units.unit import BIT, EVERY, Case, Tests, Vector, checks, each, runs, sets_of, signed, some, unsigned
+from tb.units.unit import (
+    BIT,
+    EVERY,
+    Case,
+    Tests,
+    Vector,
+    checks,
+    each,
+    rounded,
+    runs,
+    sets_of,
+    signed,
+    some,
+    unsigned,
+    wrapped,
+)
 
 
 def words(W: int, count: int = 1000) -> list[Vector]:
@@ -142,6 +157,17 @@ def fold_angle(W: int) -> Tests:
     return {"joints": joints}
 
 
+def double(IW: int, OW: int) -> Tests:
+    """Twice an angle, with either sign, rounded half up; it wraps."""
+    q = unsigned(OW)
+    return checks(
+        {"a": unsigned(IW), "negate": BIT},
+        {"q": q},
+        each(lambda a, negate: wrapped(rounded(-2 * a if negate else 2 * a, IW - OW), q)),
+        latency=1,
+    )
+
+
 def over(W: int, th: int, low: int, high: int) -> int:
     return int((th - low) % (1 << W) > (high - low) % (1 << W))
 
@@ -168,6 +194,7 @@ def fold_limit(W: int) -> Tests:
 test_angles = runs(
     Case("ik_vector", vector, sets_of("W", (6,), (24,)), sets_of("W", (5,), (17,), (32,))),
     Case("ik_fold_angle", fold_angle, sets_of("W", (5,), (32,)), sets_of("W", (6,), (17,))),
+    Case("ik_double", double, sets_of("IW OW", (8, 4), (36, 32))),
     Case("ik_limit", limit, sets_of("W", (4,), (32,))),
     Case("ik_fold_limit", fold_limit, sets_of("W", (4,), (32,))),
 )

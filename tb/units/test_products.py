@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_exact``, ``ik_mul`` and ``ik_mul3`` against Python integers; with SQUARE the square of a, whatever b is."""
+"""Products against Python integers; with SQUARE the square of a, whatever b is."""
 
 import itertools
 
@@ -7,7 +7,21 @@ import numpy as np
 
 from model.dataflow.formats import GUARD, Latency
 from model.dataflow.mul3 import TILE, mul3, unseen
-from tb.units.unit import Case, Tests, checks, crossed, each, halves, rounded, runs, sets_of, signed, some, wrapped
+from tb.units.unit import (
+    Case,
+    Tests,
+    checks,
+    crossed,
+    each,
+    halves,
+    rounded,
+    runs,
+    sets_of,
+    signed,
+    some,
+    unsigned,
+    wrapped,
+)
 
 
 def exact(W: int, SQUARE: int) -> Tests:
@@ -100,6 +114,19 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
     )
 
 
+def scale(COUNT: int, AW: int, BW: int, SH: int, OW: int, **delays: int) -> Tests:
+    """A product for each word of a; :func:`of_tiles` checks the model's."""
+
+    def reference(a, b):
+        words = [(np.array(a) >> AW * k) % (1 << AW) for k in range(COUNT)]
+        words = [word - (word >> AW - 1 << AW) for word in words]
+        products = [mul3(word, np.array(b), SH, AW, BW, TILE) % (1 << OW) for word in words]
+        return (sum(product << OW * k for k, product in enumerate(products)).tolist(),)
+
+    ports = {"a": unsigned(COUNT * AW), "b": signed(BW)}
+    return checks(ports, {"q": unsigned(COUNT * OW)}, reference, latency=Latency(32)["mul3"], delays=delays)
+
+
 names = "AW BW SH OW"
 test_products = runs(
     Case(
@@ -143,5 +170,11 @@ test_products = runs(
             *sets_of(names, (33, 31, 31, 31), TILE=16),  # the last bit of a is ignored
             *sets_of(names, (5, 6, 5, 8), TILE=4, DA=1, DB=4),
         ],
+    ),
+    Case(
+        "ik_scale",
+        scale,
+        sets_of(names, (20, 20, 18, 20), COUNT=3),
+        sets_of(names, (25, 25, 23, 25), COUNT=2, DA=2, DB=1),
     ),
 )

@@ -7,7 +7,7 @@ import pytest
 from model.bounds import tolerances
 from model.dataflow import fixed
 from model.dataflow.formats import WIDTHS
-from model.io.flags import BAD_HAND, SATURATED, UNREACHABLE, expected_flags
+from model.io.flags import BAD_HAND, OVER_BIT, SATURATED, UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, any_hands, hand_poses, region
 from model.reference.joints import NEGATED_BY, TURNED_BY
 from model.reference.kinematics import rotate
@@ -137,7 +137,7 @@ def test_over_limit_is_exact(width):
         limits += random.integers(-1, 2, limits.shape)
         limits[random.integers(7)] = -half, half - 1
         limits = (limits + half) % (2 * half) - half
-        over = fixed.run(words, width, "arm", 0, limits.tolist()).flags >> 9
+        over = fixed.run(words, width, "arm", 0, limits.tolist()).flags >> OVER_BIT
         for k, (low, high) in enumerate(limits.tolist()):
             arc = [(low <= v <= high) if low <= high else (v >= low or v <= high) for v in th[:, k].tolist()]
             assert (over >> k & 1).tolist() == [not within for within in arc]

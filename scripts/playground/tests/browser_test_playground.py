@@ -266,7 +266,7 @@ def test_a_receiver_that_stalls_loses_nothing(page):
     page.run("document.getElementById('ready').click()")
     step(page, 150)
     places = page.run(f"{MACHINE}.places")
-    assert page.run(f"Number({MACHINE}.live('g_fifo.credits'))") == 0
+    assert page.run(f"Number({MACHINE}.live('g_fifo.u_credits.credits'))") == 0
     assert page.run(f"{MACHINE}.sent") - start == places == page.run(f"{MACHINE}.flying.length")
     page.run("document.getElementById('ready').click()")
     page.run("document.getElementById('dense').click()")
@@ -330,8 +330,8 @@ def test_the_vcd_holds_every_node(page, tmp_path, machine):
 def test_signals_are_shown_and_hidden(page):
     step(page, 5)
     for there in (True, False):
-        page.choose("watch", "g_fifo.u_fifo.wr_ptr")
-        assert page.run("playground.ui.watched.includes('g_fifo.u_fifo.wr_ptr')") == there
+        page.choose("watch", "g_fifo.u_credits.u_fifo.wr_ptr")
+        assert page.run("playground.ui.watched.includes('g_fifo.u_credits.u_fifo.wr_ptr')") == there
     wide = page.picture("waves")
     page.choose("zoom", "20")
     assert page.picture("waves") != wide

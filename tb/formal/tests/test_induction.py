@@ -10,6 +10,7 @@ import pytest
 from model.dataflow import fixed
 from model.dataflow.formats import WIDTHS, Latency
 from tb.formal import induction
+from tb.formal.bugs import CREDITS
 from tb.formal.induction import FORMAL, Proof, Steps
 from tb.formal.proofs import PROOFS
 from tb.sim.env import ROOT
@@ -99,7 +100,7 @@ def test_smallest_proof_and_its_bug():
 @pytest.mark.parametrize(
     ("name", "bug"),
     [
-        ("handshake_lean", Bug("", "rtl/ik_axis.v", "!rst && (credits != 0)", "(credits != 0) && !rst", "independent")),
+        ("handshake_lean", Bug("", CREDITS, "!rst && (credits != 0)", "(credits != 0) && !rst", "independent")),
         ("div_row_31", Bug("", "rtl/lib/ik_div_row.v", "endmodule", "\nendmodule", "identity")),
     ],
 )
