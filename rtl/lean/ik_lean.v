@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Results Q2.(W-2), half up; inputs Q2.(W-2) and a binary angle; rounding and format of each node: ik_lean_nodes.vh.
-// A node's declaration carries the number , , ... of its equation in docs/generated/lean.md; signals without a
-// number are flags, aligned copies or intermediate terms. The pipeline has no enable, and only the valid bits and the
-// pointers of ik_ring are reset; valid and tag travel with the data.
+// Each operator has the equation of its node above it, as in docs/generated/lean.md; signals without one are flags, aligned
+// copies or intermediate terms. The pipeline has no enable, and only the valid bits and the pointers of ik_ring are
+// reset; valid and tag travel with the data.
 // Throughput: one target per clock.
 //
 // A signal named like a node holds it in the node's clock, T_<NODE>. Operators delay their own operands (DA, DB, ..:

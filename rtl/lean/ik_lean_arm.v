@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Results Q2.(W-2) and binary angles, half up; inputs Q2.(W-2), a binary angle; each node's format: ik_arm_nodes.vh.
-// A node's declaration carries the number , , ... of its equation in model/dataflow/arm.py; signals without a
-// number are flags, aligned copies or intermediate terms. The pipeline has no enable, and only the valid bits and the
-// pointers of ik_ring are reset; valid and tag travel with the data.
+// Each operator has the equation of its node above it, as in model/dataflow/arm.py; signals without one are flags, aligned
+// copies or intermediate terms. The pipeline has no enable, and only the valid bits and the pointers of ik_ring are
+// reset; valid and tag travel with the data.
 // Throughput: one pose per clock.
 //
 // A signal named like a node holds it in the node's clock, T_<NODE>; x_at_y is x in clock T_<Y>. ik_lean gets the

@@ -53,10 +53,14 @@ module ik_lean_direction #(
   wire [MW-1:0] m_rho;
   wire [MW-1:0] m_s;
   wire signed [N-1:0] inv_rho;
+  // e_rho = clz(rho_sq) / 2
+  // m_rho = rho_sq << 2 * e_rho
   // inv_rho = 1 / (2 * sqrt m_rho)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_rho (
       .clk(clk), .v(rho_sq[2*W-1:0]), .e(e_rho), .m(m_rho), .inv(inv_rho)
   );
+  // e_s = clz(s) / 2
+  // m_s = s << 2 * e_s
   // inv_s = 1 / (2 * sqrt m_s)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_s (.clk(clk), .v(s[2*W-1:0]), .e(e_s), .m(m_s), .inv(inv_s));
   wire unused = &{1'b0, rho_sq[2*W+1:2*W], s[2*W+1:2*W], m_s};  // sums of squares are below 2^2W; m_s is for waves only

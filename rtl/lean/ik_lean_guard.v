@@ -48,7 +48,7 @@ module ik_lean_guard #(
     at_shoulder <= no_xy && (z == {W{1'b0}});
   end
 
-  // ---- and squares ----
+  // ---- sum and difference of the lengths, and squares ----
 
   reg signed [W:0] d_sum;
   reg signed [W:0] d_dif;

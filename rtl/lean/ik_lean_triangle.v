@@ -68,16 +68,24 @@ module ik_lean_triangle #(
   // Negative values lose their sign here; the arm is clamped then.
   wire [EW:0] d1_x = {{(ODD + 1) {d1[W-1]}}, d1};
   wire [EW:0] d2_x = {{(ODD + 1) {d2[W-1]}}, d2};
+  // e_far = clz(a_far) / 2
+  // m_far = a_far << 2 * e_far
   // inv_far = 1 / (2 * sqrt m_far)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_far (
       .clk(clk), .v(a_far[2*W-1:0]), .e(e_far), .m(m_far), .inv(inv_far)
   );
+  // e_near = clz(b_near) / 2
+  // m_near = b_near << 2 * e_near
   // inv_near = 1 / (2 * sqrt m_near)
   ik_lean_root #(.VW(2*W), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_near (
       .clk(clk), .v(b_near[2*W-1:0]), .e(e_near), .m(m_near), .inv(inv_near)
   );
+  // e_1 = clz(d1) / 2
+  // m_1 = d1 << 2 * e_1
   // inv_1 = 1 / (2 * sqrt m_1)
   ik_lean_root #(.VW(EW), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_1 (.clk(clk), .v(d1_x[EW-1:0]), .e(e_1), .m(m_1), .inv(inv_1));
+  // e_2 = clz(d2) / 2
+  // m_2 = d2 << 2 * e_2
   // inv_2 = 1 / (2 * sqrt m_2)
   ik_lean_root #(.VW(EW), .R(ROOT_FRAC), .N(N), .TILE(TILE)) u_2 (.clk(clk), .v(d2_x[EW-1:0]), .e(e_2), .m(m_2), .inv(inv_2));
   wire unused = &{1'b0, a_far[2*W+1:2*W], b_near[2*W+1:2*W], d1_x[EW], d2_x[EW], m_1, m_2};

@@ -56,6 +56,8 @@ module ik_lean_turn #(
   wire signed [N-1:0] cos_h = cos_x <<< (FRAC - TF);
   // An angle shorter than WX bits is padded with zeros below.
   wire signed [WX-1:0] phi_w = {{(WX - W + 1) {phi[W-1]}}, phi[W-2:0]};
+  // sin_h = sin(phi / 2)
+  // cos_h = cos(phi / 2)
   ik_trig #(.W(WX), .F(TF), .TILE(TILE)) u_trig (.clk(clk), .phi(phi_w <<< (WX - W)), .sin_h(sin_t), .cos_h(cos_t));
 
   wire signed [N-1:0] cc;
