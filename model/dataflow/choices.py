@@ -100,9 +100,9 @@ def signed(value: Term, negative: Term) -> Choice:
     return Choice(Select(negative, -value, value), lambda to, node: to.result(node, value, negative))
 
 
-def elbow(value: Term, clamp: Term, fold: Term, sign: int, closed: int, straight: int) -> Choice:
-    """Return a word times a sign; where the elbow is clamped, 1, 0 or -1."""
-    part = Select(clamp, Select(fold, closed, straight), value if sign > 0 else -value)
+def elbow(value: Term, sign: int, clamp: Term, closed: Term, ends: tuple[int, int]) -> Choice:
+    """Return a word times a sign; of a clamped elbow the first of the ends if it is closed, else the second."""
+    part = Select(clamp, Select(closed, *ends), value if sign > 0 else -value)
     return Choice(part, lambda to, node: to.elbow(node, value, sign))
 
 

@@ -170,7 +170,7 @@ def guard(d: Dataflow, target: dict[str, Node]) -> None:
     too_near = d.mask("too_near", (b_near < 0) & ~bad_length)
     # No elbow: the arm is straight or closed along the line to the target.
     d.mask("clamp", too_far | too_near | at_shoulder | bad_length)
-    d.mask("fold", (too_near | at_shoulder) & ~bad_length)
+    d.mask("closed", (too_near | at_shoulder) & ~bad_length)
     d.mask("away", too_near & (d_dif < 0))
 
 
@@ -231,7 +231,7 @@ def direction(d: Dataflow, f: Lean) -> None:
 def triangle(d: Dataflow, f: Lean) -> None:
     """Build Qe (14) and half the angle a at the shoulder: cos a = K/(2 d1 |p|), sin a = sqrt(A B)/(2 d1 |p|)."""
     n = d.nodes
-    e_s, inv_s, clamp, fold, away = (n[name] for name in ("e_s", "inv_s", "clamp", "fold", "away"))
+    e_s, inv_s, clamp, closed, away = (n[name] for name in ("e_s", "inv_s", "clamp", "closed", "away"))
     d.at("triangle")
     e_far, m_far, inv_far = root(d, f, "far", n["a_far"], 2 * d.width)
     e_near, m_near, inv_near = root(d, f, "near", n["b_near"], 2 * d.width)
@@ -275,9 +275,9 @@ def triangle(d: Dataflow, f: Lean) -> None:
 
     # The clamped elbow is closed (1, 0) or straight (0, -1).
     d.at(equation="(14)")
-    for half, sign, closed, straight, within in (("w", 1, 1, 0, ELBOW_W), ("i", -1, 0, -1, ELBOW_I)):
+    for half, sign, ends, within in (("w", 1, (1, 0), ELBOW_W), ("i", -1, (0, -1), ELBOW_I)):
         facts = {"rounding": HALF_UP, "within": within, "proof": ("case", f"=qe_{half}", f"elbow_{half}")}
-        d.node(f"qe_{half}", choices.elbow(elbow[half], clamp, fold, sign, closed, straight), f.result, **facts)
+        d.node(f"qe_{half}", choices.elbow(elbow[half], sign, clamp, closed, ends), f.result, **facts)
     d.at()
 
     # 1/(4 d1 |p|) in the units of d1 and |p|, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
@@ -310,20 +310,20 @@ def triangle(d: Dataflow, f: Lean) -> None:
     triangle_lemmas(d)
 
     # The last rotation turns by -a.  A clamped arm lies along the line to the target, (1, 0), or away from it, (0, 1).
-    arm_sq = squared_length(d, f, "arm_sq", half_length(cos_a, clamp), ("case", "=arm_sq", "cos_a"))
+    bend_sq = squared_length(d, f, "bend_sq", half_length(cos_a, clamp), ("case", "=bend_sq", "cos_a"))
     toward = Select(clamp, Not(away), cos_a >= 0)
-    facts = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("arm", "arm_sq")}
-    d.node("arm_c", half_part(cos_a, sin_a, toward, arm_sq, clamp), f.inner, **facts)
-    d.node("arm_s", half_part(cos_a, sin_a, Not(toward), arm_sq, clamp), f.inner, **facts)
+    facts = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("bend", "bend_sq")}
+    d.node("bend_c", half_part(cos_a, sin_a, toward, bend_sq, clamp), f.inner, **facts)
+    d.node("bend_s", half_part(cos_a, sin_a, Not(toward), bend_sq, clamp), f.inner, **facts)
     # Operands for three products instead of four: c + s, and the larger part minus the smaller.
-    d.mask("arm_swap", Select(clamp, away, cos_a < 0))
-    for name, sign in (("arm_dif", -1), ("arm_sum", 1)):
-        facts = {"rounding": FLOOR, "within": PAIR, "grows": SUM, "proof": ("case", f"={name}", "arm_sq", "sin_a")}
-        d.node(name, half_sum(arm_sq, sin_a, clamp, sign), f.inner, **facts)
-    uses = ("case", "=arm_c", "=arm_s", "=arm_sq", "|a| = 1")
-    d.lemma("arm", f"{norm('arm_c', 'arm_s')} <= arm_sq", *uses)
-    swapped = "arm_sum == arm_c + arm_s and arm_dif == (arm_s - arm_c if arm_swap else arm_c - arm_s)"
-    d.lemma("swap", swapped, "case", *equations("arm_sum", "arm_dif", "arm_swap", "arm_c", "arm_s"))
+    d.mask("bend_swap", Select(clamp, away, cos_a < 0))
+    for name, sign in (("bend_dif", -1), ("bend_sum", 1)):
+        facts = {"rounding": FLOOR, "within": PAIR, "grows": SUM, "proof": ("case", f"={name}", "bend_sq", "sin_a")}
+        d.node(name, half_sum(bend_sq, sin_a, clamp, sign), f.inner, **facts)
+    uses = ("case", "=bend_c", "=bend_s", "=bend_sq", "|a| = 1")
+    d.lemma("bend", f"{norm('bend_c', 'bend_s')} <= bend_sq", *uses)
+    swapped = "bend_sum == bend_c + bend_s and bend_dif == (bend_s - bend_c if bend_swap else bend_c - bend_s)"
+    d.lemma("swap", swapped, "case", *equations("bend_sum", "bend_dif", "bend_swap", "bend_c", "bend_s"))
 
 
 def triangle_lemmas(d: Dataflow) -> None:

@@ -65,7 +65,7 @@ def turn(d: Dataflow, f: Lean, phi: Node) -> None:
     within = Within(0.25, 1.0, "a product of such")
     az_tilt_sq = d.node("az_tilt_sq", Mul3(n["az_sq"], n["tilt_sq"]), f.inner, within=within)
     within = Within(0.125, 1.0, "a product of such")
-    length_sq = d.node("length_sq", Mul3(az_tilt_sq, n["arm_sq"]), f.inner, within=within)
+    length_sq = d.node("length_sq", Mul3(az_tilt_sq, n["bend_sq"]), f.inner, within=within)
     low = d.mask("low", length_sq < Constant(0.25), None)
     # The mantissa is of four times the length below 1/4; the root is doubled there.
     facts = {"within": Within(0.25, 1.0, "mantissa"), "grows": FOURFOLD, "limited": MOST}
@@ -99,14 +99,14 @@ def last_rotation(d: Dataflow, f: Lean, *pairs: tuple[Node, Node]) -> None:
         both, proof = one + two, (f"={one}{two}_0", "q_0", "az_tilt_sq")
         total = d.node(f"{both}_0", first + second, f.inner, within=PAIR, grows=SUM, proof=proof)
         far = {"latency": "mul3_far", "within": PAIR}
-        whole = d.node(f"{both}_c", Mul3(total, n["arm_c"]), f.inner, **far)
-        dif = d.node(f"{two}_dif", Mul3(second, n["arm_dif"]), f.inner, after=total, **far)
+        whole = d.node(f"{both}_c", Mul3(total, n["bend_c"]), f.inner, **far)
+        dif = d.node(f"{two}_dif", Mul3(second, n["bend_dif"]), f.inner, after=total, **far)
         # The larger part minus the smaller is s - c where they are swapped.
-        d.node(f"{one}_1", add_sub(whole, dif, n["arm_swap"]), f.inner, **part)
-        plus = d.node(f"{one}_sum", Mul3(first, n["arm_sum"]), f.inner, after=total, **far)
+        d.node(f"{one}_1", add_sub(whole, dif, n["bend_swap"]), f.inner, **part)
+        plus = d.node(f"{one}_sum", Mul3(first, n["bend_sum"]), f.inner, after=total, **far)
         d.node(f"{two}_1", whole - plus, f.inner, **part)
         for unit, other, sign, uses in ((one, two, "+", f"{two}_dif"), (two, one, "-", f"{one}_sum")):
-            statement = f"{unit}_1 == {unit}_0*arm_c {sign} {other}_0*arm_s"
+            statement = f"{unit}_1 == {unit}_0*bend_c {sign} {other}_0*bend_s"
             d.lemma(f"{unit} turned", statement, *equations(f"{unit}_1", f"{both}_c", uses, f"{both}_0"), "swap")
 
 
@@ -115,14 +115,14 @@ def length_lemmas(d: Dataflow) -> None:
     for name in ("wi", "kj"):
         d.define(f"{name}_len", norm(*(f"{part}_0" for part in name)))
         d.define(f"{name}_1_len", norm(*(f"{part}_1" for part in name)))
-    d.define("arm_len", norm("arm_c", "arm_s"))
+    d.define("bend_len", norm("bend_c", "bend_s"))
     for one, two in ("wi", "kj"):
-        uses = equations(f"{one}{two}_1_len", f"{one}{two}_len", "arm_len")
-        statement = f"{one}{two}_1_len == {one}{two}_len*arm_len"
+        uses = equations(f"{one}{two}_1_len", f"{one}{two}_len", "bend_len")
+        statement = f"{one}{two}_1_len == {one}{two}_len*bend_len"
         d.lemma(f"|{one}{two}_1|", statement, f"{one} turned", f"{two} turned", *uses)
     statement = "0 <= wi_len and 0 <= kj_len and wi_len + kj_len <= az_tilt_sq"
     d.lemma("|q_0|", statement, "q_0", "=wi_len", "=kj_len")
-    d.lemma("|arm|", "0 <= arm_len and arm_len <= arm_sq", "arm", "=arm_len")
-    uses = ("|q_0|", "|arm|", "=length_sq", "az_tilt_sq", "arm_sq")
-    d.lemma("|q_0| |arm|", "(wi_len + kj_len)*arm_len <= length_sq", *uses)
-    d.lemma("q_1", "wi_1_len + kj_1_len <= length_sq", "|wi_1|", "|kj_1|", "|q_0| |arm|")
+    d.lemma("|bend|", "0 <= bend_len and bend_len <= bend_sq", "bend", "=bend_len")
+    uses = ("|q_0|", "|bend|", "=length_sq", "az_tilt_sq", "bend_sq")
+    d.lemma("|q_0| |bend|", "(wi_len + kj_len)*bend_len <= length_sq", *uses)
+    d.lemma("q_1", "wi_1_len + kj_1_len <= length_sq", "|wi_1|", "|kj_1|", "|q_0| |bend|")

@@ -99,7 +99,7 @@ def guard(d: Dataflow, target: dict[str, Node]) -> None:
     # It passes through all equations as the ordinary target of an arm with d1 = d2 = 1/4, and three values are
     # overridden: p_e, c4 and the vector whose side decides the sign in (17).
     clamp = d.mask("clamp", too_far | too_near | at_shoulder | bad_length, within=CLAMPED)
-    d.mask("fold", (too_near | at_shoulder) & ~bad_length, within=REACHABLE)
+    d.mask("closed", (too_near | at_shoulder) & ~bad_length, within=REACHABLE)
     d.mask("away", too_near & (d_raw < 0), within=REACHABLE)
 
     # The target in its own unit of length; a target at the shoulder becomes "straight up".

@@ -44,7 +44,7 @@ def elbow_quaternion(d: Dataflow) -> None:
     t_e = d.node("t_e", Total(n["t_x"] + n["t_y"] + n["t_z"]), d.word(-1), within=law, limited=SET_OUTSIDE)
     d_12 = d.node("d_12", Mul(n["d_1"], n["d_2"]), d.word(-1), within=ARMS_PRODUCT)
     d.node("c4_quo", Div(t_e, d_12), d.word(1), limited=ULP)
-    c4 = d.node("c4", Select(n["clamp"], Select(n["fold"], 1, -1), n["c4_quo"]), d.word(1), grows=SAME)
+    c4 = d.node("c4", Select(n["clamp"], Select(n["closed"], 1, -1), n["c4_quo"]), d.word(1), grows=SAME)
     _half(d, "h4_p", 1 + c4)
     _half(d, "h4_m", 1 - c4)
     d.node("qe_w", Root(n["h4_p"]), d.word(1))

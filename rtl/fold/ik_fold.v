@@ -79,7 +79,7 @@ module ik_fold #(
   wire [D-1:0] word, normal;
   wire [D-1:0] w = source == SOURCE_INPUT ? in_word : source == SOURCE_NORMAL ? normal : word;
   wire [W-1:0] result;
-  wire clamped, folded, doubled, q_low;
+  wire clamped, elbow_closed, doubled, q_low;
   wire [7:0] flags;
   wire [D-1:0] b;
   wire [2*D-1:0] p;
@@ -99,7 +99,7 @@ module ik_fold #(
       .s_by(step[AT_S_BY+:BITS_S_BY]), .minus_by(step[AT_MINUS_BY+:BITS_MINUS_BY]),
       .w_en(source != SOURCE_NONE && !rst && !no_step), .w_at(step[AT_W+:BITS_W]), .w(w),
       .phi_loaded(source == SOURCE_INPUT && field == INPUT_PHI), .phi_below_0(in[W-1]),
-      .t(t), .word(word), .normal(normal), .result(result), .clamp(clamped), .fold(folded), .flags(flags),
+      .t(t), .word(word), .normal(normal), .result(result), .clamp(clamped), .closed(elbow_closed), .flags(flags),
       .w_place(w_place), .b(b), .p(p), .n(n), .pairs(pairs), .doubled(doubled), .q_low(q_low), .flag_nodes(flag_nodes)
   );
 
@@ -108,7 +108,7 @@ module ik_fold #(
   wire [BITS_RESULT-1:0] result_field = step[AT_RESULT+:BITS_RESULT];
   wire [W-1:0] answer;
   ik_fold_elbow #(.W(W)) u_elbow (
-      .clamp(clamped), .fold(folded), .is_w(result_field == RESULT_QE_W), .is_i(result_field == RESULT_QE_I),
+      .clamp(clamped), .closed(elbow_closed), .is_w(result_field == RESULT_QE_W), .is_i(result_field == RESULT_QE_I),
       .word(result), .answer(answer)
   );
   ik_fold_results #(.W(W), .TAG_W(TAG_W)) u_results (

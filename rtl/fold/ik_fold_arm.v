@@ -112,7 +112,7 @@ module ik_fold_arm #(
       SOURCE_WRIST: w = {wrist, {(D - W - 1) {1'b0}}};
       default: w = word;
     endcase
-  wire clamped, folded, doubled, q_low, hand_is_bad, wrist_saturated;
+  wire clamped, elbow_closed, doubled, q_low, hand_is_bad, wrist_saturated;
   wire [7:0] flags;
   wire [D-1:0] b;
   wire [2*D-1:0] p;
@@ -134,7 +134,7 @@ module ik_fold_arm #(
       .s_by(step[AT_S_BY+:BITS_S_BY]), .minus_by(step[AT_MINUS_BY+:BITS_MINUS_BY]),
       .w_en(source != SOURCE_NONE && !rst && !no_step), .w_at(step[AT_W+:BITS_W]), .w(w),
       .phi_loaded(source == SOURCE_INPUT && field == INPUT_PHI), .phi_below_0(in_word[W]),
-      .t(t), .word(word), .normal(normal), .result(result), .clamp(clamped), .fold(folded), .flags(flags),
+      .t(t), .word(word), .normal(normal), .result(result), .clamp(clamped), .closed(elbow_closed), .flags(flags),
       .w_place(w_place), .b(b), .p(p), .n(n), .pairs(pairs), .doubled(doubled), .q_low(q_low), .flag_nodes(flag_nodes)
   );
   ik_fold_arm_hand #(.W(W), .XW(XW)) u_hand_flags (
@@ -146,7 +146,7 @@ module ik_fold_arm #(
 
   wire [BITS_RESULT-1:0] result_field = step[AT_RESULT+:BITS_RESULT];
   ik_fold_elbow #(.W(W)) u_elbow (
-      .clamp(clamped), .fold(folded), .is_w(result_field == RESULT_ELBOW_W), .is_i(result_field == RESULT_ELBOW_I),
+      .clamp(clamped), .closed(elbow_closed), .is_w(result_field == RESULT_ELBOW_W), .is_i(result_field == RESULT_ELBOW_I),
       .word(word[D-1-:W]), .answer(answer)
   );
 

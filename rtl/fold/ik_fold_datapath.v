@@ -61,7 +61,7 @@ module ik_fold_datapath #(
     output wire [  W-1:0] result,
     // Elbow and flags
     output wire           clamp,         // no elbow
-    output wire           fold,          // then it is folded, not straight
+    output wire           closed,          // then it is closed, not straight
     output wire [    7:0] flags,         // too_far, too_near, on_axis, at_shoulder, bad_length, 0, 0, 0
     // For waves and testbenches
     output wire [    5:0] w_place,
@@ -172,7 +172,7 @@ module ik_fold_datapath #(
       .phi_loaded(phi_loaded), .phi_below_0(phi_below_0), .e_set(e_set), .zero(zero),
       .none(none), .a_by(a_by), .b_by(b_by), .w_by(w_by), .s_by(s_by), .minus_by(minus_by),
       .a_second(a_second), .b_second(b_second), .w_second(w_second), .s_other(s_other), .minus(minus),
-      .clamp(clamp), .fold(fold), .nodes(flag_nodes), .flags(flags)
+      .clamp(clamp), .closed(closed), .nodes(flag_nodes), .flags(flags)
   );
   wire unused = &{1'b0, sum};
 

@@ -31,7 +31,7 @@ module ik_fold_flags (
     output wire       s_other,
     output reg        minus,
     output wire       clamp,
-    output wire       fold,
+    output wire       closed,
     // Flags
     output wire [9:0] nodes,        // decision nodes, for waves and testbenches
     output wire [7:0] flags         // too_far, too_near, on_axis, at_shoulder, bad_length, 0, 0, 0
@@ -69,15 +69,15 @@ module ik_fold_flags (
   wire too_far = a_far && !bad_length;
   wire too_near = b_near && !bad_length;
   assign clamp = too_far || too_near || at_shoulder || bad_length;  // no elbow
-  assign fold = (too_near || at_shoulder) && !bad_length;
+  assign closed = (too_near || at_shoulder) && !bad_length;
   wire away = too_near && d_dif;
-  wire arm_swap = clamp ? away : cos_a;
-  assign nodes = {k_1, arm_swap, away, fold, clamp, too_near, too_far, at_shoulder, on_axis, bad_length};
+  wire bend_swap = clamp ? away : cos_a;
+  assign nodes = {k_1, bend_swap, away, closed, clamp, too_near, too_far, at_shoulder, on_axis, bad_length};
   assign flags = {3'b000, bad_length, at_shoulder, on_axis, too_near, too_far};
 
   assign a_second = (a_by == A_BY_U_Y && u_y) || (a_by == A_BY_AT_SHOULDER && at_shoulder) || (a_by == A_BY_CLAMP && clamp);
-  assign b_second = (b_by == B_BY_SIN_EL && sin_el) || (b_by == B_BY_ARM_SWAP && arm_swap);
-  assign w_second = (w_by == W_BY_U_Y && u_y) || (w_by == W_BY_SIN_EL && sin_el) || (w_by == W_BY_ARM_SWAP && arm_swap);
+  assign b_second = (b_by == B_BY_SIN_EL && sin_el) || (b_by == B_BY_ARM_SWAP && bend_swap);
+  assign w_second = (w_by == W_BY_U_Y && u_y) || (w_by == W_BY_SIN_EL && sin_el) || (w_by == W_BY_ARM_SWAP && bend_swap);
   assign s_other = (s_by == S_BY_ON_AXIS && on_axis) || (s_by == S_BY_AT_SHOULDER && at_shoulder)
       || (s_by == S_BY_CLAMP && clamp);
   always @*
@@ -88,7 +88,7 @@ module ik_fold_flags (
       MINUS_BY_U_Y: minus = u_y;
       MINUS_BY_SIN_EL_AND_NOT_AT_SHOULDER: minus = sin_el && !at_shoulder;
       MINUS_BY_COS_A_AND_NOT_CLAMP: minus = cos_a && !clamp;
-      MINUS_BY_NOT_ARM_SWAP: minus = !arm_swap;
+      MINUS_BY_NOT_ARM_SWAP: minus = !bend_swap;
       MINUS_BY_MINUS: minus = k_1;
       default: minus = 1'b0;
     endcase

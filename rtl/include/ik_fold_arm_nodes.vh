@@ -122,7 +122,7 @@ generate
     reg too_far;
     reg too_near;
     reg clamp;
-    reg fold;
+    reg closed;
     reg away;
     always @(posedge clk)
       if (go) begin
@@ -145,7 +145,7 @@ generate
         if (clock == (SHORT ? 8'd110 : 8'd107)) too_far <= flag_nodes[3];
         if (clock == (SHORT ? 8'd111 : 8'd108)) too_near <= flag_nodes[4];
         if (clock == (SHORT ? 8'd111 : 8'd108)) clamp <= flag_nodes[5];
-        if (clock == (SHORT ? 8'd111 : 8'd108)) fold <= flag_nodes[6];
+        if (clock == (SHORT ? 8'd111 : 8'd108)) closed <= flag_nodes[6];
         if (clock == (SHORT ? 8'd111 : 8'd108)) away <= flag_nodes[7];
       end
   end
@@ -242,12 +242,12 @@ generate
     reg signed [FRAC + 4:0] inv_law_ab_raw;
     reg signed [FRAC + 1:0] inv_law_ab;
     reg signed [FRAC + 1:0] sin_a;
-    reg signed [FRAC + 1:0] arm_sq;
-    reg signed [FRAC + 1:0] arm_c;
-    reg signed [FRAC + 1:0] arm_s;
-    reg arm_swap;
-    reg signed [FRAC + 1:0] arm_dif;
-    reg signed [FRAC + 1:0] arm_sum;
+    reg signed [FRAC + 1:0] bend_sq;
+    reg signed [FRAC + 1:0] bend_c;
+    reg signed [FRAC + 1:0] bend_s;
+    reg bend_swap;
+    reg signed [FRAC + 1:0] bend_dif;
+    reg signed [FRAC + 1:0] bend_sum;
     always @(posedge clk)
       if (go) begin
         if (clock == (SHORT ? 8'd111 : 8'd108)) e_far <= pairs;
@@ -287,12 +287,12 @@ generate
         if (clock == (SHORT ? 8'd4 : 8'd140)) inv_law_ab_raw <= t[XW - D - 3 + D - 2 - (FRAC) +: FRAC + 5];
         if (clock == (SHORT ? 8'd4 : 8'd140)) inv_law_ab <= w[D - 2 - (FRAC) +: FRAC + 2];
         if (clock == (SHORT ? 8'd10 : 8'd5)) sin_a <= w[D - 2 - (FRAC) +: FRAC + 2];
-        if (clock == (SHORT ? 8'd17 : 8'd12)) arm_sq <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];
-        if ((clock == (SHORT ? 8'd16 : 8'd11) || clock == (SHORT ? 8'd17 : 8'd12)) && !w_place[0]) arm_c <= w[D - 2 - (FRAC) +: FRAC + 2];
-        if ((clock == (SHORT ? 8'd16 : 8'd11) || clock == (SHORT ? 8'd17 : 8'd12)) && w_place[0]) arm_s <= w[D - 2 - (FRAC) +: FRAC + 2];
-        if (clock == (SHORT ? 8'd8 : 8'd1)) arm_swap <= flag_nodes[8];
-        if (clock == (SHORT ? 8'd19 : 8'd14)) arm_dif <= w[D - 2 - (FRAC) +: FRAC + 2];
-        if (clock == (SHORT ? 8'd20 : 8'd15)) arm_sum <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == (SHORT ? 8'd17 : 8'd12)) bend_sq <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];
+        if ((clock == (SHORT ? 8'd16 : 8'd11) || clock == (SHORT ? 8'd17 : 8'd12)) && !w_place[0]) bend_c <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if ((clock == (SHORT ? 8'd16 : 8'd11) || clock == (SHORT ? 8'd17 : 8'd12)) && w_place[0]) bend_s <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == (SHORT ? 8'd8 : 8'd1)) bend_swap <= flag_nodes[8];
+        if (clock == (SHORT ? 8'd19 : 8'd14)) bend_dif <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == (SHORT ? 8'd20 : 8'd15)) bend_sum <= w[D - 2 - (FRAC) +: FRAC + 2];
       end
   end
 endgenerate

@@ -13,12 +13,12 @@ localparam [1:0] A_BY_CLAMP = 2'd3;
 
 localparam [1:0] B_BY_NONE = 2'd0;
 localparam [1:0] B_BY_SIN_EL = 2'd1;
-localparam [1:0] B_BY_ARM_SWAP = 2'd2;
+localparam [1:0] B_BY_BEND_SWAP = 2'd2;
 
 localparam [1:0] W_BY_NONE = 2'd0;
 localparam [1:0] W_BY_U_Y = 2'd1;
 localparam [1:0] W_BY_SIN_EL = 2'd2;
-localparam [1:0] W_BY_ARM_SWAP = 2'd3;
+localparam [1:0] W_BY_BEND_SWAP = 2'd3;
 
 localparam [1:0] S_BY_NONE = 2'd0;
 localparam [1:0] S_BY_ON_AXIS = 2'd1;
@@ -32,7 +32,7 @@ localparam [3:0] MINUS_BY_PHI = 4'd3;
 localparam [3:0] MINUS_BY_U_Y = 4'd4;
 localparam [3:0] MINUS_BY_SIN_EL_AND_NOT_AT_SHOULDER = 4'd5;
 localparam [3:0] MINUS_BY_COS_A_AND_NOT_CLAMP = 4'd6;
-localparam [3:0] MINUS_BY_NOT_ARM_SWAP = 4'd7;
+localparam [3:0] MINUS_BY_NOT_BEND_SWAP = 4'd7;
 localparam [3:0] MINUS_BY_MINUS = 4'd8;
 
 localparam [1:0] R_FUNCTION_ROOT = 2'd0;

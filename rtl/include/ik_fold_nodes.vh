@@ -40,7 +40,7 @@ generate
     reg too_far;
     reg too_near;
     reg clamp;
-    reg fold;
+    reg closed;
     reg away;
     always @(posedge clk)
       if (go) begin
@@ -63,7 +63,7 @@ generate
         if (clock == 7'd29) too_far <= flag_nodes[3];
         if (clock == 7'd29) too_near <= flag_nodes[4];
         if (clock == 7'd29) clamp <= flag_nodes[5];
-        if (clock == 7'd29) fold <= flag_nodes[6];
+        if (clock == 7'd29) closed <= flag_nodes[6];
         if (clock == 7'd29) away <= flag_nodes[7];
       end
   end
@@ -160,12 +160,12 @@ generate
     reg signed [FRAC + 4:0] inv_law_ab_raw;
     reg signed [FRAC + 1:0] inv_law_ab;
     reg signed [FRAC + 1:0] sin_a;
-    reg signed [FRAC + 1:0] arm_sq;
-    reg signed [FRAC + 1:0] arm_c;
-    reg signed [FRAC + 1:0] arm_s;
-    reg arm_swap;
-    reg signed [FRAC + 1:0] arm_dif;
-    reg signed [FRAC + 1:0] arm_sum;
+    reg signed [FRAC + 1:0] bend_sq;
+    reg signed [FRAC + 1:0] bend_c;
+    reg signed [FRAC + 1:0] bend_s;
+    reg bend_swap;
+    reg signed [FRAC + 1:0] bend_dif;
+    reg signed [FRAC + 1:0] bend_sum;
     always @(posedge clk)
       if (go) begin
         if (clock == 7'd19) e_far <= pairs;
@@ -205,12 +205,12 @@ generate
         if (clock == 7'd61) inv_law_ab_raw <= t[XW - D - 3 + D - 2 - (FRAC) +: FRAC + 5];
         if (clock == 7'd61) inv_law_ab <= w[D - 2 - (FRAC) +: FRAC + 2];
         if (clock == 7'd68) sin_a <= w[D - 2 - (FRAC) +: FRAC + 2];
-        if (clock == 7'd75) arm_sq <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];
-        if ((clock == 7'd74 || clock == 7'd75) && !w_place[0]) arm_c <= w[D - 2 - (FRAC) +: FRAC + 2];
-        if ((clock == 7'd74 || clock == 7'd75) && w_place[0]) arm_s <= w[D - 2 - (FRAC) +: FRAC + 2];
-        if (clock == 7'd65) arm_swap <= flag_nodes[8];
-        if (clock == 7'd77) arm_dif <= w[D - 2 - (FRAC) +: FRAC + 2];
-        if (clock == 7'd78) arm_sum <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd75) bend_sq <= t[XW - D - 2 + D - 2 - (FRAC) +: FRAC + 2];
+        if ((clock == 7'd74 || clock == 7'd75) && !w_place[0]) bend_c <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if ((clock == 7'd74 || clock == 7'd75) && w_place[0]) bend_s <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd65) bend_swap <= flag_nodes[8];
+        if (clock == 7'd77) bend_dif <= w[D - 2 - (FRAC) +: FRAC + 2];
+        if (clock == 7'd78) bend_sum <= w[D - 2 - (FRAC) +: FRAC + 2];
       end
   end
 endgenerate

@@ -39,7 +39,7 @@ localparam integer F_S_RAW = 2*W - 4, T_S_RAW = T_XY_SQ + LAT_MUX;
 localparam integer T_TOO_FAR = T_S_RAW + LAT_MUX;
 localparam integer T_TOO_NEAR = T_S_RAW + LAT_MUX;
 localparam integer T_CLAMP = T_TOO_FAR + LAT_MUX;
-localparam integer T_FOLD = T_TOO_NEAR + LAT_MUX;
+localparam integer T_CLOSED = T_TOO_NEAR + LAT_MUX;
 localparam integer T_AWAY = T_TOO_NEAR + LAT_MUX;
 localparam integer T_LZ_P = LAT_NORM;
 localparam integer F_P_W_Z = W - 1, T_P_W_Z = LAT_NORM;

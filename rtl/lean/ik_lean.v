@@ -69,13 +69,13 @@ module ik_lean #(
   wire signed [W-1:0] d2 = in_data[5*W+:W];
 
   wire signed [2*W+1:0] rho_sq, s, a_far, b_near, k_law;
-  wire bad_length, on_axis, at_shoulder, too_far, too_near, clamp, fold, away;
+  wire bad_length, on_axis, at_shoulder, too_far, too_near, clamp, closed, away;
   ik_lean_guard #(.W(W), .TILE(TILE)) u_guard (
       .clk(clk),
       .x(x), .y(y), .z(z), .d1(d1), .d2(d2),
       .rho_sq(rho_sq), .s(s), .a_far(a_far), .b_near(b_near), .k_law(k_law),
       .bad_length(bad_length), .on_axis(on_axis), .at_shoulder(at_shoulder), .too_far(too_far), .too_near(too_near),
-      .clamp(clamp), .fold(fold), .away(away)
+      .clamp(clamp), .closed(closed), .away(away)
   );
 
   // ---- azimuth and elevation of the target ----
@@ -91,13 +91,13 @@ module ik_lean #(
   // ---- angle at the shoulder, elbow quaternion ----
 
   wire signed [W-1:0] qe_w, qe_i;
-  wire arm_swap;
-  wire signed [N-1:0] arm_sq, arm_c, arm_sum, arm_dif;
+  wire bend_swap;
+  wire signed [N-1:0] bend_sq, bend_c, bend_sum, bend_dif;
   ik_lean_triangle #(.W(W), .N(N), .TILE(TILE)) u_triangle (
       .clk(clk),
       .d1(d1), .d2(d2), .a_far(a_far), .b_near(b_near), .k_law(k_law), .e_s(e_s), .inv_s(inv_s),
-      .clamp(clamp), .fold(fold), .away(away),
-      .qe_w(qe_w), .qe_i(qe_i), .arm_sq(arm_sq), .arm_swap(arm_swap), .arm_c(arm_c), .arm_sum(arm_sum), .arm_dif(arm_dif)
+      .clamp(clamp), .closed(closed), .away(away),
+      .qe_w(qe_w), .qe_i(qe_i), .bend_sq(bend_sq), .bend_swap(bend_swap), .bend_c(bend_c), .bend_sum(bend_sum), .bend_dif(bend_dif)
   );
 
   // ---- shoulder quaternion ----
@@ -106,7 +106,7 @@ module ik_lean #(
   ik_lean_turn #(.W(W), .N(N), .TILE(TILE)) u_turn (
       .clk(clk),
       .phi(phi), .az_sq(az_sq), .az_c(az_c), .az_s(az_s), .tilt_sq(tilt_sq), .tilt_c(tilt_c), .tilt_s(tilt_s),
-      .arm_sq(arm_sq), .arm_swap(arm_swap), .arm_c(arm_c), .arm_sum(arm_sum), .arm_dif(arm_dif),
+      .bend_sq(bend_sq), .bend_swap(bend_swap), .bend_c(bend_c), .bend_sum(bend_sum), .bend_dif(bend_dif),
       .qs_w(qs_w), .qs_i(qs_i), .qs_j(qs_j), .qs_k(qs_k)
   );
 

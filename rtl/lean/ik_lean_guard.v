@@ -33,7 +33,7 @@ module ik_lean_guard #(
     output reg                   too_near,
     // Decisions
     output reg                   clamp,        // T_CLAMP
-    output reg                   fold,
+    output reg                   closed,
     output reg                   away
 );
 
@@ -110,9 +110,9 @@ module ik_lean_guard #(
   always @(posedge clk) begin
     too_far  <= a_far[XW-1] && !bad_length_at_a_far;
     too_near <= b_near[XW-1] && !bad_length_at_a_far;
-    // No elbow: the arm is straight or folded along the line to the target.
+    // No elbow: the arm is straight or closed along the line to the target.
     clamp    <= too_far || too_near || at_shoulder_at_too_far || bad_length_at_too_far;
-    fold     <= (too_near || at_shoulder_at_too_far) && !bad_length_at_too_far;
+    closed     <= (too_near || at_shoulder_at_too_far) && !bad_length_at_too_far;
     away     <= too_near && shorter_at_too_near;
   end
 

@@ -3,7 +3,7 @@
 //
 // Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, roots faithful, shifts and halves floor.
 // Qe = (sqrt A, -sqrt B)/(2 sqrt(d1 d2)) (14), and the angle a at the shoulder, cos a = K/(2 d1 |p|), sin a = sqrt(A
-// B)/(2 d1 |p|), as half angle (arm_c, arm_s). d1 and d2 at clock 0, each other port at its clock T_<NODE>.
+// B)/(2 d1 |p|), as half angle (bend_c, bend_s). d1 and d2 at clock 0, each other port at its clock T_<NODE>.
 // Throughput: one target per clock.
 `default_nettype none
 
@@ -22,7 +22,7 @@ module ik_lean_triangle #(
     input  wire signed [2*W+1:0] b_near,
     input  wire signed [2*W+1:0] k_law,
     input  wire                  clamp,   // T_CLAMP
-    input  wire                  fold,
+    input  wire                  closed,
     input  wire                  away,
     // From direction
     input  wire        [    5:0] e_s,     // T_E_S
@@ -31,11 +31,11 @@ module ik_lean_triangle #(
     output reg  signed [  W-1:0] qe_w,    // (14) T_QE_W
     output reg  signed [  W-1:0] qe_i,    // (14)
     // Angle at the shoulder
-    output reg  signed [  N-1:0] arm_sq,  // T_ARM_SQ
-    output reg                   arm_swap,  // T_ARM_SWAP
-    output reg  signed [  N-1:0] arm_c,   // T_ARM_C
-    output reg  signed [  N-1:0] arm_sum,
-    output reg  signed [  N-1:0] arm_dif
+    output reg  signed [  N-1:0] bend_sq,  // T_BEND_SQ
+    output reg                   bend_swap,  // T_BEND_SWAP
+    output reg  signed [  N-1:0] bend_c,   // T_BEND_C
+    output reg  signed [  N-1:0] bend_sum,
+    output reg  signed [  N-1:0] bend_dif
 );
 
   `include "ik_lean_nodes.vh"
@@ -141,7 +141,7 @@ module ik_lean_triangle #(
     inv_12_near <= (|inv_12_near_raw[RW-1:N-1]) ? TOP : inv_12_near_raw[N-1:0];
   end
 
-  // ---- Qe; the clamped elbow is folded (1, 0) or straight (0, -1) ----
+  // ---- Qe; the clamped elbow is closed (1, 0) or straight (0, -1) ----
 
   wire signed [N-1:0] elbow_w;
   wire signed [N-1:0] elbow_i;
@@ -157,9 +157,9 @@ module ik_lean_triangle #(
       .clk(clk), .a(root_near), .b(inv_12_near), .q(elbow_i)
   );
 
-  wire clamp_at_elbow_w, fold_at_elbow_w;
+  wire clamp_at_elbow_w, closed_at_elbow_w;
   ik_delay #(.W(2), .N(T_ELBOW_W-T_CLAMP)) u_clamp_at_elbow_w (
-      .clk(clk), .d({fold, clamp}), .q({fold_at_elbow_w, clamp_at_elbow_w})
+      .clk(clk), .d({closed, clamp}), .q({closed_at_elbow_w, clamp_at_elbow_w})
   );
   localparam integer DROP = F_ELBOW_W - F_QE_W;
   localparam signed [N-1:0] HALF = {{(N - 1) {1'b0}}, 1'b1} << (DROP - 1);
@@ -167,8 +167,8 @@ module ik_lean_triangle #(
   wire signed [N-1:0] plus_w = HALF + elbow_w;
   wire signed [N-1:0] minus_i = HALF - elbow_i;
   always @(posedge clk) begin
-    qe_w <= !clamp_at_elbow_w ? plus_w[DROP+:W] : fold_at_elbow_w ? UNIT : {W{1'b0}};
-    qe_i <= !clamp_at_elbow_w ? minus_i[DROP+:W] : fold_at_elbow_w ? {W{1'b0}} : -UNIT;
+    qe_w <= !clamp_at_elbow_w ? plus_w[DROP+:W] : closed_at_elbow_w ? UNIT : {W{1'b0}};
+    qe_i <= !clamp_at_elbow_w ? minus_i[DROP+:W] : closed_at_elbow_w ? {W{1'b0}} : -UNIT;
   end
   wire unused_el = &{1'b0, plus_w, minus_i};  // dropped by rounding
 
@@ -241,30 +241,30 @@ module ik_lean_triangle #(
       .clk(clk), .a(root_ab), .b(inv_law_ab), .q(sin_a)
   );
 
-  // ---- arm: the last rotation is by -a; a clamped arm points at the target, (1, 0), or away ----
+  // ---- bend: the last rotation is by -a; a clamped arm points at the target, (1, 0), or away ----
 
   localparam signed [N-1:0] ONE = {{(N - 1) {1'b0}}, 1'b1} << FRAC;
   wire clamp_at_cos_a, away_at_cos_a, clamp_at_sin_a, swap_at_sin_a;
-  wire signed [N-1:0] arm_sq_at_sin_a;
+  wire signed [N-1:0] bend_sq_at_sin_a;
   ik_delay #(.W(2), .N(T_COS_A-T_CLAMP)) u_clamp_at_cos_a (
       .clk(clk), .d({away, clamp}), .q({away_at_cos_a, clamp_at_cos_a})
   );
   ik_delay #(.W(1), .N(T_SIN_A-T_COS_A)) u_clamp_at_sin_a (.clk(clk), .d(clamp_at_cos_a), .q(clamp_at_sin_a));
-  ik_delay #(.W(1), .N(T_SIN_A-T_ARM_SWAP)) u_swap_at_sin_a (.clk(clk), .d(arm_swap), .q(swap_at_sin_a));
-  ik_delay #(.W(N), .N(T_SIN_A-T_ARM_SQ)) u_arm_sq_at_sin_a (.clk(clk), .d(arm_sq), .q(arm_sq_at_sin_a));
-  wire [N-1:0] sum_arm = ONE + (cos_a ^ {N{cos_a[N-1]}});  // 1 + |cos a|, by the one's complement
-  wire signed [N-1:0] half_arm = sin_a >>> 1;
-  wire signed [N-1:0] small_arm = half_arm & {N{!clamp_at_sin_a}};
-  reg signed [N-1:0] arm_s;  // for waves only
+  ik_delay #(.W(1), .N(T_SIN_A-T_BEND_SWAP)) u_swap_at_sin_a (.clk(clk), .d(bend_swap), .q(swap_at_sin_a));
+  ik_delay #(.W(N), .N(T_SIN_A-T_BEND_SQ)) u_bend_sq_at_sin_a (.clk(clk), .d(bend_sq), .q(bend_sq_at_sin_a));
+  wire [N-1:0] sum_bend = ONE + (cos_a ^ {N{cos_a[N-1]}});  // 1 + |cos a|, by the one's complement
+  wire signed [N-1:0] half_bend = sin_a >>> 1;
+  wire signed [N-1:0] small_bend = half_bend & {N{!clamp_at_sin_a}};
+  reg signed [N-1:0] bend_s;  // for waves only
   always @(posedge clk) begin
-    arm_sq   <= clamp_at_cos_a ? ONE : (sum_arm >> 1);
-    arm_swap <= clamp_at_cos_a ? away_at_cos_a : cos_a[N-1];
-    arm_c    <= swap_at_sin_a ? small_arm : arm_sq_at_sin_a;
-    arm_s    <= swap_at_sin_a ? arm_sq_at_sin_a : small_arm;
-    arm_sum  <= arm_sq_at_sin_a + small_arm;
-    arm_dif  <= arm_sq_at_sin_a - small_arm;
+    bend_sq   <= clamp_at_cos_a ? ONE : (sum_bend >> 1);
+    bend_swap <= clamp_at_cos_a ? away_at_cos_a : cos_a[N-1];
+    bend_c    <= swap_at_sin_a ? small_bend : bend_sq_at_sin_a;
+    bend_s    <= swap_at_sin_a ? bend_sq_at_sin_a : small_bend;
+    bend_sum  <= bend_sq_at_sin_a + small_bend;
+    bend_dif  <= bend_sq_at_sin_a - small_bend;
   end
-  wire unused_arm_s = &{1'b0, arm_s};
+  wire unused_bend_s = &{1'b0, bend_s};
 
 endmodule
 

@@ -3,7 +3,7 @@
 //
 // Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, root faithful, results half up.
 // The rotations: azimuth plus 90 degrees about z (az), angle to the z axis about x (tilt), swivel angle about z (sin_h,
-// cos_h), -a about x (arm). phi at clock 0, each other port at its clock T_<NODE>.
+// cos_h), -a about x (bend). phi at clock 0, each other port at its clock T_<NODE>.
 // Throughput: one target per clock.
 `default_nettype none
 
@@ -24,11 +24,11 @@ module ik_lean_turn #(
     input  wire signed [N-1:0] tilt_c,   // T_TILT_C
     input  wire signed [N-1:0] tilt_s,
     // From triangle
-    input  wire signed [N-1:0] arm_sq,   // T_ARM_SQ
-    input  wire                arm_swap,  // T_ARM_SWAP
-    input  wire signed [N-1:0] arm_c,    // T_ARM_C
-    input  wire signed [N-1:0] arm_sum,
-    input  wire signed [N-1:0] arm_dif,
+    input  wire signed [N-1:0] bend_sq,   // T_BEND_SQ
+    input  wire                bend_swap,  // T_BEND_SWAP
+    input  wire signed [N-1:0] bend_c,    // T_BEND_C
+    input  wire signed [N-1:0] bend_sum,
+    input  wire signed [N-1:0] bend_dif,
     // Results
     output reg  signed [W-1:0] qs_w,     // (18) T_QS_W
     output reg  signed [W-1:0] qs_i,     // (18)
@@ -110,7 +110,7 @@ module ik_lean_turn #(
   );
 
   // ---- the fourth rotation: w c + i s = (w + i) c - i (c - s), i c - w s = (w + i) c - w (c + s); c - s
-  // changes sign if the parts of arm are swapped ----
+  // changes sign if the parts of bend are swapped ----
 
   reg signed [N-1:0] wi_0;
   reg signed [N-1:0] kj_0;
@@ -126,30 +126,30 @@ module ik_lean_turn #(
   wire signed [N-1:0] kj_c;
   wire signed [N-1:0] j_dif;
   wire signed [N-1:0] k_sum;
-  // wi_c = wi_0 * arm_c
-  // kj_c = kj_0 * arm_c
-  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_WI_0), .DB(T_1_IN-T_ARM_C),
-      .TILE(TILE)) u_by_arm_c (
-      .clk(clk), .a({kj_0, wi_0}), .b(arm_c), .q({kj_c, wi_c})
+  // wi_c = wi_0 * bend_c
+  // kj_c = kj_0 * bend_c
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_WI_0), .DB(T_1_IN-T_BEND_C),
+      .TILE(TILE)) u_by_bend_c (
+      .clk(clk), .a({kj_0, wi_0}), .b(bend_c), .q({kj_c, wi_c})
   );
-  // i_dif = i_0 * arm_dif
-  // j_dif = j_0 * arm_dif
-  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_I_0), .DB(T_1_IN-T_ARM_DIF),
-      .TILE(TILE)) u_by_arm_dif (
-      .clk(clk), .a({j_0, i_0}), .b(arm_dif), .q({j_dif, i_dif})
+  // i_dif = i_0 * bend_dif
+  // j_dif = j_0 * bend_dif
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_I_0), .DB(T_1_IN-T_BEND_DIF),
+      .TILE(TILE)) u_by_bend_dif (
+      .clk(clk), .a({j_0, i_0}), .b(bend_dif), .q({j_dif, i_dif})
   );
-  // w_sum = w_0 * arm_sum
-  // k_sum = k_0 * arm_sum
-  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_ARM_SUM),
-      .TILE(TILE)) u_by_arm_sum (
-      .clk(clk), .a({k_0, w_0}), .b(arm_sum), .q({k_sum, w_sum})
+  // w_sum = w_0 * bend_sum
+  // k_sum = k_0 * bend_sum
+  ik_scale #(.COUNT(2), .AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_1_IN-T_W_0), .DB(T_1_IN-T_BEND_SUM),
+      .TILE(TILE)) u_by_bend_sum (
+      .clk(clk), .a({k_0, w_0}), .b(bend_sum), .q({k_sum, w_sum})
   );
   reg signed [N-1:0] w_1;
   reg signed [N-1:0] i_1;
   reg signed [N-1:0] j_1;
   reg signed [N-1:0] k_1;
   wire swap_at_wi_c;
-  ik_delay #(.W(1), .N(T_WI_C-T_ARM_SWAP)) u_swap_at_wi_c (.clk(clk), .d(arm_swap), .q(swap_at_wi_c));
+  ik_delay #(.W(1), .N(T_WI_C-T_BEND_SWAP)) u_swap_at_wi_c (.clk(clk), .d(bend_swap), .q(swap_at_wi_c));
   // Add or subtract on one carry chain; the extra lowest bit generates the carry.
   wire take = !swap_at_wi_c;
   wire signed [N:0] w_x = {wi_c, 1'b1} + {i_dif ^ {N{take}}, take};
@@ -170,10 +170,10 @@ module ik_lean_turn #(
       .clk(clk), .a(az_sq), .b(tilt_sq), .q(az_tilt_sq)
   );
   localparam integer T_LENGTH_IN = T_LENGTH_SQ - LAT_MUL3;
-  // length_sq = az_tilt_sq * arm_sq
-  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_LENGTH_IN-T_AZ_TILT_SQ), .DB(T_LENGTH_IN-T_ARM_SQ),
+  // length_sq = az_tilt_sq * bend_sq
+  ik_mul3 #(.AW(N), .BW(N), .SH(FRAC), .OW(N), .DA(T_LENGTH_IN-T_AZ_TILT_SQ), .DB(T_LENGTH_IN-T_BEND_SQ),
       .TILE(TILE)) u_length_sq (
-      .clk(clk), .a(az_tilt_sq), .b(arm_sq), .q(length_sq)
+      .clk(clk), .a(az_tilt_sq), .b(bend_sq), .q(length_sq)
   );
 
   localparam integer UP = MW - FRAC;

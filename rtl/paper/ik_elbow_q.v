@@ -20,7 +20,7 @@ module ik_elbow_q #(
     input  wire signed [W-1:0] p_a_y,
     input  wire signed [W-1:0] p_a_z,
     input  wire                clamp,       // T_CLAMP
-    input  wire                fold,        // T_FOLD
+    input  wire                closed,        // T_CLOSED
     // From elbow
     input  wire signed [W-1:0] p_e_x,       // T_P_E_X
     input  wire signed [W-1:0] p_e_y,
@@ -81,17 +81,17 @@ module ik_elbow_q #(
       .clk(clk), .n(t_e), .d(d_12_at_t_e), .q(c4_quo), .ovf()  // saturation at 2 is harmless: ik_half limits c4 to 1
   );
 
-  // A clamped arm is straight (-1) or folded (+1).
-  wire clamp_at_t_e, fold_at_t_e, clamp_at_c4_quo, fold_at_c4_quo;
+  // A clamped arm is straight (-1) or closed (+1).
+  wire clamp_at_t_e, closed_at_t_e, clamp_at_c4_quo, closed_at_c4_quo;
   ik_ring #(.W(2), .N(T_T_E-T_CLAMP)) u_clamp_at_t_e (
-      .clk(clk), .rst(rst), .d({fold, clamp}), .q({fold_at_t_e, clamp_at_t_e})
+      .clk(clk), .rst(rst), .d({closed, clamp}), .q({closed_at_t_e, clamp_at_t_e})
   );
   ik_delay #(.W(2), .N(T_C4_QUO-T_T_E)) u_clamp_at_c4_quo (
-      .clk(clk), .d({fold_at_t_e, clamp_at_t_e}), .q({fold_at_c4_quo, clamp_at_c4_quo})
+      .clk(clk), .d({closed_at_t_e, clamp_at_t_e}), .q({closed_at_c4_quo, clamp_at_c4_quo})
   );
   localparam signed [W-1:0] ONE = {2'b01, {(W - 2) {1'b0}}};
   reg signed [W-1:0] c4;
-  always @(posedge clk) c4 <= !clamp_at_c4_quo ? c4_quo : fold_at_c4_quo ? ONE : -ONE;
+  always @(posedge clk) c4 <= !clamp_at_c4_quo ? c4_quo : closed_at_c4_quo ? ONE : -ONE;
 
   // ---- (14) qe_w = sqrt((1 + c4)/2), qe_i = -sqrt((1 - c4)/2) ----
 

@@ -43,8 +43,8 @@ module ik_guard #(
     output reg                 on_axis,
     output reg                 at_shoulder,
     output reg                 bad_length,
-    output reg                 clamp,        // no elbow: straight or folded arm
-    output reg                 fold,         // clamped and folded
+    output reg                 clamp,        // no elbow: straight or closed
+    output reg                 closed,         // clamped, not straight
     output reg                 away          // clamped, upper arm points away from the target
 );
 
@@ -119,7 +119,7 @@ module ik_guard #(
   );
   always @(posedge clk) begin
     clamp <= too_far || too_near || at_shoulder_at_too_far || bad_length_at_too_far;
-    fold  <= (too_near || at_shoulder_at_too_far) && !bad_length_at_too_far;
+    closed  <= (too_near || at_shoulder_at_too_far) && !bad_length_at_too_far;
     away  <= too_near && d_raw_negative_at_too_far;
   end
 

@@ -68,14 +68,14 @@ module ik_paper #(
   wire signed [W-1:0] p_w_x, p_w_y, p_w_z, b_x, b_y, d_1, d_2, p_a_x, p_a_y, p_a_z;
   wire [5:0] scale_j;
   wire signed [W-1:0] d_dif_j;
-  wire too_far, too_near, on_axis, at_shoulder, bad_length, clamp, fold, away;
+  wire too_far, too_near, on_axis, at_shoulder, bad_length, clamp, closed, away;
   ik_guard #(.W(W)) u_guard (
       .clk(clk),
       .x(x), .y(y), .z(z), .d1(d1), .d2(d2),
       .p_w_x(p_w_x), .p_w_y(p_w_y), .p_w_z(p_w_z), .b_x(b_x), .b_y(b_y),
       .d_1(d_1), .d_2(d_2), .p_a_x(p_a_x), .p_a_y(p_a_y), .p_a_z(p_a_z), .scale_j(scale_j), .d_dif_j(d_dif_j),
       .too_far(too_far), .too_near(too_near), .on_axis(on_axis), .at_shoulder(at_shoulder), .bad_length(bad_length),
-      .clamp(clamp), .fold(fold), .away(away)
+      .clamp(clamp), .closed(closed), .away(away)
   );
 
   // ---- 3.1 swivel plane ----
@@ -113,7 +113,7 @@ module ik_paper #(
   wire signed [W-1:0] qe_w, qe_i;
   ik_elbow_q #(.W(W), .DIGIT(DIGIT)) u_elbow_q (
       .clk(clk), .rst(rst),
-      .d_1(d_1), .d_2(d_2), .p_a_x(p_a_x), .p_a_y(p_a_y), .p_a_z(p_a_z), .clamp(clamp), .fold(fold),
+      .d_1(d_1), .d_2(d_2), .p_a_x(p_a_x), .p_a_y(p_a_y), .p_a_z(p_a_z), .clamp(clamp), .closed(closed),
       .p_e_x(p_e_x), .p_e_y(p_e_y), .p_e_z(p_e_z),
       .qe_w(qe_w), .qe_i(qe_i)
   );

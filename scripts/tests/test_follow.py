@@ -109,12 +109,12 @@ def test_a_node_that_differs_is_marked_and_explained(command, simulator):
     assert (status, err) == (1, [])
     marked = [line for line in out if line.startswith("!")]
     assert [name_of(line) for line in marked] == ["wi_c", "w_1", "qs_w"]
-    assert marked[1].endswith("  arm_swap ? wi_c + i_dif : wi_c - i_dif")
+    assert marked[1].endswith("  bend_swap ? wi_c + i_dif : wi_c - i_dif")
     shown = out[[line.startswith("first difference") for line in out].index(True) :]
     admitted = admissions(100)[3]
     assert f"turn.wi_c of target 3 at clock {admitted + TIMES['wi_c']}: RTL " in shown[0]
-    assert "equation: wi_c = wi_0 * arm_c" in shown[1]
-    for line, name in zip(shown[2:4], ("wi_0", "triangle.arm_c"), strict=True):
+    assert "equation: wi_c = wi_0 * bend_c" in shown[1]
+    for line, name in zip(shown[2:4], ("wi_0", "triangle.bend_c"), strict=True):
         (node,) = (node for node in nodes_of(reach()) if node.name == name.split(".")[-1])
         bits = waves.model_bits(node, 3)
         assert line.split()[:-1] == [*f"{name} at clock {admitted + node.time}:".split(), f"{int(bits, 2):09x}"]

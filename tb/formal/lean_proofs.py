@@ -29,10 +29,10 @@ BY_WORDS = ("m_q",)
 """Nodes whose range depends on a decision taken on words: proved by :class:`Rounded`."""
 
 CLAMPED: dict[str, tuple[str, ...]] = {
-    "arm": ("case", "=arm_c", "=arm_s", "=arm_sq"),
-    "arm_sq": ("case", "=arm_sq"),
-    "arm_dif": ("case", "=arm_dif", "=arm_sq"),
-    "arm_sum": ("case", "=arm_sum", "=arm_sq"),
+    "bend": ("case", "=bend_c", "=bend_s", "=bend_sq"),
+    "bend_sq": ("case", "=bend_sq"),
+    "bend_dif": ("case", "=bend_dif", "=bend_sq"),
+    "bend_sum": ("case", "=bend_sum", "=bend_sq"),
     "qe_w": ("case", "=qe_w"),
     "qe_i": ("case", "=qe_i"),
     "|Qe|": ("case", "=qe_w", "=qe_i"),

@@ -2,7 +2,7 @@
 """Lean dataflow and whole arm as steps of the fold datapath.
 
 :class:`Lowering` collects the steps of each node, which its operation adds (``Operation.lower``).  It uses the names of
-inputs and results, and of the mask ``arm_swap``.
+inputs and results, and of the mask ``bend_swap``.
 
 Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
 places.  ``weight`` w of a word: its first bit weighs -2^w.  The product of two words has 2 ``bits`` bits, and its bit
@@ -298,7 +298,7 @@ class Lowering:
         self.pairs[length] = first, node.name
         # A positive cosine and no mask: is the second part the larger one?
         second_larger = bool(large.words({cosine.name: 1, **dict.fromkeys(masks, False)}))
-        flag = Selector("arm_swap") if none else Selector(cosine.name, negative=True)
+        flag = Selector("bend_swap") if none else Selector(cosine.name, negative=True)
         self.picks[length] = Pick(first, flag, second_larger)
         self.terms[length] = replace(self.terms[length], write=Write(self.picks[length]))
         a: str | Pick = sine.name

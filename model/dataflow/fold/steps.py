@@ -255,7 +255,7 @@ def selections(placed: Placed) -> list[tuple[Selector, int]]:
         if isinstance(step.write.to, Pick):
             needs.append((step.write.to.flag, at + WRITE))
     if step.name in ELBOW and step.result:
-        needs += [(Selector("clamp"), at + WRITE), (Selector("fold"), at + WRITE)]
+        needs += [(Selector("clamp"), at + WRITE), (Selector("closed"), at + WRITE)]
     return needs
 
 

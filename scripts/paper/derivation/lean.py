@@ -42,7 +42,7 @@ HALF = {"c >= 0": ("(1 + c)/2", "s/2"), "c < 0": ("s/2", "(1 - c)/2")}
 
 NODES = fixed.nodes("lean", 32)
 
-REACHABLE = dict.fromkeys(("clamp", "fold", "away", "at_shoulder", "minus", "low"), False)
+REACHABLE = dict.fromkeys(("clamp", "closed", "away", "at_shoulder", "minus", "low"), False)
 """Masks of a target in reach, with k_1 >= 0; the sign of Qs is free."""
 
 
@@ -253,25 +253,25 @@ def half(step: Step) -> None:
 
 
 def product_lines(swap: bool = False) -> list[sp.Expr]:
-    """Return the lean quaternion before its division, in the half angle quaternions; ``swap``: arm_s is the larger
+    """Return the lean quaternion before its division, in the half angle quaternions; ``swap``: bend_s is the larger
     part of its quaternion."""
-    names = "az_c az_s tilt_c tilt_s arm_c arm_s"
+    names = "az_c az_s tilt_c tilt_s bend_c bend_s"
     values = dict(zip(names.split(), symbols(names), strict=True)) | {"cos_h": COS_H, "sin_h": SIN_H}
-    larger, smaller = ("arm_s", "arm_c") if swap else ("arm_c", "arm_s")
-    values |= {"arm_sq": values[larger], "sin_a": 2 * values[smaller], "arm_swap": swap}
+    larger, smaller = ("bend_s", "bend_c") if swap else ("bend_c", "bend_s")
+    values |= {"bend_sq": values[larger], "sin_a": 2 * values[smaller], "bend_swap": swap}
     values = evaluate("turn", evaluate("triangle", values))
     return [values[f"{name}_1"] for name in "wijk"]
 
 
 def product(step: Step) -> None:
-    az_c, az_s, tilt_c, tilt_s, arm_c, arm_s = symbols("az_c az_s tilt_c tilt_s arm_c arm_s")
-    factors_ = (az_c, 0, 0, az_s), (tilt_c, tilt_s, 0, 0), (COS_H, 0, 0, SIN_H), (arm_c, -arm_s, 0, 0)
+    az_c, az_s, tilt_c, tilt_s, bend_c, bend_s = symbols("az_c az_s tilt_c tilt_s bend_c bend_s")
+    factors_ = (az_c, 0, 0, az_s), (tilt_c, tilt_s, 0, 0), (COS_H, 0, 0, SIN_H), (bend_c, -bend_s, 0, 0)
     whole = cga.scalar(1)
     for factor in factors_:
         whole *= cga.quaternion(*factor)
     algebra = sp.Matrix(cga.quaternion_coefficients(whole))
     for swap, branch in ((False, r"\ge"), (True, "<")):
-        label = r"(w_1, i_1, j_1, k_1) = \mathrm{az}\,\mathrm{tilt}\,h_\phi\,\widetilde{\mathrm{arm}}"
+        label = r"(w_1, i_1, j_1, k_1) = \mathrm{az}\,\mathrm{tilt}\,h_\phi\,\widetilde{\mathrm{bend}}"
         label += rf"\text{{ for }}\cos a {branch} 0"
         step.prove("lean = algebra", label=label, lean=sp.Matrix(product_lines(swap)), algebra=algebra)
     step.suppose("s**2 = 1 - c**2", HALF_CIRCLE)
@@ -282,8 +282,8 @@ def product(step: Step) -> None:
         matrix = rotation_matrix((h_c, 0, 0, h_s) if axis == "z" else (h_c, h_s, 0, 0))
         label = rf"M(h_c + h_s {unit}) = |h|^2 R_{axis}(c, s) \text{{ for }}" + branch.replace(">=", r"\ge")
         step.prove("matrix = expected", label=label, matrix=matrix, expected=size * turn(axis, c, s))
-    back, forth = (rotation_matrix((arm_c, sign * arm_s, 0, 0)) for sign in (-1, 1))
-    step.prove("back = forth", label=r"M(\widetilde{\mathrm{arm}}) = M(\mathrm{arm})^T", back=back, forth=forth.T)
+    back, forth = (rotation_matrix((bend_c, sign * bend_s, 0, 0)) for sign in (-1, 1))
+    step.prove("back = forth", label=r"M(\widetilde{\mathrm{bend}}) = M(\mathrm{bend})^T", back=back, forth=forth.T)
     phi, whole = rotation_matrix((COS_H, 0, 0, SIN_H)), turn("z", COS_H**2 - SIN_H**2, 2 * COS_H * SIN_H)
     step.prove("matrix = expected", label=r"M(h_\phi) = R_z(\phi)", matrix=phi, expected=whole)
     a, b = symbols("r_w r_i r_j r_k"), symbols("q_0 q_1 q_2 q_3")
@@ -293,10 +293,10 @@ def product(step: Step) -> None:
 
 
 def length(step: Step) -> None:
-    step.suppose(*(f"{name}_s**2 = {name}_sq - {name}_c**2" for name in ("az", "tilt", "arm")), HALF_CIRCLE)
+    step.suppose(*(f"{name}_s**2 = {name}_sq - {name}_c**2" for name in ("az", "tilt", "bend")), HALF_CIRCLE)
     quaternion = product_lines()
     step.values |= dict(zip(("w_1", "i_1", "j_1", "k_1"), quaternion, strict=True))
-    squares = {f"{name}_sq": symbol(f"{name}_sq") for name in ("az", "tilt", "arm")}
+    squares = {f"{name}_sq": symbol(f"{name}_sq") for name in ("az", "tilt", "bend")}
     step.values["length_sq"] = evaluate("turn", squares)["length_sq"]
     step.prove("w_1**2 + i_1**2 + j_1**2 + k_1**2 = length_sq")
     cosines = {name: symbol(name) for name in ("u_y", "sin_el", "cos_a")}

@@ -53,15 +53,15 @@ INLINE POSE lean(REAL x, REAL y, REAL z, REAL phi, REAL d1, REAL d2) {
   REAL qe_i = -root_near * inv_12;
   REAL cos_a = k_law * inv_law, sin_a = root_far * root_near * inv_law;
 
-  REAL az_c, az_s, tilt_c, tilt_s, arm_c, arm_s, sin_h, cos_h;
+  REAL az_c, az_s, tilt_c, tilt_s, bend_c, bend_s, sin_h, cos_h;
   half(-u_y, u_x, &az_c, &az_s);
   half(sin_el, cos_el, &tilt_c, &tilt_s);
-  half(cos_a, sin_a, &arm_c, &arm_s);
+  half(cos_a, sin_a, &bend_c, &bend_s);
   sin_cos(phi / 2, &sin_h, &cos_h);
   REAL cc = az_c * cos_h, ss = az_s * sin_h, sc = az_s * cos_h, cs = az_c * sin_h;
   REAL w_0 = tilt_c * (cc - ss), i_0 = tilt_s * (cc + ss), j_0 = tilt_s * (sc - cs), k_0 = tilt_c * (sc + cs);
-  REAL w_1 = w_0 * arm_c + i_0 * arm_s, i_1 = i_0 * arm_c - w_0 * arm_s;
-  REAL j_1 = j_0 * arm_c - k_0 * arm_s, k_1 = k_0 * arm_c + j_0 * arm_s;
+  REAL w_1 = w_0 * bend_c + i_0 * bend_s, i_1 = i_0 * bend_c - w_0 * bend_s;
+  REAL j_1 = j_0 * bend_c - k_0 * bend_s, k_1 = k_0 * bend_c + j_0 * bend_s;
   REAL length_sq = (1 + fabs(u_y)) * (1 + fabs(sin_el)) * (1 + fabs(cos_a)) / 8;
   REAL inv_q = (k_1 < 0 ? (REAL)-1 : (REAL)1) / sqrt(length_sq);
   return (POSE){w_1 * inv_q, i_1 * inv_q, j_1 * inv_q, k_1 * inv_q, qe_w, qe_i};

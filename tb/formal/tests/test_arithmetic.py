@@ -37,7 +37,7 @@ def test_every_range_is_asked_for(width):
     assert fractions - limitless <= set(exact.claimed) <= {*asked, *BY_WORDS} and set(BY_WORDS) <= rounded
     assert {n for n in fractions - limitless - rounded if exact.errors[n]} == joints - limitless
     assert all(
-        set(Rules(exact, case).names()) > {"words of Qs", "words of Qe", "arm_c", "k_q", "qe_i"} for case in CASES
+        set(Rules(exact, case).names()) > {"words of Qs", "words of Qe", "bend_c", "k_q", "qe_i"} for case in CASES
     )
 
 
@@ -75,7 +75,7 @@ def test_decision_that_is_not_of_signs_is_free():
     assert exact.equations["low"] == [] and exact.equations["minus"] == ["(= minus neg_k_1)"]
     assert exact.on_words(exact.nodes["low"]) == "(= low (< length_sq_w (/ 1.0 4.0)))"
     assert exact.equations["too_far"] == ["(= too_far (and (< a_far 0.0) (not bad_length)))"]
-    assert exact.equations["arm_swap"] == ["(= arm_swap (ite clamp away neg_cos_a))"]
+    assert exact.equations["bend_swap"] == ["(= bend_swap (ite clamp away neg_cos_a))"]
 
 
 def test_statements_become_formulas():
@@ -152,7 +152,7 @@ def test_rounding_is_within_its_bounds(width):
     for name, places in off.items():
         low, high = rounded.rounding(rounded.exact.nodes[name])
         assert low - 1e-3 <= places[usual].min() and places[usual].max() <= high + 1e-3, name
-    assert {"x_n", "k_scaled", "inv_12_far", "az_c", "arm_dif", "w_1", "m_q", "qe_i", "qs_k"} <= set(off)
+    assert {"x_n", "k_scaled", "inv_12_far", "az_c", "bend_dif", "w_1", "m_q", "qe_i", "qs_k"} <= set(off)
 
 
 @tools
