@@ -246,7 +246,7 @@ class LeanRanges(Intervals):
         if node.kind == "input":
             return Bound((1 if node.name in ARMS else fmt.low) * fmt.ulp, fmt.high * fmt.ulp)
         if not node.frac:
-            return Bound(0.0, node.op.most if node.kind == "even" else float(fmt.high))
+            return Bound(0.0, getattr(node.op, "most", float(fmt.high)))
         if not isinstance(node.within, Within):
             raise RangeError(f"{node.name}: the dataflow does not say what exact arithmetic gives")
         error = 0.0 if node.decision else UP * node.op.growth(node, operands)  # exact integers are not rounded

@@ -10,14 +10,20 @@ bits, one turn = 2^(W+ANGLE).  Rotation i turns by atan(2^-i); y is held as Y = 
 The length is K = 1.6468 times the vector's, in all vectors alike.
 """
 
+from __future__ import annotations
+
 import math
 from fractions import Fraction
 from functools import cache
+from typing import TYPE_CHECKING
 
 import mpmath
 import numpy as np
 
-from .expressions import Operation, Term, magnitude, number, round_shift, wrap
+from .expressions import Operation, magnitude, number, round_shift, wrap
+
+if TYPE_CHECKING:
+    from .nodes import Node
 
 GUARD = 3  # bits of X and Y below a word's LSB
 ANGLE = 4  # bits of an angle below the LSB of a word of one turn
@@ -139,10 +145,10 @@ class Angle(Operation):
 
     kind, latency = "vector", "vector"
 
-    def __init__(self, x: Term, y: Term, sign: int = 1) -> None:
+    def __init__(self, x: Node, y: Node, sign: int = 1) -> None:
         super().__init__(x, y)
         self.x, self.y, self.sign = x, y, sign
-        self.length: Term | None = None  # node of the gained length, if it has one
+        self.length: Node | None = None  # node of the gained length, if it has one
 
     def pair(self, node, values):
         """Return length and angle."""

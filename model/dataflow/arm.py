@@ -34,7 +34,7 @@ from .lean import SECTIONS as CORE_SECTIONS
 from .lean import SUM, Lean, equations, guard, norm
 from .lean_turn import sections
 from .mul3 import Mul3
-from .nodes import SATURATE, WRAP, Dataflow, Node
+from .nodes import SATURATE, WRAP, Dataflow, Node, Record
 
 SECTIONS = {"hand": "wrist target of a hand pose", **CORE_SECTIONS, "frame": "wrist quaternion", "joints": "angles"}
 """Section name -> description; the core's sections are the lean datapath's."""
@@ -84,8 +84,8 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
     sums = equations("bad_hand", "hand_sq", "hijk_sq", "hij_sq", *parts("h", "_sq"), *parts("qh_"))
     squares = {}
     for c in "ijkw":
-        proof = (f"=h{c}_sq", *good)
-        facts = {"within": LENGTH, "grows": SAME, "proof": proof}
+        proof: tuple[str, ...] = (f"=h{c}_sq", *good)
+        facts: Record = {"within": LENGTH, "grows": SAME, "proof": proof}
         squares[c] = d.node(f"h{c}_sq", square(target[f"qh_{c}"]), exact, "square", **facts)
     total = squares["i"]
     for c, name in (("j", "hij_sq"), ("k", "hijk_sq"), ("w", "hand_sq")):
@@ -135,13 +135,13 @@ def frame(d: Dataflow) -> None:
     d.at("frame")
     for c, row in PRODUCTS.items():
         terms = []
-        for a, b, sign in row.split():
-            proof = (f"=g_{a}{b}", "=qs_len", "=h_len", "words of Qs", "|h|")
+        for a, b, sign in map(tuple, row.split()):
+            proof: tuple[str, ...] = (f"=g_{a}{b}", "=qs_len", "=h_len", "words of Qs", "|h|")
             product, facts = Mul3(n[f"qs_{a}"], n[f"h_{b}"]), {"within": PART, "proof": proof}
             terms.append((1 if sign == "+" else -1, d.node(f"g_{a}{b}", product, f.inner, "mul3_far", **facts)))
         d.node(f"g_{c}", Sum(*terms), f.inner, "sum2", within=PART, grows=SUM, proof=("=g_len", "|G|"))
     turned = []
-    for c, other, sign in (("w", "i", 1), ("i", "w", -1), ("j", "k", 1), ("k", "j", -1)):
+    for c, other, direction in (("w", "i", 1), ("i", "w", -1), ("j", "k", 1), ("k", "j", -1)):
         products = []
         for part, half in ((c, "i"), (other, "w")):
             name = f"f_{c}{part}"
@@ -150,13 +150,13 @@ def frame(d: Dataflow) -> None:
             products.append(d.node(name, product, f.inner, "mul3_far", **facts))
             turned.append(name)
         facts = {"rounding": HALF_UP, "within": PART, "grows": ROUNDED_SUM, "proof": ("=qw_len", "|Qw|")}
-        d.node(f"qw_{c}", rounded_sum(*products, sign), f.result, "sum2", **facts)
+        d.node(f"qw_{c}", rounded_sum(products[0], products[1], direction), f.result, "sum2", **facts)
     frame_lemmas(d, turned)
 
 
 def frame_lemmas(d: Dataflow, turned: list[str]) -> None:
     """State the lemmas on the lengths of words of Qs, Qe and Qw, and of their products."""
-    uses = equations("w_q", "i_q", "j_q", "k_q", "wi_1_len", "kj_1_len")
+    uses: tuple[str, ...] = equations("w_q", "i_q", "j_q", "k_q", "wi_1_len", "kj_1_len")
     d.lemma("|w_q|", f"{norm('w_q', 'i_q', 'j_q', 'k_q')} <= 1", *uses, "q_1", "1/|q|", "length_sq")
     d.lemma("|Qs|", f"{norm(*parts('qs_'))} <= 1", "|w_q|", *equations(*parts("qs_")))
     uses = ("case", "=qe_w", "=qe_i", "elbow w", "elbow i", "A + B", "=d1", "=d2")
@@ -202,10 +202,13 @@ def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
     for name, x, y in (("d", "i", "j"), ("s", "w", "k")):
         both[name] = Angle(n[f"{q}_{x}"], n[f"{q}_{y}"])
         fmt = Format(d.width + 3, d.width + 1, "W + 1", signed=False)
-        facts = {"within": GAINED, "proof": (f"={q}_{x}{y}", *(("=qs_len",) if q == "qs" else ()), f"words of Q{q[1]}")}
+        facts: Record = {
+            "within": GAINED,
+            "proof": (f"={q}_{x}{y}", *(("=qs_len",) if q == "qs" else ()), f"words of Q{q[1]}"),
+        }
         both[name].length = d.node(f"{q}_{x}{y}", Gained(both[name]), fmt, **facts)
         angle(d, f"{q}_{name}", both[name])
-    between = angle(d, f"{q}_b", Angle(both["s"].length, both["d"].length))
+    between = angle(d, f"{q}_b", Angle(n[f"{q}_wk"], n[f"{q}_ij"]))
     facts = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": ROUNDED_SUM}
     pair = n[f"{q}_s"], n[f"{q}_d"]
     for name, sign in ((names[0], 1), (names[2], -1)):
@@ -222,5 +225,5 @@ def angle(d: Dataflow, name: str, of: Angle) -> Node:
 
 
 def _twice(d: Dataflow, name: str, half: Node) -> None:
-    facts = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": Growth((2.0,))}
+    facts: Record = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": Growth((2.0,))}
     d.node(name, twice(half, d.nodes[NEGATED[name]]), d.word(0), **facts)

@@ -14,9 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from .nodes import Node
 
 Values = Mapping[str, Any]  # by a node's name: an array over targets
 
@@ -77,7 +80,7 @@ class Term:
     """A node, a constant or an expression: the operators, and the readings' names."""
 
     frac: int = 0
-    leaves: tuple = ()  # the nodes, in the order in which the term reads them
+    leaves: tuple[Node, ...] = ()  # in the order in which the term reads them
 
     words: Callable[[Values], Any]
     formula: Callable[[Any], str]
@@ -150,7 +153,7 @@ def _signed(term: Term) -> tuple[tuple[int, Term], ...]:
     return term.terms if type(term) is Sum else ((1, term),)
 
 
-def _leaves(*terms: Term) -> tuple:
+def _leaves(*terms: Term) -> tuple[Node, ...]:
     return tuple(dict.fromkeys(node for term in terms for node in term.leaves))
 
 
@@ -383,7 +386,7 @@ class Compared(Operation):
 
 class _Logic(Operation):
     word: str
-    ufunc: Callable
+    ufunc: np.ufunc
 
     def words(self, values):
         return self.ufunc.reduce([truth(part.words(values)) for part in self.parts])

@@ -46,8 +46,8 @@ class Bits:
     def overflow(self) -> dict[str, np.ndarray]:
         """Mask of the words that did not fit, for every product, sum and quotient of the paper's dataflow."""
         values = {name: node.value for name, node in self.nodes.items()}
-        limited = (node for node in self.nodes.values() if hasattr(node.op, "overflow"))
-        return {node.name: node.op.overflow(node, values) for node in limited}
+        masks = {name: getattr(node.op, "overflow", None) for name, node in self.nodes.items()}
+        return {name: mask(self.nodes[name], values) for name, mask in masks.items() if mask}
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ from .choices import Choice, Product, half_length, half_part, half_sum, square
 from .expressions import FLOOR, HALF_UP, Not, Select, zero
 from .formats import Format, effective_width, inner_frac, root_frac
 from .mul3 import Mul3
-from .nodes import SATURATE, Dataflow, Node
+from .nodes import SATURATE, Dataflow, Node, Record
 from .quadratic import Rsqrt
 from .shifts import Count, Even, EvenCount, ShiftDown, ShiftUp
 
@@ -145,7 +145,7 @@ def guard(d: Dataflow, target: dict[str, Node]) -> None:
 
     x_sq, y_sq, z_sq = (squared(p, 4.0, proof=(f"={p.name}_sq", f"={p.name}_w")) for p in (x, y, z))
     d_sum_sq, d_dif_sq = squared(d_sum, 16.0), squared(d_dif, 4.0)
-    proof = ("=sum_dif", "=d_sum", "=d_dif", *LENGTHS)
+    proof: tuple[str, ...] = ("=sum_dif", "=d_sum", "=d_dif", *LENGTHS)
     within = Within(-4.0, 4.0, SQUARES)
     sum_dif = d.node("sum_dif", Product(d_sum, d_dif), f.exact, "product", within=within, proof=proof)  # d1^2 - d2^2
     rho_sq = d.node("rho_sq", x_sq + y_sq, f.exact, "wide", within=Within(0.0, 8.0, SQUARES))
@@ -193,17 +193,17 @@ def direction(d: Dataflow, f: Lean) -> None:
     u_x = d.node("u_x", Mul3(x_n, inv_rho, scale=1), f.inner, within=CIRCLE, proof=("|u| <= 1",))
     u_y = d.node("u_y", Mul3(y_n, inv_rho, scale=1), f.inner, within=CIRCLE, proof=("|u| <= 1",))
     sin_el = d.node("sin_el", Mul3(z_n, inv_s, scale=1), f.inner, within=CIRCLE, proof=("|el| = 1",))
-    proof = ("=root_rho", "inv_rho", "root of m_rho", "m_rho")
+    proof: tuple[str, ...] = ("=root_rho", "inv_rho", "root of m_rho", "m_rho")
     root_rho = d.node("root_rho", Mul3(inv_rho, m_rho, scale=1), f.inner, within=ROOT, proof=proof)  # sqrt(m)
     proof = ("=n_el", "rho <= |p|", "s > 0", "rho_sq", *mantissas("rho", "s"))
     n_el = d.node("n_el", Count((1, e_rho), (-1, e_s)), d.count, within=not_negative(RISES), proof=proof)
-    risen = {"rounding": FLOOR, "within": Within(0.0, 1.0, RISES)}
+    risen: Record = {"rounding": FLOOR, "within": Within(0.0, 1.0, RISES)}
     inv_s_el = d.node("inv_s_el", ShiftDown(inv_s, n_el), f.inner, "shift", **risen)
     proof = ("=cos_el", "root_rho", "inv_s_el", "|el| = 1")
     cos_el = d.node("cos_el", Mul3(root_rho, inv_s_el, scale=1), f.inner, "mul3_far", within=UPPER_HALF, proof=proof)
     d.lemma("|u| <= 1", f"{norm('u_x', 'u_y')} <= 1", "=u_x", "=u_y", "=inv_rho", "direction")
     d.lemma("root of m_rho", "root_rho*root_rho == m_rho", "=root_rho", "=inv_rho")
-    uses = equations("n_el", "m_rho", "e_rho", "e_s", "m_s", "z_n", "s", "z_sq")
+    uses: tuple[str, ...] = equations("n_el", "m_rho", "e_rho", "e_s", "m_s", "z_n", "s", "z_sq")
     in_unit = "root_rho*root_rho == n_el*n_el*(m_s - z_n*z_n)"
     d.lemma("rho in p's unit", in_unit, "root of m_rho", *uses, "s > 0")
     d.lemma("1/|p|", "4*m_s*inv_s*inv_s == 1", "=inv_s", "=m_s", "s > 0")
@@ -213,13 +213,13 @@ def direction(d: Dataflow, f: Lean) -> None:
     # The first rotation turns by the azimuth and 90 degrees: cosine -u_y, sine u_x.  On the z axis, where both are 0,
     # the azimuth is 0: (1, 1)/2.  Its parts do not wait for the squared length.
     squared_length(d, f, "az_sq", half_length(u_y))
-    az = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("az", "az_sq")}
+    az: Record = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("az", "az_sq")}
     d.node("az_c", half_part(u_y, u_x, (u_y < 0) | n["on_axis"]), f.inner, **az)
     d.node("az_s", half_part(u_y, u_x, u_y >= 0), f.inner, **az)
     # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, the direction is +z:
     # (1, 0).
     tilt_sq = squared_length(d, f, "tilt_sq", half_length(sin_el, n["at_shoulder"]), (*CASE, "=tilt_sq", "sin_el"))
-    tilt = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("tilt", "tilt_sq")}
+    tilt: Record = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("tilt", "tilt_sq")}
     d.node("tilt_c", half_part(sin_el, cos_el, sin_el >= 0, tilt_sq), f.inner, **tilt)
     d.node("tilt_s", half_part(sin_el, cos_el, sin_el < 0, tilt_sq), f.inner, **tilt)
     uses = equations("az_c", "az_s", "az_sq")
@@ -239,7 +239,7 @@ def triangle(d: Dataflow, f: Lean) -> None:
     e_2, _, inv_2 = root(d, f, "2", n["d2"], f.even_width)
     roots = {}
     for side, inverse, mantissa in (("far", inv_far, m_far), ("near", inv_near, m_near)):
-        proof = (f"=root_{side}", f"inv_{side}", f"root of m_{side}", f"m_{side}")
+        proof: tuple[str, ...] = (f"=root_{side}", f"inv_{side}", f"root of m_{side}", f"m_{side}")
         product = Mul3(inverse, mantissa, scale=1)
         roots[side] = d.node(f"root_{side}", product, f.inner, within=ROOT, proof=proof)
         d.lemma(f"root of m_{side}", f"root_{side}*root_{side} == m_{side}", f"=root_{side}", f"=inv_{side}")
@@ -255,21 +255,21 @@ def triangle(d: Dataflow, f: Lean) -> None:
     elbow = {}
     for side, count, exact, root_of, half in (("far", e_far, "a_far", "A", "w"), ("near", e_near, "b_near", "B", "i")):
         sizes = mantissas(side, "1", "2")
-        shorter, steps = f"{root_of} <= 4 d1 d2", Count((1, count), (-1, e_1), (-1, e_2), constant=2 + f.odd)
+        shorter, total = f"{root_of} <= 4 d1 d2", Count((1, count), (-1, e_1), (-1, e_2), constant=2 + f.odd)
         within = not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)")
         proof = (f"=n_{side}", shorter, exact, *LENGTHS, *sizes)
-        steps = d.node(f"n_{side}", steps, d.count, within=within, proof=proof)
+        steps = d.node(f"n_{side}", total, d.count, within=within, proof=proof)
         raw, name = f"inv_12_{side}_raw", f"inv_12_{side}"
         proof = (f"={raw}", f"=n_{side}", f"n_{side}", "inv_12", f"=elbow_{half}", f"={name}", f"elbow_{half}")
         proof += (f"root_{side}", f"root of m_{side}", exact, *sizes, *LENGTHS)
-        facts = {"rounding": FLOOR, "within": ARMS_UNIT, "grows": EIGHTFOLD, "proof": proof}
+        facts: Record = {"rounding": FLOOR, "within": ARMS_UNIT, "grows": EIGHTFOLD, "proof": proof}
         d.node(raw, ShiftDown(inv_12, steps, 3), f.raised, "shift", **facts)
         shifted = limited(d, name, ARMS_UNIT, f.inner)
         proof = (f"={name}", f"={raw}", f"=n_{side}", "inv_12", f"root_{side}", f"root of m_{side}")
         proof = (f"=elbow_{half}", f"elbow {half}", shorter, *proof, f"=m_{side}", f"=e_{side}", exact, *LENGTHS)
         product = Mul3(roots[side], shifted)
         elbow[half] = d.node(f"elbow_{half}", product, f.inner, "mul3_far", within=ELBOW_W, proof=proof)
-        uses = equations(f"elbow_{half}", name, raw, f"n_{side}")
+        uses: tuple[str, ...] = equations(f"elbow_{half}", name, raw, f"n_{side}")
         uses += (f"root of m_{side}", "1/(d1 d2)", *sizes, *LENGTHS)
         d.lemma(f"elbow {half}", f"4*d1*d2*elbow_{half}*elbow_{half} == {exact}", *uses)
 
@@ -287,7 +287,7 @@ def triangle(d: Dataflow, f: Lean) -> None:
     inv_law = limited(d, "inv_law", LAW, f.inner)
     # K in the same units: at most 2, because |K| <= 2 d1 |p|
     n_law = d.node("n_law", Count((2, e_1), (1, e_s)), d.count)
-    k_unit = {"rounding": FLOOR, "within": K_UNIT}
+    k_unit: Record = {"rounding": FLOOR, "within": K_UNIT}
     proof = ("cos_a", "=cos_a", "1/(d1 |p|)", "1/|p|", "m_1", "=m_1", "=d1", "m_s", "inv_s")
     k_law = ShiftUp(n["k_law"], n_law, -4 - f.odd)
     k_scaled = d.node("k_scaled", k_law, f.inner, "shift3", proof=proof, **k_unit)
@@ -297,15 +297,15 @@ def triangle(d: Dataflow, f: Lean) -> None:
     uses = ("=cos_a", "=k_scaled", "=n_law", "1/(d1 |p|)", "1/|p|")
     d.lemma("cos a", "4*d1*d1*s*cos_a*cos_a == k_law*k_law", *uses, *mantissas("1", "s"), "=d1", "s > 0")
 
-    n_ab = Count((1, e_far), (1, e_near), (-2, e_1), (-1, e_s), constant=2 + f.odd)
+    total = Count((1, e_far), (1, e_near), (-2, e_1), (-1, e_s), constant=2 + f.odd)
     proof = ("=n_ab", "law", "A + B", "a_far", "b_near", *mantissas("far", "near", "1", "s"), "=ulp", *LENGTHS)
-    n_ab = d.node("n_ab", n_ab, d.count, "sum2", within=not_negative("sin a <= 1"), proof=proof)
+    n_ab = d.node("n_ab", total, d.count, "sum2", within=not_negative("sin a <= 1"), proof=proof)
     proof = ("=inv_law_ab_raw", "=n_ab", "inv_law", "1/(d1 |p|) by n_ab", "law")
     facts = {"rounding": FLOOR, "within": LAW_UNIT, "grows": FOURFOLD, "proof": proof}
     d.node("inv_law_ab_raw", ShiftDown(inv_law, n_ab, 2), f.raised, "shift", **facts)
     inv_law_ab = limited(d, "inv_law_ab", LAW_UNIT, f.inner)
-    uses = equations("sin_a", "root_ab"), equations("inv_law_ab", "inv_law_ab_raw", "n_ab")
-    proof = ("|a| = 1", *uses[0], "root_far", "root_near", *uses[1], "inv_law")
+    shifted_law = equations("inv_law_ab", "inv_law_ab_raw", "n_ab")
+    proof = ("|a| = 1", "=sin_a", "=root_ab", "root_far", "root_near", *shifted_law, "inv_law")
     sin_a = d.node("sin_a", Mul3(root_ab, inv_law_ab, scale=1), f.inner, "mul3_far", within=UPPER_HALF, proof=proof)
     triangle_lemmas(d)
 
@@ -329,7 +329,7 @@ def triangle(d: Dataflow, f: Lean) -> None:
 def triangle_lemmas(d: Dataflow) -> None:
     """State the lemmas on sin a: n_ab is not negative, because sin a <= 1 and, where A B = 0, words have ulps."""
     d.lemma("|a| = 1", f"{norm('cos_a', 'sin_a')} <= 1", "cos a", "sin a", "K^2 + A B", "s > 0", "=d1")
-    uses = ("root of m_far", "root of m_near", "1/(d1 |p|)", "1/|p|")
+    uses: tuple[str, ...] = ("root of m_far", "root of m_near", "1/(d1 |p|)", "1/|p|")
     uses = (*equations("sin_a", "inv_law_ab", "inv_law_ab_raw", "n_ab", "root_ab"), *uses)
     uses = (*uses, *equations("m_far", "m_near", "m_1", "m_s", "e_far", "e_near", "e_1", "e_s", "d1"))
     d.lemma("sin a", "4*d1*d1*s*sin_a*sin_a == a_far*b_near", *uses, "s > 0")
@@ -362,10 +362,10 @@ def root(d: Dataflow, f: Lean, name: str, value: Node, width: int) -> tuple[Node
     whole = f"={value.name}" if value.kind == "input" else value.name  # an input's range is its equation
     even = Even(value, width)
     count = d.node(f"e_{name}", EvenCount(even), d.count)
-    proof = (f"=m_{name}", whole)
+    proof: tuple[str, ...] = (f"=m_{name}", whole)
     mantissa = d.node(f"m_{name}", even, f.mantissa, rounding=FLOOR, within=MANTISSA, proof=proof)
     even.count, even.mantissa = count, mantissa
-    facts = {"within": INVERSE, "proof": (f"=inv_{name}", f"=m_{name}", whole)}
+    facts: Record = {"within": INVERSE, "proof": (f"=inv_{name}", f"=m_{name}", whole)}
     return count, mantissa, d.node(f"inv_{name}", Rsqrt(mantissa), f.inner, "rsqrt_far", **facts)
 
 

@@ -6,7 +6,7 @@ from .choices import add_sub, mantissa, signed
 from .expressions import HALF_UP, Constant
 from .lean import CIRCLE, FOURFOLD, PAIR, SUM, UPPER_HALF, Lean, direction, equations, guard, norm, triangle
 from .mul3 import Mul3
-from .nodes import SATURATE, Dataflow, Node
+from .nodes import SATURATE, Dataflow, Node, Record
 from .quadratic import HalfAngle, Rsqrt
 
 PART = Within(-1.0, 1.0, "parts of quaternions no longer than 1")
@@ -46,14 +46,14 @@ def turn(d: Dataflow, f: Lean, phi: Node) -> None:
     sc = d.node("sc", Mul3(az_s, cos_h), f.inner, within=PART)
     cs = d.node("cs", Mul3(az_c, sin_h), f.inner, within=PART)
     # half the sum and half the difference of azimuth and swivel
-    plus = {"within": PART, "grows": SUM, "proof": ("az + phi", "az_sq")}
-    minus = plus | {"proof": ("az - phi", "az_sq")}
+    plus: Record = {"within": PART, "grows": SUM, "proof": ("az + phi", "az_sq")}
+    minus: Record = plus | {"proof": ("az - phi", "az_sq")}
     c_plus = d.node("c_plus", cc - ss, f.inner, **plus)
     s_plus = d.node("s_plus", sc + cs, f.inner, **plus)
     c_minus = d.node("c_minus", cc + ss, f.inner, **minus)
     s_minus = d.node("s_minus", sc - cs, f.inner, **minus)
     for sign, name in (("+", "plus"), ("-", "minus")):
-        uses = equations(f"c_{name}", f"s_{name}", "cc", "ss", "sc", "cs")
+        uses: tuple[str, ...] = equations(f"c_{name}", f"s_{name}", "cc", "ss", "sc", "cs")
         d.lemma(f"az {sign} phi", f"{norm(f'c_{name}', f's_{name}')} <= az_sq", *uses, "az", "phi")
     w_0 = d.node("w_0", Mul3(tilt_c, c_plus), f.inner, "mul3_far", within=PART)
     i_0 = d.node("i_0", Mul3(tilt_s, c_minus), f.inner, "mul3_far", within=PART)
@@ -68,9 +68,9 @@ def turn(d: Dataflow, f: Lean, phi: Node) -> None:
     length_sq = d.node("length_sq", Mul3(az_tilt_sq, n["bend_sq"]), f.inner, within=within)
     low = d.mask("low", length_sq < Constant(0.25), None)
     # The mantissa is of four times the length below 1/4; the root is doubled there.
-    facts = {"within": Within(0.25, 1.0, "mantissa"), "grows": FOURFOLD, "limited": MOST}
+    facts: Record = {"within": Within(0.25, 1.0, "mantissa"), "grows": FOURFOLD, "limited": MOST}
     m_q = d.node("m_q", mantissa(length_sq, low), f.mantissa, ends=SATURATE, **facts)
-    proof = ("1/|q|", "length_sq", "=inv_q")
+    proof: tuple[str, ...] = ("1/|q|", "length_sq", "=inv_q")
     inv_q = d.node("inv_q", Rsqrt(m_q, twice=low), f.inner, within=LENGTH_INVERSE, proof=proof)
     uses = equations("w_0", "i_0", "j_0", "k_0", "az_tilt_sq")
     statement = f"{norm('w_0', 'i_0', 'j_0', 'k_0')} <= az_tilt_sq"
@@ -93,12 +93,12 @@ def last_rotation(d: Dataflow, f: Lean, *pairs: tuple[Node, Node]) -> None:
     """Build w_1 .. k_1, each pair with three products: w c + i s = (w + i) c - i (c - s), and
     i c - w s = (w + i) c - w (c + s)."""
     n = d.nodes
-    part = {"within": PART, "grows": SUM, "proof": ("q_1", "=wi_1_len", "=kj_1_len", "length_sq")}
+    part: Record = {"within": PART, "grows": SUM, "proof": ("q_1", "=wi_1_len", "=kj_1_len", "length_sq")}
     for first, second in pairs:
         one, two = first.name[0], second.name[0]
         both, proof = one + two, (f"={one}{two}_0", "q_0", "az_tilt_sq")
         total = d.node(f"{both}_0", first + second, f.inner, within=PAIR, grows=SUM, proof=proof)
-        far = {"latency": "mul3_far", "within": PAIR}
+        far: Record = {"latency": "mul3_far", "within": PAIR}
         whole = d.node(f"{both}_c", Mul3(total, n["bend_c"]), f.inner, **far)
         dif = d.node(f"{two}_dif", Mul3(second, n["bend_dif"]), f.inner, after=total, **far)
         # The larger part minus the smaller is s - c where they are swapped.
@@ -117,7 +117,7 @@ def length_lemmas(d: Dataflow) -> None:
         d.define(f"{name}_1_len", norm(*(f"{part}_1" for part in name)))
     d.define("bend_len", norm("bend_c", "bend_s"))
     for one, two in ("wi", "kj"):
-        uses = equations(f"{one}{two}_1_len", f"{one}{two}_len", "bend_len")
+        uses: tuple[str, ...] = equations(f"{one}{two}_1_len", f"{one}{two}_len", "bend_len")
         statement = f"{one}{two}_1_len == {one}{two}_len*bend_len"
         d.lemma(f"|{one}{two}_1|", statement, f"{one} turned", f"{two} turned", *uses)
     statement = "0 <= wi_len and 0 <= kj_len and wi_len + kj_len <= az_tilt_sq"

@@ -1,7 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Products from three tiles, as ``ik_mul3`` computes them."""
 
-from .expressions import SCALED, Operation, Term, number, wrap
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .expressions import SCALED, Operation, number, wrap
+
+if TYPE_CHECKING:
+    from .nodes import Node
 
 TILE = 18
 """Default tile: bits of the longer operand of the multipliers into which products are split."""
@@ -62,13 +69,13 @@ class Mul3(Operation):
 
     kind, latency, level, adds_rounding = "mul3", "mul3", SCALED, True
 
-    def __init__(self, a: Term, b: Term, scale: int = 0) -> None:
+    def __init__(self, a: Node, b: Node, scale: int = 0) -> None:
         super().__init__(a, b)
-        self.scale, self.frac = scale, a.frac + b.frac - scale
+        self.a, self.b, self.scale, self.frac = a, b, scale, a.frac + b.frac - scale
 
     def _cut(self, node) -> tuple[int, int, int]:
         """Return the number of fraction bits dropped, and the operands' widths as signed words."""
-        a, b = (part.format for part in self.parts)
+        a, b = self.a.format, self.b.format
         return self.frac - node.frac, a.width + (not a.signed), b.width + (not b.signed)
 
     def error(self, node):
@@ -83,7 +90,7 @@ class Mul3(Operation):
         return a * b
 
     def growth(self, node, bounds):
-        p, q = (bounds[part.name] for part in self.parts)
+        p, q = bounds[self.a.name], bounds[self.b.name]
         return ((p.size + p.error) * q.error + (q.size + q.error) * p.error) * 2.0**self.scale
 
     def formula(self, domain):

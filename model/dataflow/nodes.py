@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from ..io.words import BRANCHES, FIELDS
-from .annotations import Case, Growth, Limited, Rule, Within
+from .annotations import Bound, Case, Growth, Limited, Rule, Within
 from .expressions import EXACT, HALF_UP, JAM, Operation, Term, round_shift, wrap
 from .formats import GUARD, WIDTHS, Format, Latency
 from .mul3 import TILE
@@ -140,6 +140,8 @@ class Node(Term):
         return self.op.result(self, values)
 
 
+Record = dict[str, Any]  # further fields of a node
+
 Limits = Sequence[Sequence[int]]  # lower and upper limit of each joint, words of a turn
 
 
@@ -228,7 +230,7 @@ class Dataflow:
 
     # ---- statements between nodes ----------------------------------------------------------------------------------
 
-    def learn(self, fact: Callable[[Case, dict[str, Node], Callable], Case]) -> None:
+    def learn(self, fact: Callable[[Case, dict[str, Node], dict[str, Bound]], Case]) -> None:
         """Tighten the length bounds of a case from the nodes so far; only ranges are computed case by case."""
         self.learned[len(self.nodes)] = fact
 

@@ -11,7 +11,6 @@ near the z axis lose no precision.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 
 from .annotations import COSINE, SQRT3, SUM, Bound, Case, Given, Rule, leading, not_negative, upto, used
@@ -219,7 +218,7 @@ ELBOW = Rule(
 )
 
 
-def off_length(c: Case, nodes: dict[str, Node], bounds: Mapping[str, Bound]) -> Case:
+def off_length(c: Case, nodes: dict[str, Node], bounds: dict[str, Bound]) -> Case:
     """Bound the error of p_e.  The root of (13), and p_e with it, may lose half of its digits; the square in
     |p_e|^2 = |a|^2 + t^2 |m|^2 (a along p_w, t = tmp_sqr, m = PP^- / |PP^-|^2 perpendicular) undoes the root."""
     root, inf, worst = bounds["tmp_sqr"], bounds["inf_pp"], 0.0

@@ -11,12 +11,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from typing import TYPE_CHECKING
 
 import mpmath
 import numpy as np
 
-from .expressions import Operation, Term
+from .expressions import Operation
 from .mul3 import TILE
+
+if TYPE_CHECKING:
+    from .nodes import Node
 
 PRECISION = 200
 """Precision of tables and proofs in bits; an error of 2^-190 changes neither."""
@@ -369,7 +373,7 @@ class Rsqrt(Operation):
 
     kind, latency, adds_rounding = "rsqrt", "rsqrt", True
 
-    def __init__(self, m: Term, twice: Term | None = None) -> None:
+    def __init__(self, m: Node, twice: Node | None = None) -> None:
         super().__init__(m, *([twice] if twice else []))
         self.m, self.twice = m, twice
         self.root_frac = m.frac - 3
@@ -408,7 +412,7 @@ class HalfAngle(Operation):
 
     kind, latency, adds_rounding = "trig", "trig", True
 
-    def __init__(self, phi: Term, function: str) -> None:
+    def __init__(self, phi: Node, function: str) -> None:
         super().__init__(phi)
         self.phi, self.function = phi, function
 

@@ -4,9 +4,16 @@
 In a formula a count n stands for 2^n, so that a shift is a product.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from .expressions import FLOOR, Operation, Term, magnitude, number, wrap
+from .expressions import FLOOR, Operation, magnitude, number, wrap
+
+if TYPE_CHECKING:
+    from .nodes import Node
 
 
 def room(words, width: int):
@@ -39,8 +46,10 @@ class Even(Operation):
     """Mantissa of the low ``width`` bits of a word, shifted left by pairs until the first pair is not 0."""
 
     kind, latency = "even", "even"
+    count: Node
+    mantissa: Node
 
-    def __init__(self, value: Term, width: int) -> None:
+    def __init__(self, value: Node, width: int) -> None:
         super().__init__(value)
         self.value, self.width = value, width
 
@@ -114,7 +123,7 @@ class EvenCount(Operation):
 class Count(Operation):
     """Shift count of six bits: other counts times factors, and a constant."""
 
-    def __init__(self, *terms: tuple[int, Term], constant: int = 0) -> None:
+    def __init__(self, *terms: tuple[int, Node], constant: int = 0) -> None:
         super().__init__(*(count for _, count in terms))
         self.terms, self.constant = terms, constant
 
@@ -140,7 +149,7 @@ class Count(Operation):
 class ShiftUp(Operation):
     """v 2^(power + n), truncated; bits above the format are dropped, of clamped targets only."""
 
-    def __init__(self, value: Term, count: Term, power: int = 0) -> None:
+    def __init__(self, value: Node, count: Node, power: int = 0) -> None:
         super().__init__(value, count)
         self.value, self.count, self.power, self.frac = value, count, power, value.frac - power
 
@@ -168,7 +177,7 @@ class ShiftUp(Operation):
 class ShiftDown(Operation):
     """v 2^(power - n), truncated."""
 
-    def __init__(self, value: Term, count: Term, power: int = 0) -> None:
+    def __init__(self, value: Node, count: Node, power: int = 0) -> None:
         super().__init__(value, count)
         self.value, self.count, self.power, self.frac = value, count, power, value.frac - power
 
@@ -188,7 +197,7 @@ class ShiftDown(Operation):
         to.shift_down(node, self.value, self.count.name, self.power)
 
 
-def _power(count: Term, sign: int, constant: int) -> str:
+def _power(count: Node, sign: int, constant: int) -> str:
     """Return 2^(sign count + constant) as text."""
     if sign < 0 < constant:
         return f"2^({constant} - {count.name})"

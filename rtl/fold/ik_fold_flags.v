@@ -76,8 +76,8 @@ module ik_fold_flags (
   assign flags = {3'b000, bad_length, at_shoulder, on_axis, too_near, too_far};
 
   assign a_second = (a_by == A_BY_U_Y && u_y) || (a_by == A_BY_AT_SHOULDER && at_shoulder) || (a_by == A_BY_CLAMP && clamp);
-  assign b_second = (b_by == B_BY_SIN_EL && sin_el) || (b_by == B_BY_ARM_SWAP && bend_swap);
-  assign w_second = (w_by == W_BY_U_Y && u_y) || (w_by == W_BY_SIN_EL && sin_el) || (w_by == W_BY_ARM_SWAP && bend_swap);
+  assign b_second = (b_by == B_BY_SIN_EL && sin_el) || (b_by == B_BY_BEND_SWAP && bend_swap);
+  assign w_second = (w_by == W_BY_U_Y && u_y) || (w_by == W_BY_SIN_EL && sin_el) || (w_by == W_BY_BEND_SWAP && bend_swap);
   assign s_other = (s_by == S_BY_ON_AXIS && on_axis) || (s_by == S_BY_AT_SHOULDER && at_shoulder)
       || (s_by == S_BY_CLAMP && clamp);
   always @*
@@ -88,7 +88,7 @@ module ik_fold_flags (
       MINUS_BY_U_Y: minus = u_y;
       MINUS_BY_SIN_EL_AND_NOT_AT_SHOULDER: minus = sin_el && !at_shoulder;
       MINUS_BY_COS_A_AND_NOT_CLAMP: minus = cos_a && !clamp;
-      MINUS_BY_NOT_ARM_SWAP: minus = !bend_swap;
+      MINUS_BY_NOT_BEND_SWAP: minus = !bend_swap;
       MINUS_BY_MINUS: minus = k_1;
       default: minus = 1'b0;
     endcase

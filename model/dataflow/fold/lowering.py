@@ -11,6 +11,7 @@ places.  ``weight`` w of a word: its first bit weighs -2^w.  The product of two 
 
 from collections import defaultdict
 from dataclasses import dataclass, replace
+from typing import Any
 
 from ...io.words import ARM_FIELDS, ARM_RESULT_FIELDS, ARMS, BRANCHES, FIELDS, RESULT_FIELDS
 from .. import arm, lean, lean_turn
@@ -140,7 +141,7 @@ class Lowering:
         """Return the weight of an inner word: all inner words share the last place."""
         return self.inner - 1 - node.format.frac
 
-    def sum(self, node: Node, terms: tuple[tuple[int, Term], ...]) -> None:
+    def sum(self, node: Node, terms: tuple[tuple[int, Any], ...]) -> None:
         if len(terms) > 2 or isinstance(terms[0][1], Constant) or node.ends:
             self._chain_of(node, terms)
             return
@@ -164,15 +165,15 @@ class Lowering:
                 self.weight[name] = self._weight(node)
             self.sums[first].append(Sum(name, second, ALWAYS if less else NEVER, write=None if exact else Write(name)))
 
-    def _chain_of(self, node: Node, terms: tuple[tuple[int, Term], ...]) -> None:
+    def _chain_of(self, node: Node, terms: tuple[tuple[int, Any], ...]) -> None:
         """Add three or more terms, of which the first may be a half."""
         name, self.weight[node.name] = node.name, self._weight(node)
         if isinstance(terms[0][1], Constant):
             self.terms[HALF_ROW] = Step(HALF_ROW, ONE, HALF)
-            first, names = HALF_ROW, (f"{name}'", name)
+            first, names = HALF_ROW, [f"{name}'"]
         else:
-            first, names = terms[0][1].name, (*(f"{name}{n}" for n in range(2, len(terms))), name)
-        rest = zip(names, terms[1:], strict=True)
+            first, names = terms[0][1].name, [f"{name}{n}" for n in range(2, len(terms))]
+        rest = zip([*names, name], terms[1:], strict=True)
         self._chain(first, *((made, term.name, sign) for made, (sign, term) in rest), write=Write(name))
 
     def wrapped_sum(self, node: Node, first: Node, second: Node) -> None:
