@@ -248,7 +248,7 @@ class LeanRanges(Intervals):
         if not node.frac:
             return Bound(0.0, getattr(node.op, "most", float(fmt.high)))
         if not isinstance(node.within, Within):
-            raise RangeError(f"{node.name}: the dataflow does not say what exact arithmetic gives")
+            raise RangeError(f"{node.name}: the dataflow states no range")
         error = 0.0 if node.decision else UP * node.op.growth(node, operands)  # exact integers are not rounded
         if node.op.adds_rounding:
             error = UP * (error + max(map(abs, node.error)) * fmt.ulp)

@@ -198,7 +198,7 @@ def outside(angle, low: int, high: int, width: int):
 
 
 class Outside(Operation):
-    """Whether an angle is not on the arc from one word to another."""
+    """Mask of angles that are not on the arc from one word to another."""
 
     def __init__(self, angle: Term, low: int, high: int) -> None:
         super().__init__(angle)
@@ -219,7 +219,7 @@ class Outside(Operation):
 
 
 class OutsideFormat(Operation):
-    """Whether one of the wrist's coordinates does not fit the format of its node."""
+    """Mask of wrists with a coordinate that does not fit the format of its node."""
 
     def __init__(self, *wrists) -> None:
         super().__init__(*(operand for node in wrists for operand in node.operands))

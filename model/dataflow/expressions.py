@@ -361,7 +361,7 @@ class Select(Operation):
 
 
 class Compared(Operation):
-    """Whether two terms are in a relation: ``<``, ``<=`` or ``=``."""
+    """Relation of two terms: ``<``, ``<=`` or ``=``."""
 
     level = COMPARED
     RELATIONS: Mapping[str, Callable] = {"<": np.less, "<=": np.less_equal, "=": np.equal}
@@ -399,25 +399,25 @@ class _Logic(Operation):
 
 
 class Or(_Logic):
-    """Whether one of the masks is set."""
+    """Set where one of the masks is set."""
 
     level, word, ufunc = ANY, "or", np.logical_or
 
 
 class And(_Logic):
-    """Whether all masks are set."""
+    """Set where all masks are set."""
 
     level, word, ufunc = ALL, "and", np.logical_and
 
 
 class Xor(_Logic):
-    """Whether an odd number of the masks is set."""
+    """Set where an odd number of the masks is set."""
 
     level, word, ufunc = ANY, "xor", np.logical_xor
 
 
 class Not(_Logic):
-    """Whether the mask is not set."""
+    """Set where the mask is not set."""
 
     level, word = ATOM, "not"
 

@@ -13,7 +13,7 @@ nodes.  Each node has an operation (:mod:`model.dataflow.expressions`), and each
 * formats and clocks, from which ``scripts/generate/headers.py`` writes the ``*_nodes.vh`` of the RTL.
 
 Rounding.  A node of an expression is exact, or rounded as its ``rounding`` says: half up (add half an ulp, drop the
-bits) or floor.  A word beyond the format saturates or wraps where its node says so.  By proof
+bits) or floor.  A word beyond the format saturates or wraps if the node's ``ends`` states it.  By proof
 (:mod:`model.bounds.ranges`) only nodes with ``limited`` ever saturate.
 """
 
@@ -44,7 +44,7 @@ class Node(Term):
     """Named value of a dataflow.
 
     ``time`` counts clocks from the clock in which the target is at the input; ``after`` is a node that the operation
-    waits for without using it, to align its result with its neighbours.  ``rounding`` and ``ends`` say how a word is
+    waits for without using it, to align its result with its neighbours.  ``rounding`` and ``ends`` define how a word is
     brought to the format, ``error`` is the range, in ulps, of the rounding added.  ``within`` is the range in exact
     arithmetic with its reason, ``grows`` the error growth, ``limited`` an intended saturation, ``proof`` the facts
     that prove the range (:mod:`tb.formal.lean_proofs`).  ``as_words``: operands whose words the node takes as exact.
@@ -131,7 +131,7 @@ class Node(Term):
         return wrap(words, self.format.width) if self.ends == WRAP else words
 
     def evaluate(self, values: dict):
-        """Return the node's words from those of its operands by name."""
+        """Return the node's words from its operands' words by name."""
         if self.format.width > 63 and self.ends != WRAP:  # beyond 64 bits, words of the longest lengths are Python's
             operands = {operand.name: np.asarray(values[operand.name]) for operand in self.operands}
             as_floats = {name: word.astype(np.float64) for name, word in operands.items()}

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Results Q2.(W-2) and binary angles, rounded half up; inputs Q2.(W-2) and a binary angle.
-// A hand pose enters; Qs, Qe, Qw and seven joint angles leave. Laps, steps and datapath are those of ik_fold. Codes of
+// A hand pose enters; Qs, Qe, Qw and seven joint angles leave. Laps, steps and datapath as in ik_fold. Codes of
 // fields that both programs have are the same.
 // Throughput: one target per PERIOD clocks.
 // Latency: set by the program (ik_fold_arm_program.vh), counted from the clock that accepts the target.

@@ -213,7 +213,7 @@ def fold_nodes(name: str) -> str:
         clocks = (
             [f"{bits}'d{c % p.period}" for c, (_, p) in zip(one, made, strict=True)]
             for one in zip(*(place.clocks for place in each), strict=True)
-        )  # those of every program
+        )  # in every program
         when = " || ".join(f"clock == {f'({pick})' if '?' in pick else pick}" for pick in map(_pick, clocks))
         blocks.setdefault(of.node.instance, []).append((of, _range(of.node), when, _pick(at.text for at in each)))
     return BODIES.fold_nodes(name, blocks)

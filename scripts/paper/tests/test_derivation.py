@@ -55,7 +55,7 @@ def test_the_misprint_of_11_does_not_pass(monkeypatch):
 
 
 class Doubled:
-    """Operation whose value is twice that of another."""
+    """Operation with twice the value of another."""
 
     def __init__(self, op) -> None:
         self.op = op

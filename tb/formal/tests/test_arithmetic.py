@@ -28,7 +28,7 @@ tools = pytest.mark.needs("fpga")
 
 @pytest.mark.parametrize("width", [16, 17, 32])
 def test_every_range_is_asked_for(width):
-    """Every claimed range and every error has a question, except those of CORDICs and of words without a limit."""
+    """Every claimed range and every error has a question, except for CORDICs and words without a limit."""
     exact = Exact(width)
     asked, rounded, nodes = Rules(exact).names(), set(Rounded(exact).names()), exact.nodes
     fractions = {name for name, node in nodes.items() if node.frac and node.kind != "input"}
