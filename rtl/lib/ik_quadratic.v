@@ -4,7 +4,7 @@
 // Rounds down. The sum of y has a plus with RISES = 1, the slope's with BENDS_UP = 1.
 // model/dataflow/quadratic.py derives the tables; u is the argument's offset from the segment's middle. High parts have
 // at most 18 bits. Slope times u takes one tile, or three: the tile of the low parts is omitted. The slope has the
-// fraction bits of c1, the sum has the fraction bits of c0, SUM_FRAC. With the macro IK_LOGIC_TILES, a tile with at most 6 bits of u is
+// fraction bits of c1, the sum has SUM_FRAC, as c0. With the macro IK_LOGIC_TILES, a tile with at most 6 bits of u is
 // built from logic, for devices with too few multipliers; bits and latency are the same.
 // Throughput: one result per clock.
 // Latency: 4 clocks: operands, tile products, sum (three tiles: outer and mixed sums), result; three more with C2W > 0:
