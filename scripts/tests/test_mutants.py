@@ -2,6 +2,7 @@
 """Tests of the mutation campaign: it resumes and lists survivors; mutants are killed, equivalent ones proved."""
 
 import dataclasses
+
 import pytest
 
 from scripts import mutants
