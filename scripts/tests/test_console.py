@@ -66,20 +66,6 @@ def test_variables_of_make_are_options(monkeypatch, capsys, words, values):
         assert status == 0 and (parsed[0].count, parsed[0].from_, parsed[0].keep) == values
 
 
-def test_a_second_signal_does_not_stop_the_clean_up():
-    cleaned = []
-
-    @console.command("some", "")
-    def main(_):
-        try:
-            signal.raise_signal(signal.SIGTERM)
-        finally:
-            signal.raise_signal(signal.SIGTERM)
-            cleaned.append(True)
-
-    assert main([]) == 143 and cleaned == [True]
-
-
 def test_new_empty_folders_are_removed(tmp_path):
     (tmp_path / "old").mkdir()
     with pytest.raises(KeyboardInterrupt), console.output(tmp_path / "old/a/b", [tmp_path / "old/a/c/file"]):

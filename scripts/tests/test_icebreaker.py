@@ -4,12 +4,8 @@
 
 import binascii
 import json
-import os
-import pty
 import re
 import sys
-import threading
-import tty
 
 import numpy as np
 import pytest
@@ -49,26 +45,27 @@ def test_the_results_of_the_model_although_bytes_are_lost(tmp_path, command):
     assert score["passed"] and score["simulator"] == "icebreaker" and score["latency_cycles"] is None
 
 
-class Board(threading.Thread):
-    """Model of the board at the other end of a pseudo-terminal; `spoil(n, answer)` returns the bytes to send as the
-    n-th answer."""
+class Board:
+    """Serial port with a model of the board; `spoil(n, answer)` returns the bytes to send as the n-th answer."""
 
     def __init__(self, spoil):
-        super().__init__(daemon=True)
-        self.ours, self.theirs = pty.openpty()
-        tty.setraw(self.theirs)
-        self.port, self.spoil = os.ttyname(self.theirs), spoil
-        self.start()
+        self.spoil, self.count, self.waiting = spoil, 0, b""
 
-    def run(self):
-        received, count = b"", 0
-        while True:
-            received += os.read(self.ours, 4096)
-            while len(received) >= 22:
-                target, received = received[:22], received[22:]
-                answer = fixed.run(np.array([words_in(target[2:])]), 24, "fold16")
-                os.write(self.ours, self.spoil(count, answered(target[1], int(answer.flags[0]), answer.results[0])))
-                count += 1
+    @property
+    def in_waiting(self):
+        return len(self.waiting)
+
+    def write(self, target):
+        answer = fixed.run(np.array([words_in(target[2:])]), 24, "fold16")
+        self.waiting += self.spoil(self.count, answered(target[1], int(answer.flags[0]), answer.results[0]))
+        self.count += 1
+
+    def read(self, count):
+        content, self.waiting = self.waiting[:count], self.waiting[count:]
+        return content
+
+    def close(self):
+        pass
 
 
 def words_in(content):
@@ -86,7 +83,18 @@ def few(tmp_path):
     return csv(tmp_path, 3)
 
 
-def test_a_late_answer_is_no_other_target(command, few):
+@pytest.fixture
+def send(command, few, monkeypatch):
+    """Return a function that sends a few targets to a board."""
+
+    def send(spoil):
+        monkeypatch.setattr(host.serial, "Serial", lambda *_, **__: Board(spoil))
+        return command(host.main, "PORT", "--trajectory", few, "--timeout", "0.1")
+
+    return send
+
+
+def test_a_late_answer_is_no_other_target(send):
     """Answers to the first transmission arrive after the retransmission."""
     held = []
 
@@ -96,27 +104,25 @@ def test_a_late_answer_is_no_other_target(command, few):
             return b""
         return held.pop(0) + answer
 
-    status, out, err = command(host.main, Board(spoil).port, "--trajectory", few, "--timeout", "0.2")
+    status, out, err = send(spoil)
     assert (status, err) == (0, []) and ", 3 sent again" in out[-3]
 
 
-def test_a_wrong_bit(command, few):
+def test_a_wrong_bit(send):
     def spoil(n, answer):
         payload = bytearray(answer[1:-2])
         payload[4] ^= 3 * (n == 1)
         return answered(payload[0], payload[1], words_in(payload[2:]))
 
-    status, _, err = command(host.main, Board(spoil).port, "--trajectory", few)
+    status, _, err = send(spoil)
     assert status == 1
     assert err[0] == "icebreaker: few fails: 2 bits differ from the bit-true model; first: target 1"
 
 
-def test_a_board_that_does_not_answer(command, few, files):
-    board = Board(lambda n, answer: answer[:9] + b"?" + answer[10:])
+def test_a_board_that_does_not_answer(send, files):
     before = files()
-    status, out, err = command(host.main, board.port, "--trajectory", few, "--timeout", "0.1")
-    assert (status, out) == (1, [])
-    assert err == [f"icebreaker: {board.port} does not answer target 0, sent 4 times"]
+    answers = send(lambda n, answer: answer[:9] + b"?" + answer[10:])
+    assert answers == (1, [], ["icebreaker: PORT does not answer target 0, sent 4 times"])
     assert files() == before
 
 

@@ -7,8 +7,7 @@ import pytest
 
 from scripts import mutants
 from tb.mutation import campaign
-from tb.mutation.benches import fault, unit_bench
-from tb.mutation.campaign import DESIGNS, KILLED, SURVIVED, Result, netlist
+from tb.mutation.campaign import KILLED, SURVIVED, Result, netlist
 from tb.mutation.equivalence import proof
 from tb.mutation.netlists import BUILD, Mutant, Netlist, source_name, unchanged
 
@@ -73,29 +72,10 @@ def square(lean, mode: str, port: str, bit: int):
 
 @pytest.mark.release
 @pytest.mark.needs("fpga")
-@pytest.mark.sim
-def test_selected_mutant_is_killed(lean, place):
-    inverted = [m for m in lean.mutants if m.file.endswith("ik_lean_turn.v") and m.options["mode"] == "inv"]
-    first = DESIGNS[0].benches[0]
-    assert inverted and all(fault(first, mutant, place) for mutant in inverted[:3])
-
-
-@pytest.mark.release
-@pytest.mark.needs("fpga")
 def test_only_an_equivalent_mutant_is_proved(lean, place):
     assert proof(square(lean, "const1", "b", 0), place) == "ik_lean_guard"  # a square ignores b
     assert proof(square(lean, "inv", "p", 0), place, climb=False) == ""
     assert proof(square(lean, "inv", "clk", 0), place) == ""  # ignored by the solver
-
-
-@pytest.mark.release
-@pytest.mark.needs("fpga")
-@pytest.mark.sim
-def test_unit_bench_kills_a_mutant(lean, place):
-    (module, *_) = (name for name in lean.modules if source_name(name) == "ik_mul3")
-    command = f"mutate -mode inv -module {module} -cell u_a -port q -portbit 0"
-    mutant = dataclasses.replace(lean.mutants[0], command=command)
-    assert fault(unit_bench(mutant), mutant, place)
 
 
 @pytest.mark.release

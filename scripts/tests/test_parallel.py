@@ -3,7 +3,6 @@
 
 import contextlib
 import functools
-import json
 import os
 import signal
 import subprocess
@@ -61,25 +60,13 @@ def farmed(test):
     return pytest.mark.release(pytest.mark.needs("farm")(test))
 
 
-class Farm:
-    """A scheduler and its workers, each in its own process group."""
+@pytest.fixture
+def scheduler():
+    """Start a scheduler; return its address."""
+    from distributed import LocalCluster
 
-    def __init__(self, folder):
-        self.folder, self.processes, file = folder, [], folder / "scheduler.json"
-        options = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--dashboard-address", "127.0.0.1:0"]
-        self.start("dask", "scheduler", *options, "--scheduler-file", str(file))
-        until(lambda: file.exists() and file.read_text().rstrip().endswith("}"))
-        self.address = json.loads(file.read_text())["address"]
-
-    def start(self, *words):
-        env = environment() | {"TMPDIR": str(self.folder)}
-        with open(self.folder / f"{len(self.processes)}.log", "w") as log:
-            streams = {"stdin": subprocess.DEVNULL, "stdout": log, "stderr": log, "start_new_session": True}
-            self.processes.append(subprocess.Popen([sys.executable, "-m", *words], cwd=ROOT, env=env, **streams))
-        return self.processes[-1]
-
-    def worker(self):
-        return self.start("scripts.parallel", "--farm", self.address, "--jobs", "1")
+    with LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=None) as cluster:
+        yield cluster.scheduler_address
 
 
 def kill(process):
@@ -89,22 +76,30 @@ def kill(process):
 
 
 @pytest.fixture
-def farm(tmp_path):
-    farm = Farm(tmp_path)
-    yield farm
-    for process in farm.processes:
+def worker(scheduler, tmp_path):
+    """Return a function that starts a worker in its own process group."""
+    workers, env = [], environment() | {"TMPDIR": str(tmp_path)}
+    command = [sys.executable, "-m", "scripts.parallel", "--farm", scheduler, "--jobs", "1"]
+
+    def start():
+        streams = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+        workers.append(subprocess.Popen(command, cwd=ROOT, env=env, start_new_session=True, **streams))
+        return workers[-1]
+
+    yield start
+    for process in workers:
         kill(process)
 
 
 @farmed
-def test_a_worker_that_dies_loses_nothing(farm, tmp_path):
-    first = farm.worker()
+def test_a_worker_that_dies_loses_nothing(scheduler, worker, tmp_path):
+    first = worker()
     begun = functools.partial(noted_in, tmp_path, "begun")
-    with parallel.shared(1, farm.address) as ordered_map:
+    with parallel.shared(1, scheduler) as ordered_map:
         results = ordered_map(functools.partial(noted, tmp_path, 0.3), range(12))
         until(lambda: len(begun()) > max(3, len(noted_in(tmp_path, "done"))))
         kill(first)
-        farm.worker()
+        worker()
         assert list(results) == [n * n for n in range(12)]
     assert len(begun()) > 12
 
@@ -118,11 +113,11 @@ def test_a_worker_that_dies_loses_nothing(farm, tmp_path):
         (abs, InputError, r"has other sources than this checkout \(\w+, not another\)"),
     ],
 )
-def test_errors_of_the_work_and_other_sources(farm, monkeypatch, work, error, message):
-    farm.worker()
+def test_errors_of_the_work_and_other_sources(scheduler, worker, monkeypatch, work, error, message):
+    worker()
     if work is abs:
         monkeypatch.setattr(parallel, "sources", lambda: "another")
-    with pytest.raises(error, match=message), parallel.shared(1, farm.address) as ordered_map:
+    with pytest.raises(error, match=message), parallel.shared(1, scheduler) as ordered_map:
         list(ordered_map(work, [3]))
 
 
