@@ -79,7 +79,6 @@ BAD_INPUT = [
     ("schedule --period 0", "--period 0"),
     ("mutants --only nothing", "--only 'nothing'"),
     ("mutants --only lean --keep", "--keep --only"),
-    ("icebreaker", "PORT"),
     ("icebreaker none", "'none': No such file"),
     ("coverage --only x --keep", "--keep --only"),
     ("formal --only nothing", "--only 'nothing'"),

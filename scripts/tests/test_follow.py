@@ -198,7 +198,7 @@ def test_a_recording_of_the_paper_datapath(command, tmp_path):
     waves.align(vcd, words, 32, "paper")
     check_aligned(tmp_path / "aligned.vcd", nodes, read.admitted, datapath="paper")
     assert marker(tmp_path / "waves.gtkw") == (-1, [])
-    save_file = tmp_path / "own.gtkw"
+    save_file = tmp_path / "again.gtkw"
     assert command(waves.main, str(vcd), "paper", "32", str(save_file)) == (0, [], [])
     assert save_file.read_bytes() == (tmp_path / "waves.gtkw").read_bytes()
     assert {known[place("paper", node)].name for node in nodes} <= traced(save_file)
