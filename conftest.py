@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Order and needs of all tests, and a fixture. The longest files start first, to balance the parallel workers."""
+"""Order and needs of all tests. The longest files start first, to balance the parallel workers."""
 
 import json
 import os
 import shutil
-import signal
 
 import pytest
 
@@ -56,13 +55,3 @@ def cost(item) -> float:
     if marker:
         return marker.args[0]
     return 20 * bool(item.get_closest_marker("slow")) + 5 * bool(item.get_closest_marker("sim"))
-
-
-@pytest.fixture
-def interruptible():
-    """Restore the default handlers of signals that a shell or nohup may have set to be ignored."""
-    before = {number: signal.signal(number, signal.SIG_DFL) for number in (signal.SIGTERM, signal.SIGHUP)}
-    before[signal.SIGINT] = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    for number, handler in before.items():
-        signal.signal(number, handler)

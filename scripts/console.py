@@ -270,12 +270,6 @@ def swivel_angle(text: str) -> float | str:
 # -- files and tables ------------------------------------------------------------------------------
 
 
-def _is_same(path: Path, other: Path) -> bool:
-    """Return whether two paths are one file, by links too."""
-    both = os.path.exists(path) and os.path.exists(other)
-    return os.path.samefile(path, other) if both else os.path.realpath(path) == os.path.realpath(other)
-
-
 @contextlib.contextmanager
 def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> Iterator[Place]:
     """Make the folders of `paths`; check that they are writable and that no path is an input; on exit remove empty new
@@ -284,7 +278,7 @@ def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> Ite
     Raises InputError.
     """
     for path, source in itertools.product(paths, inputs):
-        if _is_same(path, source):
+        if os.path.realpath(path) == os.path.realpath(source):
             raise InputError(f"argument --out: {str(path)!r} is the input {str(source)!r}, which must not be replaced")
     folders = dict.fromkeys([out, *(path.parent for path in paths)])
     new = {each for folder in folders for each in (folder, *folder.parents) if not os.path.exists(each)}

@@ -47,8 +47,8 @@ class FakeSimulator:
             self.record(waves, jobs, datapath, width, others.get("limits"))
         runs = []
         for job in jobs:
-            found = answer(job.words, width, datapath, others.get("limits"))
-            runs.append(Run(found.results.copy(), found.flags.copy(), LATENCY, LATENCY + len(job.words), 0, None))
+            model = answer(job.words, width, datapath, others.get("limits"))
+            runs.append(Run(model.results.copy(), model.flags.copy(), LATENCY, LATENCY + len(job.words), 0, None))
         self.spoil(*runs)
         return runs
 

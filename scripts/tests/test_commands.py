@@ -14,9 +14,10 @@ from tb.core import worst_targets
 from tb.sim.env import ROOT
 
 COMMANDS = {
-    found[1]: ".".join(path.relative_to(ROOT).with_suffix("").parts)
+    decorator[1]: ".".join(path.relative_to(ROOT).with_suffix("").parts)
     for path in sorted([*ROOT.glob("scripts/**/*.py"), *ROOT.glob("examples/**/*.py")])
-    if "tests" not in path.parts and (found := re.search(r'^@command\(\s*"([\w.]+)"', path.read_text(), re.MULTILINE))
+    if "tests" not in path.parts
+    and (decorator := re.search(r'^@command\(\s*"([\w.]+)"', path.read_text(), re.MULTILINE))
 }
 """Command -> its module."""
 
@@ -31,42 +32,31 @@ VCD = "$scope module {} $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinit
 
 BAD_INPUT = [
     ("run --sim modelsim", "--sim 'modelsim' 'icarus', 'verilator'"),
-    ("run --datapath lean2", "--datapath 'lean2' 'lean', 'paper',"),
     ("run --datapath lean,lean", "--datapath 'lean,lean'"),
     ("run --width 33", "--width 33 16 32"),
-    ("soak --targets 0", "--targets '0' whole number at least 1"),
     ("run --datapath lean,fold --width 23", "--width fold 20, 22,"),
-    ("run --speed 9", "--speed"),
     ("run --out file", "--out 'file': File exists"),
     ("run --out o", "--out 'o/score.json' folder"),
-    ("run --trajectory t.csv --out o", "--out 'o/results.csv' 't.csv'"),
+    ("run --trajectory o/results.csv --out o", "--out input 'o/results.csv'"),
     ("run --trajectory reech", "--trajectory 'reech' all, reach, circle,"),
-    ("run --trajectory none.csv", "none.csv: no such file"),
-    ("run --trajectory folder", "folder: is a directory"),
     ("run --trajectory bad.csv", "bad.csv: row 3, column y: 'two'"),
-    (
-        "run --trajectory in.csv",
-        "in.csv: row 2, column tool: '40.0' long",
-        "x,y,z,qw,qx,qy,qz,tool\n.1,0,0,1,0,0,0,40\n",
-    ),
-    ("run --trajectory none.bvh", "none.bvh: No such file"),
     ("run --trajectory t.csv --d1 0", "--d1 0.0"),
-    ("run --trajectory t.csv --d1 nan", "--d1 'nan' finite"),
-    ("run --trajectory t.csv --phi abc", "--phi 'abc'"),
+    ("run --trajectory t.csv --phi nan", "--phi 'nan' finite"),
     ("run --trajectory reach --d1 0.4", "--d1 (reach)"),
     ("run --trajectory t.csv --axis torso", "--axis torso (t.csv)"),
     ("run --axis up", "--axis 'up' z, -z, x"),
-    ("run --bar 1_0", "--bar '1_0'"),
+    ("run --trajectory pick_and_place --robot kuka", "--robot 'kuka' iiwa14, human, URDF"),
+    ("run --trajectory pick_and_place --robot iiwa14 --base l1", "--base --tip URDF"),
+    ("run --trajectory t.csv --robot iiwa14 --d1 2", "--robot and --d1"),
+    ("run --trajectory circle --robot iiwa14", "--robot circle qw,qx,qy,qz"),
+    ("run --trajectory in.csv --soft 0.1", "--soft wrist targets", "x,y,z,qw,qx,qy,qz\n.1,0,.3,1,0,0,0\n"),
+    ("run --trajectory pick_and_place --datapath fold", "--datapath hand poses arm"),
     ("report --out o", "--out 'o/report.html' folder"),
     ("follow", "--target"),
     ("follow --target 100", "--target reach 0 99, 100"),
     ("follow --target 0 --trajectory all", "--trajectory --target"),
-    ("follow --target 0 --datapath lean,paper", "--datapath 'lean,paper'"),
-    ("soak --out o", "--out 'o/hardest.csv' folder"),
-    ("soak --again none.csv", "'none.csv': No such file"),
     ("soak --again file --seed 0", "--seed --again"),
     ("soak --farm x", "--farm 'x'"),
-    ("soak --special --seed 1", "--seed --special"),
     ("soak --special --from 1000000", "--from"),
     ("soak --against c --datapath paper", "--against paper"),
     ("soak --again in.csv", "in.csv: row 1", ""),
@@ -75,11 +65,8 @@ BAD_INPUT = [
     ("soak --again in.csv", "in.csv: row 2: datapath 'mean'", f"{HEAD}\nmean,32,1,2,3,4,5,6{NONE},0.1,here\n"),
     ("soak --again in.csv", "in.csv: row 2: word 18 bits", f"{HEAD}\nlean,18,1,2,131072,4,5,6{NONE},,here\n"),
     ("soak --again in.csv", "in.csv: row 2: column z: '1.5'", f"{HEAD}\nlean,18,1,2,1.5,4,5,6{NONE},,here\n"),
-    ("soak --again in.csv", "row 2: column tool: ''", f"{HEAD}\narm,32,1,2,3,4,5,6{NONE},,here\n"),
-    ("soak --again in.csv", "in.csv: CSV", b"\xff"),
     ("soak --worst 1 --datapath paper", "--worst: lean arm"),
     ("soak_memory --jobs 0", "--jobs 0"),
-    ("waves in.vcd peper 32 o.gtkw", "'peper' 'lean', 'paper',", ""),
     ("waves none.vcd paper 32 o.gtkw", "'none.vcd': No such file"),
     ("waves in.vcd paper 32 o.gtkw", "in.vcd: 1:2: Expected id code", "x y z\n"),
     ("waves in.vcd paper 32 o.gtkw", "no module ik_axis", VCD.format("top")),
@@ -92,9 +79,7 @@ BAD_INPUT = [
     ("schedule --period 0", "--period 0"),
     ("mutants --only nothing", "--only 'nothing'"),
     ("mutants --only lean --keep", "--keep --only"),
-    ("icebreaker", "PORT"),
     ("icebreaker none", "'none': No such file"),
-    ("icebreaker file", "'file': Inappropriate ioctl for device"),
     ("coverage --only x --keep", "--keep --only"),
     ("formal --only nothing", "--only 'nothing'"),
     ("paper --only table7", "--only 'table7'"),
@@ -108,17 +93,17 @@ BAD_INPUT = [
 def test_bad_input_is_one_line_and_status_2(command, monkeypatch, tmp_path, row):
     monkeypatch.setattr(trajectory, "simulate", lambda *_, **__: pytest.fail("simulates"))
     monkeypatch.setattr(worst_targets, "LIST", tmp_path / "kept.csv")
-    for folder in ("folder", "o/score.json", "o/report.html", "o/hardest.csv"):
+    for folder in ("folder", "o/score.json", "o/report.html"):
         Path(folder).mkdir(parents=True)
     Path("file").touch()
-    Path("t.csv").write_text("x,y,z\n0.3,0.1,-0.2\n", encoding="utf-8")
-    Path("o/results.csv").hardlink_to("t.csv")
+    for path in ("t.csv", "o/results.csv"):
+        Path(path).write_text("x,y,z\n0.3,0.1,-0.2\n", encoding="utf-8")
     Path("bad.csv").write_text("x,y,z\n.1,.2,.3\n.1,two,.3\n", encoding="utf-8")
     words, message, *content = row
     name, *options = words.split()
     for text in content:
         (file,) = (word for word in options if word.startswith("in."))
-        Path(file).write_bytes(text.encode() if isinstance(text, str) else text)
+        Path(file).write_text(text, encoding="utf-8")
     before = sorted(Path().rglob("*"))
     status, out, err = command(main_of(name), *options)
     assert (status, out, len(err)) == (2, [], 1), err

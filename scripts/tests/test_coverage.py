@@ -39,8 +39,7 @@ def test_simulations_that_pass_are_added(tmp_path, monkeypatch):
     with pytest.raises(AssertionError):
         simulate(ROOT, *points, fails=True)
     simulate(ROOT, *points)
-    simulate(ROOT, *points)
-    counts = {Point(FIFO, 13, 3, "toggle", "clk:0->1"): 10, Point(FIFO, 40, 3, "branch", "if"): 0}
+    counts = {Point(FIFO, 13, 3, "toggle", "clk:0->1"): 5, Point(FIFO, 40, 3, "branch", "if"): 0}
     assert read(tmp_path / "counts") == counts
 
 
@@ -51,7 +50,6 @@ def test_only_unchanged_files_of_a_copy_count(tmp_path, monkeypatch):
     (rules,) = [path for path in with_rules([root / "rtl/ik_axis.v"], tmp_path) if path.parent == tmp_path]
     simulate(root, *((path, "v_line/x", 1, "block", 1) for path in (rules, root / FIFO, root / "rtl/lean/ik_lean.v")))
     assert {point.file for point in read(tmp_path / "counts")} == {"rtl/ik_axis.v", FIFO}
-    assert "coverage_off" in rules.read_text()
 
 
 @pytest.fixture
@@ -91,13 +89,9 @@ def test_unreached_points_are_findings(judge):
     ("pattern", "left"),
     [
         ("line*m_valid*!empty* q", []),
-        ("line* q[7:0]", []),
         ("line* q[2,0]", []),
         ("line* q[2:1] q[0]:1->0", ["toggle q[0]:0->1"]),
-        ("*", []),
         ("line*full* q", ["line block", "no unreached"]),
-        ("branch* q", ["line block", "no unreached"]),
-        ("line* q g[0].q", ["no unreached"]),
     ],
 )
 def test_a_waiver_matches_its_points_only(judge, pattern, left):
@@ -112,11 +106,6 @@ def test_a_bin_or_a_file_without_a_count_is_a_finding(judge, monkeypatch):
     monkeypatch.setattr(coverage, "sources", lambda: [*sources(), ROOT / "rtl" / "lib" / "ik_new.v"])
     monkeypatch.setattr(coverage, "BINS", [*BINS, bin_of("new")])
     assert judge({})[1][1:] == ["rtl/lib/ik_new.v: no simulation has it", "cross not reached: new"]
-
-
-def test_a_failing_test_ends_the_command(judge, monkeypatch):
-    monkeypatch.setattr(coverage, "run", lambda only: 1)
-    assert judge({}, words=[]) == (1, [], ["coverage: pytest ended with status 1"])
 
 
 def test_waivers_of_the_tree_can_be_parsed():

@@ -4,13 +4,8 @@
 
 import binascii
 import json
-import os
-import pty
 import re
 import sys
-import threading
-import time
-import tty
 
 import numpy as np
 import pytest
@@ -18,7 +13,7 @@ import pytest
 from examples.icebreaker import host
 from examples.icebreaker.frames import ANSWER
 from model.dataflow import fixed
-from scripts import run, trajectory
+from scripts import run
 from tb.icebreaker.bench import run as simulated
 from tb.sim.env import ROOT
 
@@ -50,38 +45,31 @@ def test_the_results_of_the_model_although_bytes_are_lost(tmp_path, command):
     assert score["passed"] and score["simulator"] == "icebreaker" and score["latency_cycles"] is None
 
 
-class Board(threading.Thread):
-    """Model of the board at the other end of a pseudo-terminal; `spoil(n, answer)` returns the bytes to send as the
-    n-th answer."""
+class Board:
+    """Serial port with a model of the board; `spoil(n, answer)` returns the bytes to send as the n-th answer."""
 
-    def __init__(self, spoil=lambda n, answer: answer):
-        super().__init__(daemon=True)
-        self.ours, self.theirs = pty.openpty()
-        tty.setraw(self.theirs)
-        self.port, self.spoil, self.count = os.ttyname(self.theirs), spoil, 0
-        self.start()
+    def __init__(self, spoil):
+        self.spoil, self.count, self.waiting = spoil, 0, b""
 
-    def run(self):
-        had = b""
-        while True:
-            try:
-                had += os.read(self.ours, 4096)
-            except OSError:
-                return
-            frames, had = [had[k : k + 22] for k in range(0, len(had) - 21, 22)], had[len(had) // 22 * 22 :]
-            answers = frames and fixed.run(np.array([words_in(one[2:]) for one in frames]), 24, "fold16")
-            for k, one in enumerate(frames):
-                answer = self.spoil(self.count, answered(one[1], int(answers.flags[k]), answers.results[k]))
-                self.count += 1
-                if answer is None:
-                    os.close(self.ours)
-                    os.close(self.theirs)
-                    return
-                os.write(self.ours, answer)
+    @property
+    def in_waiting(self):
+        return len(self.waiting)
+
+    def write(self, target):
+        answer = fixed.run(np.array([words_in(target[2:])]), 24, "fold16")
+        self.waiting += self.spoil(self.count, answered(target[1], int(answer.flags[0]), answer.results[0]))
+        self.count += 1
+
+    def read(self, count):
+        content, self.waiting = self.waiting[:count], self.waiting[count:]
+        return content
+
+    def close(self):
+        pass
 
 
-def words_in(some):
-    return [int.from_bytes(some[3 * k : 3 * k + 3], "little", signed=True) for k in range(6)]
+def words_in(content):
+    return [int.from_bytes(content[3 * k : 3 * k + 3], "little", signed=True) for k in range(6)]
 
 
 def answered(tag, flags, results):
@@ -95,15 +83,18 @@ def few(tmp_path):
     return csv(tmp_path, 3)
 
 
-def test_all_trajectories(command, files, monkeypatch):
-    monkeypatch.setattr(trajectory, "hand_bar", lambda words, *_: np.ones(len(words)))
-    status, out, err = command(host.main, Board().port, "--trajectory", "all", "--timeout", "5")
-    assert (status, err) == (0, []) and any(", 0 sent again" in line for line in out)
-    assert sum(name.endswith("results.csv") for name in files()) == len(run.trajectories.TRAJECTORIES)
-    assert not [line for line in out if "latency" in line]
+@pytest.fixture
+def send(command, few, monkeypatch):
+    """Return a function that sends a few targets to a board."""
+
+    def send(spoil):
+        monkeypatch.setattr(host.serial, "Serial", lambda *_, **__: Board(spoil))
+        return command(host.main, "PORT", "--trajectory", few, "--timeout", "0.1")
+
+    return send
 
 
-def test_a_late_answer_is_no_other_target(command, few):
+def test_a_late_answer_is_no_other_target(send):
     """Answers to the first transmission arrive after the retransmission."""
     held = []
 
@@ -113,48 +104,26 @@ def test_a_late_answer_is_no_other_target(command, few):
             return b""
         return held.pop(0) + answer
 
-    status, out, err = command(host.main, Board(spoil).port, "--trajectory", few, "--timeout", "0.2")
+    status, out, err = send(spoil)
     assert (status, err) == (0, []) and ", 3 sent again" in out[-3]
 
 
-def test_a_wrong_bit(command, few):
+def test_a_wrong_bit(send):
     def spoil(n, answer):
         payload = bytearray(answer[1:-2])
         payload[4] ^= 3 * (n == 1)
         return answered(payload[0], payload[1], words_in(payload[2:]))
 
-    status, _, err = command(host.main, Board(spoil).port, "--trajectory", few)
+    status, _, err = send(spoil)
     assert status == 1
     assert err[0] == "icebreaker: few fails: 2 bits differ from the bit-true model; first: target 1"
 
 
-@pytest.mark.parametrize(
-    ("spoil", "message"),
-    [
-        (lambda n, answer: answer[:9] + b"?" + answer[10:], "{} does not answer target 0, sent 4 times"),
-        (lambda n, answer: None, "lost {}: "),
-    ],
-    ids=["noisy", "gone"],
-)
-def test_a_board_that_does_not_answer(command, few, files, spoil, message):
-    board = Board(spoil)
+def test_a_board_that_does_not_answer(send, files):
     before = files()
-    status, out, err = command(host.main, board.port, "--trajectory", few, "--timeout", "0.1")
-    assert (status, out, len(err)) == (1, [], 1)
-    assert err[0].startswith(f"icebreaker: {message.format(board.port)}")
+    answers = send(lambda n, answer: answer[:9] + b"?" + answer[10:])
+    assert answers == (1, [], ["icebreaker: PORT does not answer target 0, sent 4 times"])
     assert files() == before
-
-
-def test_a_board_that_talks(command, few):
-    class Talking(Board):
-        def run(self):
-            while True:
-                os.write(self.ours, b"hello ")
-                time.sleep(0.005)
-
-    port = Talking().port
-    status, _, err = command(host.main, port, "--trajectory", few, "--timeout", "0.2")
-    assert (status, err) == (1, [f"icebreaker: {port} sends without being asked: is the right board there?"])
 
 
 FEW = "out_of_reset|skew=0.0|answer_at_once|noise|no_stop_bit|button"

@@ -20,23 +20,21 @@ SECOND = pytest.mark.needs("lint")
         ("", "", ""),
         ("[W:0]  ", "[W-2:0]", "WIDTHTRUNC"),
         ("[W:0]  ", "[32:0] ", "WIDTHEXPAND"),  # at W = 18 only
-        ("{a[W-1], a}", "{a[W-1], typo}", "typo"),
         ("input  wire                clk", "input  logic               clk", "%Error"),
-        ("always @(posedge clk)\n", "always @(*) if (clk)\n", "LATCH"),
         ("module ik_add", "module ik_sub", "ik_add"),
         pytest.param(
             "        s <= ", "        s <= t;\n    wire signed [W:0] t = ", "before its declaration", marks=SLANG
         ),
         pytest.param("[W-1:0] a,", "[W-(W>0):0] a,", "WIDTH", marks=SECOND),
     ],
-    ids=["clean", "width", "width at 18", "implicit net", "SystemVerilog", "latch", "name", "slang", "5.006"],
+    ids=["clean", "width", "width at 18", "SystemVerilog", "name", "slang", "5.006"],
 )
 def test_findings(tmp_path, old, new, finding):
     file = tmp_path / "ik_add.v"
     file.write_text(CLEAN.replace(old, new, 1) if old else CLEAN)
-    line, found = lint.lint_module(file)
+    line, messages = lint.lint_module(file)
     assert line == "ik_add W=32, W=18"
-    assert finding in found if finding else not found
+    assert finding in messages if finding else not messages
 
 
 def test_licences_and_lengths(tmp_path, monkeypatch):
@@ -44,5 +42,5 @@ def test_licences_and_lengths(tmp_path, monkeypatch):
     (tmp_path / "a.py").write_text(f"# {lint.LICENCE}\n" + "x\n" * 500)
     (tmp_path / "b.py").write_text("x\n")
     (tmp_path / "c.md").write_text("x\n" * 501)
-    found = lint.unkept(["a.py", "b.py", "c.md"]).splitlines()
-    assert [line.split(":")[0] for line in found] == ["a.py", "b.py"]
+    messages = lint.unkept(["a.py", "b.py", "c.md"]).splitlines()
+    assert [line.split(":")[0] for line in messages] == ["a.py", "b.py"]

@@ -3,7 +3,6 @@
 
 import contextlib
 import functools
-import json
 import os
 import signal
 import subprocess
@@ -45,15 +44,15 @@ def until(true):
 
 @pytest.mark.cost(5)
 def test_processes_keep_the_order_and_end_with_the_block(tmp_path):
-    with parallel.shared(2) as each:
-        assert list(each(pow, range(5), range(5))) == [number**number for number in range(5)]
-    with pytest.raises(KeyboardInterrupt), parallel.shared(2) as each:
-        each(functools.partial(noted, tmp_path, 20), range(8))
+    with parallel.shared(2) as ordered_map:
+        assert list(ordered_map(pow, range(5), range(5))) == [number**number for number in range(5)]
+    with pytest.raises(KeyboardInterrupt), parallel.shared(2) as ordered_map:
+        ordered_map(functools.partial(noted, tmp_path, 20), range(8))
         until(lambda: len(noted_in(tmp_path, "begun")) == 2)
         raise KeyboardInterrupt
     assert len(noted_in(tmp_path, "begun")) == 2 and not noted_in(tmp_path, "done")
-    with pytest.raises(parallel.BrokenOffError, match="a process broke off"), parallel.shared(2) as each:
-        list(each(os._exit, [3]))
+    with pytest.raises(parallel.BrokenOffError, match="a process broke off"), parallel.shared(2) as ordered_map:
+        list(ordered_map(os._exit, [3]))
 
 
 def farmed(test):
@@ -61,49 +60,46 @@ def farmed(test):
     return pytest.mark.release(pytest.mark.needs("farm")(test))
 
 
-class Farm:
-    """A scheduler and its workers, each in its own process group."""
+@pytest.fixture
+def scheduler():
+    """Start a scheduler; return its address."""
+    from distributed import LocalCluster
 
-    def __init__(self, folder):
-        self.folder, self.groups, file = folder, [], folder / "scheduler.json"
-        options = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--dashboard-address", "127.0.0.1:0"]
-        self.scheduler = self.start("dask", "scheduler", *options, "--scheduler-file", str(file))
-        until(lambda: file.exists() and file.read_text().rstrip().endswith("}"))
-        self.address = json.loads(file.read_text())["address"]
+    with LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=None) as cluster:
+        yield cluster.scheduler_address
 
-    def start(self, *words):
-        env = environment() | {"TMPDIR": str(self.folder)}
-        with open(self.folder / f"{len(self.groups)}.log", "w") as log:
-            streams = {"stdin": subprocess.DEVNULL, "stdout": log, "stderr": log, "start_new_session": True}
-            self.groups.append(subprocess.Popen([sys.executable, "-m", *words], cwd=ROOT, env=env, **streams))
-        return self.groups[-1]
 
-    def worker(self):
-        return self.start("scripts.parallel", "--farm", self.address, "--jobs", "1")
-
-    def kill(self, process):
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+def kill(process):
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
 
 
 @pytest.fixture
-def farm(tmp_path):
-    own = Farm(tmp_path)
-    yield own
-    for process in own.groups:
-        own.kill(process)
+def worker(scheduler, tmp_path):
+    """Return a function that starts a worker in its own process group."""
+    workers, env = [], environment() | {"TMPDIR": str(tmp_path)}
+    command = [sys.executable, "-m", "scripts.parallel", "--farm", scheduler, "--jobs", "1"]
+
+    def start():
+        streams = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+        workers.append(subprocess.Popen(command, cwd=ROOT, env=env, start_new_session=True, **streams))
+        return workers[-1]
+
+    yield start
+    for process in workers:
+        kill(process)
 
 
 @farmed
-def test_a_worker_that_dies_loses_nothing(farm, tmp_path):
-    first = farm.worker()
+def test_a_worker_that_dies_loses_nothing(scheduler, worker, tmp_path):
+    first = worker()
     begun = functools.partial(noted_in, tmp_path, "begun")
-    with parallel.shared(1, farm.address) as each:
-        results = each(functools.partial(noted, tmp_path, 0.3), range(12))
+    with parallel.shared(1, scheduler) as ordered_map:
+        results = ordered_map(functools.partial(noted, tmp_path, 0.3), range(12))
         until(lambda: len(begun()) > max(3, len(noted_in(tmp_path, "done"))))
-        farm.kill(first)
-        farm.worker()
+        kill(first)
+        worker()
         assert list(results) == [n * n for n in range(12)]
     assert len(begun()) > 12
 
@@ -117,24 +113,12 @@ def test_a_worker_that_dies_loses_nothing(farm, tmp_path):
         (abs, InputError, r"has other sources than this checkout \(\w+, not another\)"),
     ],
 )
-def test_errors_of_the_work_and_other_sources(farm, monkeypatch, work, error, message):
-    farm.worker()
+def test_errors_of_the_work_and_other_sources(scheduler, worker, monkeypatch, work, error, message):
+    worker()
     if work is abs:
         monkeypatch.setattr(parallel, "sources", lambda: "another")
-    with pytest.raises(error, match=message), parallel.shared(1, farm.address) as each:
-        list(each(work, [3]))
-
-
-@farmed
-def test_a_scheduler_that_dies(farm, tmp_path):
-    worker = farm.worker()
-    with pytest.raises(parallel.BrokenOffError, match=f"^the scheduler {farm.address} is gone$"):
-        with parallel.shared(1, farm.address) as each:
-            results = each(functools.partial(noted, tmp_path, 20), range(2))
-            until(lambda: noted_in(tmp_path, "begun"))
-            farm.kill(farm.scheduler)
-            list(results)
-    assert worker.wait(90) is not None
+    with pytest.raises(error, match=message), parallel.shared(1, scheduler) as ordered_map:
+        list(ordered_map(work, [3]))
 
 
 @farmed

@@ -12,17 +12,13 @@ from model.bounds import tolerances
 from model.dataflow import fixed
 from model.io import stimuli
 from model.io.flags import ARM_FLAGS, CORE_FLAGS, UNREACHABLE, expected_flags
+from model.io.words import FIELDS
 from scripts import check_proofs, soak, soak_memory
 from tb.axi.instances import CORE, named
 from tb.core import random_targets, worst_targets
 from tb.core.random_targets import chunk, judge
 from tb.sim.job import answer
 from tb.sim.simulate import SimulationError
-
-MISMATCH = (
-    "first difference: turn.c_plus of target 7 at clock 40: RTL 1 (1), model 0 (0)\n"
-    "            then: turn.s_plus of target 7 at clock 41: RTL 1 (1), model 0 (0)"
-)
 
 
 @pytest.fixture
@@ -70,7 +66,6 @@ def test_the_hardest_targets_are_written(cli, simulator, files):
         assert {tuple(target) for target in words[worst].tolist()} <= rows
 
 
-@pytest.mark.usefixtures("interruptible")
 def test_a_stopped_soak_reports_where_to_resume(cli, simulator, files):
     simulator.spoil = lambda run: len(simulator.calls) == 3 and signal.raise_signal(signal.SIGTERM)
     status, out, err = cli("--targets", "2000")
@@ -78,24 +73,22 @@ def test_a_stopped_soak_reports_where_to_resume(cli, simulator, files):
     assert "800 targets" in err[0] and "--from 2" in err[0]
 
 
-@pytest.mark.parametrize("datapath", ["arm", "fold_arm"])
-def test_poses_of_the_whole_arm(cli, simulator, files, datapath):
-    """Chunks have hands of all kinds; a wrong angle and a wrong over_limit are failures, whose poses run again."""
-    words = ["--datapath", datapath, "--width", "18" if datapath == "arm" else "20", "--targets", "800"]
-    status, out, err = cli(*words)
-    assert (status, err, files()) == (0, [], ["build/soak/hardest.csv"])
-    poses, width = np.concatenate(simulator.words), int(words[3])
-    flags = answer(poses, width, datapath).flags
+def test_poses_of_the_whole_arm(cli, simulator, files):
+    """Chunks have hands of all kinds; a wrong over_limit is a failure, whose pose runs again."""
+    words = ["--datapath", "fold_arm", "--width", "20", "--targets", "800"]
+    assert cli(*words)[::2] == (0, []) and files() == ["build/soak/hardest.csv"]
+    poses = np.concatenate(simulator.words)
+    flags = answer(poses, 20, "fold_arm").flags
     assert poses.shape == (800, 12) and set(poses[:, 11]) == {*range(8)}
     assert all(((flags & flag) != 0).any() and (flags & flag == 0).any() for flag in ARM_FLAGS.values())
-    assert len(worst_targets.merge(worst_targets.read(Path("build/soak/hardest.csv")))) <= 2 * worst_targets.KEPT
+    simulator.calls.clear()
 
     def spoil(run):
-        run.flags[5] ^= ARM_FLAGS["over_6"]
+        if len(simulator.calls) == 2:
+            run.flags[5] ^= ARM_FLAGS["over_6"]
 
-    simulator.calls.clear()
-    simulator.spoil = lambda run: spoil(run) if len(simulator.calls) == 2 else None
-    status, out, err = cli(*words)
+    simulator.spoil = spoil
+    status, _, err = cli(*words)
     assert status == 1 and "over_6" in "".join(err) and "hand_x=" in err[1]
     assert cli("--again", "build/soak/failing.csv")[0] == 0
 
@@ -103,40 +96,17 @@ def test_poses_of_the_whole_arm(cli, simulator, files, datapath):
 # -- checks that fail --------------------------------------------------------------------------------------------------
 
 
-def fails(cli, simulator, spoil):
-    """Run with chunk 1 spoiled; return messages and the rows of failing.csv. The run must stop at the chunk."""
-    simulator.spoil = lambda run: spoil(run) if len(simulator.calls) == 2 else None
-    status, out, err = cli("--targets", "1200")
-    assert (status, len(out), len(simulator.calls)) == (1, 1, 2)
-    return err, worst_targets.read(Path("build/soak/failing.csv"))
-
-
-def test_a_node_that_differs(cli, simulator):
-    """The scoreboard reports a difference although the results are correct."""
-
-    def spoil(run):
-        run.bit_mismatches, run.first_mismatch = 2, MISMATCH
-
-    messages, rows = fails(cli, simulator, spoil)
-    words = simulator.words[1][7].tolist()
-    assert messages == [
-        "soak: target 407 in chunk 1 of seed 1: 2 bits differ from the bit-true model, results of 0 targets",
-        "soak: its words: " + " ".join(f"{k}={v}" for k, v in zip("x y z phi d1 d2".split(), words, strict=True)),
-        "soak: first difference: turn.c_plus of target 407 at clock 40: RTL 1 (1), model 0 (0)",
-        "soak:             then: turn.s_plus of target 407 at clock 41: RTL 1 (1), model 0 (0)",
-        "soak: 1 failing targets in build/soak/failing.csv; to rerun them: --again build/soak/failing.csv",
-    ]
-    assert [(row.words, row.found) for row in rows] == [(tuple(words), "seed 1 target 407")]
-
-
-def test_failing_targets_run_again(cli, simulator):
+def test_failing_targets_stop_the_soak_and_run_again(cli, simulator):
     """Results are compared apart from the scoreboard, which may compare nothing."""
 
     def spoil(run):
-        run.results[[5, 9], 0] ^= 1
+        if len(simulator.calls) == 2:
+            run.results[[5, 9], 0] ^= 1
 
-    messages, rows = fails(cli, simulator, spoil)
-    assert "target 405 in chunk 1" in messages[0]
+    simulator.spoil = spoil
+    status, out, err = cli("--targets", "1200")
+    assert (status, len(out), len(simulator.calls)) == (1, 1, 2) and "target 405 in chunk 1" in err[0]
+    rows = worst_targets.read(Path("build/soak/failing.csv"))
     assert [row.found for row in rows] == ["seed 1 target 405", "seed 1 target 409"]
     status, out, err = cli("--again", "build/soak/failing.csv")
     assert (status, err) == (0, []) and "lean" in out[0] and "2 targets" in out[0]
@@ -151,21 +121,31 @@ def test_failing_targets_run_again(cli, simulator):
     assert simulator.calls[-1]["simulator"] == "icarus"
 
 
+def test_a_node_that_differs(cli, simulator):
+    """The scoreboard reports a difference although the results are correct; target numbers are the soak's."""
+
+    def spoil(run):
+        if len(simulator.calls) == 2:
+            first = "first difference: turn.c_plus of target 7 at clock 40: RTL 1 (1), model 0 (0)"
+            run.bit_mismatches, run.first_mismatch = 2, first
+
+    simulator.spoil = spoil
+    status, _, err = cli("--targets", "800")
+    assert status == 1 and "target 407 in chunk 1 of seed 1: 2 bits differ" in err[0]
+    words = simulator.words[1][7].tolist()
+    named = " ".join(f"{name}={word}" for name, word in zip(FIELDS, words, strict=True))
+    assert err[1] == f"soak: its words: {named}" and "turn.c_plus of target 407 at clock 40" in err[2]
+    (row,) = worst_targets.read(Path("build/soak/failing.csv"))
+    assert (row.words, row.found) == (tuple(words), "seed 1 target 407")
+
+
 def wrong_flag(answer, words, width):
     answer.flags[3] ^= 4
 
 
-def turned(angle):
-    """Return a change of the model that rotates the shoulder of three targets about the x axis."""
-
-    def change(answer, words, width):
-        rows = np.flatnonzero(expected_flags(words, width) & UNREACHABLE == 0)[:3]
-        w, i, j, k = answer.results[rows, :4].astype(float).T
-        c, s = np.cos(angle / 2), np.sin(angle / 2)
-        turned = np.stack([c * w - s * i, c * i + s * w, c * j - s * k, c * k + s * j], axis=1)
-        answer.results[rows, :4] = np.rint(turned).astype(np.int64)
-
-    return change
+def turned(answer, words, width):
+    """Move the hands of three targets within reach."""
+    answer.results[np.flatnonzero(expected_flags(words, width) & UNREACHABLE == 0)[:3], 3] += 1 << 10
 
 
 def stretched(answer, words, width):
@@ -174,16 +154,14 @@ def stretched(answer, words, width):
 
 
 @pytest.mark.parametrize(
-    ("change", "width", "message"),
+    ("change", "message", "count"),
     [
-        (wrong_flag, 32, "target 3 in chunk 0 of seed 1: flags "),
-        (turned(1e-6), 32, "hand error / reach "),
-        (turned(1e-2), 18, "hand error / reach "),
-        (turned(1e-2), 20, "hand error / reach "),
-        (stretched, 32, "abs(norm^2 - 1)"),
+        (wrong_flag, "target 3 in chunk 0 of seed 1: flags ", 1),
+        (turned, "hand error / reach ", 3),
+        (stretched, "abs(norm^2 - 1)", 1),
     ],
 )
-def test_rtl_and_model_that_are_wrong_alike(cli, monkeypatch, change, width, message):
+def test_rtl_and_model_that_are_wrong_alike(cli, monkeypatch, change, message, count):
     right = fixed.run
 
     def wrong(words, width, *others):
@@ -192,14 +170,12 @@ def test_rtl_and_model_that_are_wrong_alike(cli, monkeypatch, change, width, mes
         return answer
 
     monkeypatch.setattr(fixed, "run", wrong)
-    status, _, err = cli("--targets", "400", "--width", str(width))
+    status, _, err = cli("--targets", "400")
     assert status == 1 and message in err[0] and err[1].startswith("soak: its words: x="), err
     rows = worst_targets.read(Path("build/soak/failing.csv"))
-    if "hand" in message:
-        assert all(row.hand_error > tolerances.lean(width) for row in rows)
-        assert rows[0].hand_error == max(row.hand_error for row in rows)
-    else:
-        assert len(rows) == 1 and (rows[0].hand_error is None) == (change is stretched)
+    errors = [row.hand_error for row in rows]
+    assert len(rows) == count and (errors[0] is None) == (change is stretched)
+    assert change is not turned or errors[0] == max(errors) > min(errors) > tolerances.lean(32)
 
 
 def test_the_paper_datapath_has_no_tolerance_and_its_excess_is_reported(cli, simulator, monkeypatch):
@@ -209,16 +185,13 @@ def test_the_paper_datapath_has_no_tolerance_and_its_excess_is_reported(cli, sim
     assert status == 0 and int(above.split()[-1]) > 100
 
 
-def test_a_simulation_that_breaks_off(cli, simulator):
+def test_a_lost_result(cli, simulator):
     def lose(run):
         run.results = run.results[:-1]
 
-    def end(run):
-        raise SimulationError("verilator: not found")
-
-    for simulator.spoil, message in ((lose, "400 targets were sent, 399 results came back"), (end, "not found")):
-        status, _, (err,) = cli("--targets", "400")
-        assert status == 1 and message in err
+    simulator.spoil = lose
+    status, _, (err,) = cli("--targets", "400")
+    assert status == 1 and "400 targets were sent, 399 results came back" in err
 
 
 # -- kept files --------------------------------------------------------------------------------------------------------
@@ -234,22 +207,14 @@ def test_keep(cli, simulator):
         assert 5 < len(group) <= 20 and errors == sorted(errors, reverse=True)
     rows = soak.read_table(soak.PAGE, "datapath")
     assert [row[:3] for row in rows] == [["lean", "18", "seed 1"], ["lean", "18", "seed 2"], ["lean", "24", "seed 1"]]
-    row, words = rows[0], simulator.words[-1]
-    owed = expected_flags(words, 18)
-    assert int(row[4]) == 400 == len(words)
-    assert [*map(int, row[9:-1])] == [(owed & flag > 0).sum() for flag in CORE_FLAGS.values()]
+    expected = expected_flags(simulator.words[-1], 18)
+    assert int(rows[0][4]) == 400 == len(expected)
+    assert [*map(int, rows[0][9:-1])] == [(expected & flag > 0).sum() for flag in CORE_FLAGS.values()]
     before = worst_targets.LIST.read_bytes()
-    assert cli("--targets", "400", "--width", "18", "--keep")[0] == 0 == cli("--targets", "800")[0]
-    assert worst_targets.LIST.read_bytes() == before, "repeated, or not kept"
+    assert cli("--targets", "800")[0] == 0 and worst_targets.LIST.read_bytes() == before, "not kept"
     assert check_proofs.stale("soak.md") == []
-    soak.PAGE.write_text(soak.PAGE.read_text().replace(row[-1], "0" * 16, 1))
+    soak.PAGE.write_text(soak.PAGE.read_text().replace(rows[0][-1], "0" * 16, 1))
     assert len(check_proofs.stale("soak.md")) == 1
-
-
-def test_an_unusable_list_is_not_overwritten(cli, simulator):
-    worst_targets.LIST.write_text("old")
-    status, out, err = cli("--targets", "400", "--keep")
-    assert (status, out, len(err), simulator.calls, worst_targets.LIST.read_text()) == (2, [], 1, [], "old")
 
 
 @pytest.mark.parametrize("datapath", soak.SEARCHED)
@@ -278,24 +243,23 @@ CORE_24 = random_targets.Core("icarus", "lean", 24)
 
 @needs_c
 @pytest.mark.usefixtures("simulator")
-@pytest.mark.parametrize("width", [16, 18, 24, 32])
+@pytest.mark.parametrize("width", [16, 32])
 def test_the_model_agrees_with_c(width):
     """The difference is little more than half an LSB; counts of parts of a set of targets add up."""
     words = chunk(0, width, 3)[:4000]
     core = random_targets.Core("icarus", "lean", width)
     parts = [judge(core, part, range(2000), soak.opinions) for part in np.split(words, 2)]
-    found = parts[0][0] + parts[1][0]
+    total = parts[0][0] + parts[1][0]
     assert not parts[0][1] and not parts[1][1]
-    (lean_n, lean), (paper_n, paper) = found.apart.values()
+    (lean_n, lean), (paper_n, paper) = total.apart.values()
     assert (expected_flags(words, width) == 0).sum() == lean_n > 2000 and 500 < paper_n < lean_n
     assert 0.45 * 2.0 ** (2 - width) < paper <= lean < min(tolerances.lean(width) / 3, 3 * 2.0 ** (2 - width))
 
 
 @needs_c
-@pytest.mark.parametrize("field", range(6))
-def test_c_finds_a_wrong_field_by_both_sets_of_equations(simulator, field):
+def test_c_finds_a_wrong_result_by_both_sets_of_equations(simulator):
     def spoil(run):
-        run.results[:, field] += 6
+        run.results[:, 4] += 6
 
     simulator.spoil = spoil
     failures = judge(CORE_24, chunk(0, 24, 3)[:500], range(500), soak.opinions)[1]

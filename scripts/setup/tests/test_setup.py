@@ -259,13 +259,10 @@ def test_make_from_another_folder(tmp_path):
 @pytest.mark.parametrize(
     ("words", "needs"),
     [
-        ("run", "icarus"),
         ("run SIM=verilator", "verilator"),
         ("soak", "verilator"),
         ("soak SIM=icarus FARM=x", "icarus farm"),
-        ("test", "checkout icarus cc"),
         ("paper ONLY=derivation", "checkout icarus"),
-        ("paper", "checkout icarus graphviz table6"),
     ],
 )
 def test_needs_of_targets(words, needs):
