@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from scripts import console, run, trajectory
-from scripts.report.tests.browser import WIDE, Browser, Page
+from scripts.report.tests import browser as browsers
+from scripts.report.tests.browser import WIDE, Page
 
 
 @pytest.fixture
@@ -39,10 +40,9 @@ def files():
 
 
 @pytest.fixture(scope="session")
-def chromium(tmp_path_factory):
-    started = Browser(tmp_path_factory.mktemp("chromium"))
-    yield started
-    started.close()
+def chromium():
+    with browsers.chromium() as started:
+        yield started
 
 
 @pytest.fixture
