@@ -25,8 +25,6 @@ def main_of(name):
     return importlib.import_module(COMMANDS[name]).main
 
 
-HEAD = ",".join(worst_targets.COLUMNS)
-NONE = ",,,,,,"  # a target has no tool, hand and branch
 VCD = "$scope module {} $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n"
 
 BAD_INPUT = [
@@ -63,20 +61,9 @@ BAD_INPUT = [
     ("follow --target 0 --trajectory all", "--trajectory --target"),
     ("follow --target 0 --datapath lean,paper", "--datapath 'lean,paper'"),
     ("soak --out o", "--out 'o/hardest.csv' folder"),
-    ("soak --again none.csv", "'none.csv': No such file"),
-    ("soak --again file --seed 0", "--seed --again"),
     ("soak --farm x", "--farm 'x'"),
     ("soak --special --seed 1", "--seed --special"),
     ("soak --special --from 1000000", "--from"),
-    ("soak --against c --datapath paper", "--against paper"),
-    ("soak --again in.csv", "in.csv: row 1", ""),
-    ("soak --again in.csv", "in.csv: no targets", HEAD),
-    ("soak --again in.csv", "in.csv: row 2: 9 columns", f"{HEAD}\nlean,32,1,2,3,4,5,0.1,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: datapath 'mean'", f"{HEAD}\nmean,32,1,2,3,4,5,6{NONE},0.1,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: word 18 bits", f"{HEAD}\nlean,18,1,2,131072,4,5,6{NONE},,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: column z: '1.5'", f"{HEAD}\nlean,18,1,2,1.5,4,5,6{NONE},,here\n"),
-    ("soak --again in.csv", "row 2: column tool: ''", f"{HEAD}\narm,32,1,2,3,4,5,6{NONE},,here\n"),
-    ("soak --again in.csv", "in.csv: CSV", b"\xff"),
     ("soak --worst 1 --datapath paper", "--worst: lean arm"),
     ("soak_memory --jobs 0", "--jobs 0"),
     ("waves in.vcd peper 32 o.gtkw", "'peper' 'lean', 'paper',", ""),

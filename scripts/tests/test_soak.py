@@ -19,6 +19,7 @@ from tb.core.random_targets import chunk, judge
 from tb.sim.job import answer
 from tb.sim.simulate import SimulationError
 
+HEAD = ",".join(worst_targets.COLUMNS)
 MISMATCH = (
     "first difference: turn.c_plus of target 7 at clock 40: RTL 1 (1), model 0 (0)\n"
     "            then: turn.s_plus of target 7 at clock 41: RTL 1 (1), model 0 (0)"
@@ -80,7 +81,7 @@ def test_a_stopped_soak_reports_where_to_resume(cli, simulator, files):
 
 @pytest.mark.parametrize("datapath", ["arm", "fold_arm"])
 def test_poses_of_the_whole_arm(cli, simulator, files, datapath):
-    """Chunks have hands of all kinds; a wrong angle and a wrong over_limit are failures, whose poses run again."""
+    """Chunks have hands of all kinds; a wrong over_limit is a failure."""
     words = ["--datapath", datapath, "--width", "18" if datapath == "arm" else "20", "--targets", "800"]
     status, out, err = cli(*words)
     assert (status, err, files()) == (0, [], ["build/soak/hardest.csv"])
@@ -97,58 +98,38 @@ def test_poses_of_the_whole_arm(cli, simulator, files, datapath):
     simulator.spoil = lambda run: spoil(run) if len(simulator.calls) == 2 else None
     status, out, err = cli(*words)
     assert status == 1 and "over_6" in "".join(err) and "hand_x=" in err[1]
-    assert cli("--again", "build/soak/failing.csv")[0] == 0
 
 
 # -- checks that fail --------------------------------------------------------------------------------------------------
 
 
-def fails(cli, simulator, spoil):
-    """Run with chunk 1 spoiled; return messages and the rows of failing.csv. The run must stop at the chunk."""
-    simulator.spoil = lambda run: spoil(run) if len(simulator.calls) == 2 else None
-    status, out, err = cli("--targets", "1200")
-    assert (status, len(out), len(simulator.calls)) == (1, 1, 2)
-    return err, worst_targets.read(Path("build/soak/failing.csv"))
-
-
 def test_a_node_that_differs(cli, simulator):
-    """The scoreboard reports a difference although the results are correct."""
+    """The scoreboard reports a difference although the results are correct; --from repeats the chunk."""
 
     def spoil(run):
-        run.bit_mismatches, run.first_mismatch = 2, MISMATCH
+        if np.array_equal(simulator.words[-1], failing):
+            run.bit_mismatches, run.first_mismatch = 2, MISMATCH
 
-    messages, rows = fails(cli, simulator, spoil)
-    words = simulator.words[1][7].tolist()
-    assert messages == [
-        "soak: target 407 in chunk 1 of seed 1: 2 bits differ from the bit-true model, results of 0 targets",
-        "soak: its words: " + " ".join(f"{k}={v}" for k, v in zip("x y z phi d1 d2".split(), words, strict=True)),
-        "soak: first difference: turn.c_plus of target 407 at clock 40: RTL 1 (1), model 0 (0)",
-        "soak:             then: turn.s_plus of target 407 at clock 41: RTL 1 (1), model 0 (0)",
-        "soak: 1 failing targets in build/soak/failing.csv; to rerun them: --again build/soak/failing.csv",
-    ]
-    assert [(row.words, row.found) for row in rows] == [(tuple(words), "seed 1 target 407")]
+    failing = chunk(1, 32, 1)
+    simulator.spoil = spoil
+    words = "x y z phi d1 d2".split()
+    for options, calls in (("--targets", "1200"), 2), (("--targets", "1200", "--from", "1"), 3):
+        status, out, err = cli(*options)
+        assert (status, len(out), len(simulator.calls)) == (1, 1, calls)
+        assert err == [
+            "soak: target 407: 2 bits differ from the bit-true model, results of 0 targets",
+            "soak: its words: " + " ".join(f"{k}={v}" for k, v in zip(words, failing[7], strict=True)),
+            "soak: first difference: turn.c_plus of target 407 at clock 40: RTL 1 (1), model 0 (0)",
+            "soak:             then: turn.s_plus of target 407 at clock 41: RTL 1 (1), model 0 (0)",
+            "soak: in chunk 1 of seed 1; the same options with --from 1 repeat it",
+        ]
 
 
-def test_failing_targets_run_again(cli, simulator):
-    """Results are compared apart from the scoreboard, which may compare nothing."""
-
-    def spoil(run):
-        run.results[[5, 9], 0] ^= 1
-
-    messages, rows = fails(cli, simulator, spoil)
-    assert "target 405 in chunk 1" in messages[0]
-    assert [row.found for row in rows] == ["seed 1 target 405", "seed 1 target 409"]
-    status, out, err = cli("--again", "build/soak/failing.csv")
-    assert (status, err) == (0, []) and "lean" in out[0] and "2 targets" in out[0]
-    assert np.array_equal(simulator.words[-1], [row.words for row in rows])
-
-    def spoil_first(run):
-        run.results[0, 0] ^= 1
-
-    simulator.spoil = spoil_first
-    status, out, err = cli("--again", "build/soak/failing.csv", "--sim", "icarus")
-    assert status == 1 and out[0].endswith("FAIL") and err[0].startswith("soak: seed 1 target 405: ")
-    assert simulator.calls[-1]["simulator"] == "icarus"
+def test_results_are_compared_apart_from_the_scoreboard(cli, simulator):
+    """The scoreboard may compare nothing."""
+    simulator.spoil = lambda run: np.add.at(run.results, ([5, 9], 0), 1)
+    status, _, err = cli("--targets", "400", "--sim", "icarus")
+    assert status == 1 and err[0].startswith("soak: target 5: ") and err[0].endswith(" results of 2 targets")
 
 
 def wrong_flag(answer, words, width):
@@ -176,7 +157,7 @@ def stretched(answer, words, width):
 @pytest.mark.parametrize(
     ("change", "width", "message"),
     [
-        (wrong_flag, 32, "target 3 in chunk 0 of seed 1: flags "),
+        (wrong_flag, 32, "soak: target 3: flags "),
         (turned(1e-6), 32, "hand error / reach "),
         (turned(1e-2), 18, "hand error / reach "),
         (turned(1e-2), 20, "hand error / reach "),
@@ -194,12 +175,6 @@ def test_rtl_and_model_that_are_wrong_alike(cli, monkeypatch, change, width, mes
     monkeypatch.setattr(fixed, "run", wrong)
     status, _, err = cli("--targets", "400", "--width", str(width))
     assert status == 1 and message in err[0] and err[1].startswith("soak: its words: x="), err
-    rows = worst_targets.read(Path("build/soak/failing.csv"))
-    if "hand" in message:
-        assert all(row.hand_error > tolerances.lean(width) for row in rows)
-        assert rows[0].hand_error == max(row.hand_error for row in rows)
-    else:
-        assert len(rows) == 1 and (rows[0].hand_error is None) == (change is stretched)
 
 
 def test_the_paper_datapath_has_no_tolerance_and_its_excess_is_reported(cli, simulator, monkeypatch):
@@ -246,10 +221,23 @@ def test_keep(cli, simulator):
     assert len(check_proofs.stale("soak.md")) == 1
 
 
-def test_an_unusable_list_is_not_overwritten(cli, simulator):
-    worst_targets.LIST.write_text("old")
-    status, out, err = cli("--targets", "400", "--keep")
-    assert (status, out, len(err), simulator.calls, worst_targets.LIST.read_text()) == (2, [], 1, [], "old")
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("old", "row 1"),
+        (f"{HEAD}\nlean,32,1,2,3,4,5,0.1,here\n", "row 2: 9 columns"),
+        (f"{HEAD}\nmean,32,1,2,3,4,5,6,,,,,,,0.1,here\n", "row 2: datapath 'mean'"),
+        (f"{HEAD}\nlean,18,1,2,131072,4,5,6,,,,,,,,here\n", "18 bits"),
+        (f"{HEAD}\nlean,18,1,2,1.5,4,5,6,,,,,,,,here\n", "row 2: column z: '1.5'"),
+        (f"{HEAD}\narm,32,1,2,3,4,5,6,,,,,,,,here\n", "row 2: column tool: ''"),
+        ("\xff", "CSV"),
+    ],
+)
+def test_an_unusable_list_is_not_overwritten(cli, simulator, text, message):
+    worst_targets.LIST.write_text(text, encoding="latin1")
+    status, out, (err,) = cli("--targets", "400", "--keep")
+    assert (status, out, simulator.calls) == (2, [], []) and message in err
+    assert worst_targets.LIST.read_text(encoding="latin1") == text
 
 
 @pytest.mark.parametrize("datapath", soak.SEARCHED)
