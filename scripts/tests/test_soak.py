@@ -226,7 +226,7 @@ def test_keep(cli, simulator):
     [
         ("old", "row 1"),
         (f"{HEAD}\nlean,32,1,2,3,4,5,0.1,here\n", "row 2: 9 columns"),
-        (f"{HEAD}\nmean,32,1,2,3,4,5,6,,,,,,,0.1,here\n", "row 2: datapath 'mean'"),
+        (f"{HEAD}\nmean,32,1,2,3,4,5,6,,,,,,,0.1,here\n", "row 2: unknown datapath 'mean'"),
         (f"{HEAD}\nlean,18,1,2,131072,4,5,6,,,,,,,,here\n", "18 bits"),
         (f"{HEAD}\nlean,18,1,2,1.5,4,5,6,,,,,,,,here\n", "row 2: column z: '1.5'"),
         (f"{HEAD}\narm,32,1,2,3,4,5,6,,,,,,,,here\n", "row 2: column tool: ''"),
