@@ -82,7 +82,6 @@ BAD_INPUT = [
     ("icebreaker", "PORT"),
     ("icebreaker none", "'none': No such file"),
     ("icebreaker file", "'file': Inappropriate ioctl for device"),
-    ("coverage --only x --keep", "--keep --only"),
     ("formal --only nothing", "--only 'nothing'"),
     ("paper --only table7", "--only 'table7'"),
     ("playground --width 17", "lean-W32,"),
