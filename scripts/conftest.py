@@ -3,12 +3,12 @@
 
 from functools import partial
 from pathlib import Path
+from shutil import which
 
 import numpy as np
 import pytest
 
 from scripts import console, run, trajectory
-from scripts.report.tests import browser as browsers
 from scripts.report.tests.browser import WIDE, Page
 
 
@@ -41,8 +41,12 @@ def files():
 
 @pytest.fixture(scope="session")
 def chromium():
-    with browsers.chromium() as started:
-        yield started
+    """Start the system's Chromium by Playwright, which downloads no browser."""
+    from playwright.sync_api import sync_playwright  # `make test` does not install it
+
+    with sync_playwright() as playwright:
+        options = ["--disable-gpu", "--disable-dev-shm-usage"]
+        yield playwright.chromium.launch(executable_path=which("chromium"), args=options)
 
 
 @pytest.fixture

@@ -126,13 +126,13 @@ def judge(job: tuple[int, int, int]) -> Result:
         place = Path(folder)
         if why := fault(first, mutant, place):
             return result(KILLED, first.name, why)
-        if where := proof(mutant, place / "own", climb=False):
+        if where := proof(mutant, place / "own", deep=False):
             return result(PROVED, where)
         unit = unit_bench(mutant)
         for bench in [*([unit] if unit else []), *more]:
             if why := fault(bench, mutant, place):
                 return result(KILLED, bench.name, why)
-        where = proof(mutant, place / "around")
+        where = proof(mutant, place / "around", deep=True)
     return result(PROVED if where else SURVIVED, where)
 
 

@@ -1,11 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages in headless Chromium for tests: the system's Chromium, driven by Playwright, which downloads no browser."""
+"""Pages in headless Chromium for tests, driven by Playwright."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator
-from contextlib import contextmanager
-from shutil import which
 
 WIDE, NARROW = (1400, 1000), (400, 800)
 
@@ -25,16 +21,6 @@ SET = """((name, value) => {
 })"""
 
 LIMIT = 60  # seconds per action; a loaded computer may start a browser slowly
-
-
-@contextmanager
-def chromium() -> Iterator:
-    """Yield Playwright's browser."""
-    from playwright.sync_api import sync_playwright  # `make test` does not install it
-
-    with sync_playwright() as playwright:
-        options = ["--disable-gpu", "--disable-dev-shm-usage"]
-        yield playwright.chromium.launch(executable_path=which("chromium"), args=options)
 
 
 class Page:
