@@ -56,7 +56,7 @@ from scripts.console import (
 )
 from scripts.generate.render import error, read_table, render
 from scripts.paper.table6.compiled import EQUATIONS, SCALAR, Solver, shared_object
-from scripts.score_tables import table_of_hardest, table_of_soak
+from scripts.score_tables import table_of_soak
 from tb.core import worst_targets
 from tb.core.random_targets import CHUNK, Core, Failure, Found, Opinion, chunk, judge
 from tb.sim.env import GENERATED
@@ -264,12 +264,6 @@ def _keep(core: Core, of: str, totals: Found) -> None:
 # -- the run -----------------------------------------------------------------------------------------------------------
 
 
-def _compile(sim: str, datapath: str, width: int) -> Core:
-    with progress("soak", 1) as meter:
-        meter(0, "compiling")
-        return Core.built(sim, datapath, width)
-
-
 def _soak(arguments: SimpleNamespace) -> int:
     hardest_path = arguments.out / "hardest.csv"
     with output(arguments.out, [hardest_path]):
@@ -278,7 +272,11 @@ def _soak(arguments: SimpleNamespace) -> int:
         if arguments.against:
             for name in EQUATIONS:
                 shared_object(name, "long double", SCALAR)  # fail without a compiler before the run
-        core = (Core if arguments.farm else _compile)(arguments.sim, arguments.datapath, arguments.width)
+        core = Core(arguments.sim, arguments.datapath, arguments.width)
+        if not arguments.farm:
+            with progress("soak", 1) as meter:
+                meter(0, "compiling")
+                core = _built(core)
         name = "all targets of special words" if arguments.seed is None else f"seed {arguments.seed}"
         print(f"soak: {core}, {name}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
         end = arguments.from_ * CHUNK + arguments.targets
@@ -306,7 +304,7 @@ def _soak(arguments: SimpleNamespace) -> int:
             lines = [*failed, f"in chunk {number} of {name}; the same options with --from {number} repeat it"]
             print(*(f"soak: {line}" for line in lines), sep="\n", file=sys.stderr)
             return 1
-        show(table_of_soak(f"{core}, {name}", core, totals, rate), table_of_hardest(totals))
+        show(table_of_soak(f"{core}, {name}", core, totals, rate))
         hards = {tuple(hard.words): hard for hard in totals.by_hand + totals.by_norm}.values()
         rows = [_row(core, hard.words, hard.hand_error, f"{name} target {hard.target}") for hard in hards]
         for file, before in earlier.items():
