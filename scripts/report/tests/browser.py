@@ -40,11 +40,9 @@ class Page:
         self.click, self.run, self.close = self._page.click, self._page.evaluate, self._context.close
         self.resize(width, height, **media)
 
-    def resize(self, width: int, height: int, scale: int = 1, **media: str) -> None:
-        """Set size, pixels per CSS pixel and media features, such as color_scheme."""
-        size = {"width": width, "height": height}
-        self._page.set_viewport_size(size)
-        self.call("Emulation.setDeviceMetricsOverride", size | {"deviceScaleFactor": scale, "mobile": False})
+    def resize(self, width: int, height: int, **media: str) -> None:
+        """Set size and media features, such as color_scheme."""
+        self._page.set_viewport_size({"width": width, "height": height})
         self._page.emulate_media(**media)
 
     def open(self, url: str, before: str = "") -> Page:

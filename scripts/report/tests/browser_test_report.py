@@ -178,7 +178,8 @@ def test_window_and_colours_change(written, browser):
     page.resize(*WIDE, color_scheme="dark")
     page.wait_for(f"document.getElementById('scene').toDataURL() !== {json.dumps(light)}", 10)
     assert page.run(background) != colour
-    page.resize(*NARROW, scale=2)
+    size = {"width": NARROW[0], "height": NARROW[1], "deviceScaleFactor": 2, "mobile": False}
+    page.call("Emulation.setDeviceMetricsOverride", size)
     page.wait_for("document.getElementById('scene').width === 2 * document.getElementById('scene').clientWidth")
     assert page.run(FITS)
 
