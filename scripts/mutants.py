@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import itertools
 import os
-import subprocess
 import sys
 from datetime import date
 from pathlib import Path
@@ -26,7 +25,7 @@ from rich.table import Table
 from model.io.files import write_atomically
 from scripts import parallel
 from scripts.console import InputError, Stopped, command, option, progress, show, switch, whole
-from scripts.generate.render import render
+from scripts.generate.render import commit, render
 from tb.mutation import campaign
 from tb.mutation.campaign import COLUMNS, SURVIVED, Result
 from tb.sim.env import GENERATED, ROOT
@@ -85,9 +84,7 @@ def main(options: SimpleNamespace) -> int:
 
 def page(results: list[Result], count: int, seed: int) -> str:
     """Return docs/generated/mutants.md."""
-    commit = ["git", "describe", "--always", "--dirty"]
-    commit = subprocess.run(commit, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
-    about = {"today": date.today().isoformat(), "commit": commit or "unknown", "count": count, "seed": seed}
+    about = {"today": date.today().isoformat(), "commit": commit(), "count": count, "seed": seed}
     mean = sum(result.seconds for result in results) / max(len(results), 1)
     survivors = sorted(result.mutant for result in results if result.verdict == SURVIVED)
     counted = {"head": HEAD, "rows": campaign.rows(results), "mean": mean, "survivors": survivors}

@@ -13,7 +13,6 @@ from model.bounds import tolerances
 from model.dataflow.datapaths import MODELS
 from model.io import flags as flag_bits
 from model.io.scoring import Score
-from model.io.words import FIELDS
 from scripts.generate.render import error
 from tb.core.random_targets import Core, Found
 
@@ -157,18 +156,4 @@ def table_of_soak(what: str, core: Core, totals: Found, rate: float) -> Table:
         ("targets a second, build excluded", f"{rate:.0f}"),
     ):
         table.add_row(*row)
-    return table
-
-
-def table_of_hardest(totals: Found) -> Table:
-    """Return the hardest targets: first by hand error relative to its tolerance, then by norm error."""
-    words = next((hard.words for hard in totals.by_hand + totals.by_norm), [])
-    names = FIELDS if len(words) == len(FIELDS) else ()  # poses have too many words for a line
-    headings = ("target", "hand", "/ tol.", "norm", *names)
-    table = empty_table("the hardest targets", headings, left=0, padding=(0, 1, 0, 0))
-    for hards in (totals.by_hand, totals.by_norm):
-        for hard in hards:
-            figures = f"{hard.hand_error:.2e}", f"{hard.hand_error / hard.tolerance:.3f}", f"{hard.norm_error:.2e}"
-            table.add_row(str(hard.target), *figures, *map(str, hard.words[: len(names)]))
-        table.add_section()
     return table

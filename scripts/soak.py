@@ -2,7 +2,6 @@
 """Random targets of all kinds through the RTL, every node compared with the model: `make soak`.
 
     python -m scripts.soak [--targets N] [--seed S] [--from CHUNK] [--special] [--against c] [--farm ADDRESS] ...
-    python -m scripts.soak --again FILE.csv
     python -m scripts.soak --worst ROUNDS [--datapath lean|arm] [--width W] [--seed S] [--keep]
 
 A chunk of 20000 targets is a function of seed, width and chunk number, so --from resumes at any chunk. --special runs
@@ -11,7 +10,7 @@ hardest targets go into OUT/hardest.csv and, with --keep, into tb/core/worst_tar
 The whole arm gets hand poses with these wrists; the error of a pose is relative to its tolerance.
 
 The run stops at the first chunk with a wrong bit or flag, a quaternion that is not of unit length or a hand of the lean
-datapath beyond its tolerance, and writes those targets to OUT/failing.csv. The paper datapath has no tolerance near its
+datapath beyond its tolerance, and prints the first target of each failure. The paper datapath has no tolerance near its
 singular poses; the excess over `model.bounds.predict` is reported.
 
 --worst searches the bit-true model of the lean datapath or of the whole arm for the largest hand errors: each round
@@ -21,11 +20,9 @@ of the hand's point and of its orientation, with a reach from 1 on, to which the
 
 from __future__ import annotations
 
-import math
 import os
 import sys
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from datetime import date
 from functools import cache, partial
 from pathlib import Path
@@ -59,18 +56,13 @@ from scripts.console import (
 )
 from scripts.generate.render import error, read_table, render
 from scripts.paper.table6.compiled import EQUATIONS, SCALAR, Solver, shared_object
-from scripts.score_tables import table_of_hardest, table_of_soak
+from scripts.score_tables import table_of_soak
 from tb.core import worst_targets
 from tb.core.random_targets import CHUNK, Core, Failure, Found, Opinion, chunk, judge
 from tb.sim.env import GENERATED
 from tb.sim.sources import closure, digest
 
 PAGE = GENERATED / "soak.md"
-EXCLUDED = {
-    "again": {"targets", "seed", "from_", "datapath", "width", "keep", "special", "farm", "against"},
-    "special": {"targets", "seed"},
-}
-
 OPTIONS = [
     option("--targets", "number of targets", whole(1), default=1_000_000, metavar="N"),
     option("--seed", "random seed", whole(0), default=1, metavar="S"),
@@ -79,19 +71,17 @@ OPTIONS = [
     *core_options(sim="verilator", names=MODELS),
     option("--jobs", "parallel chunks", whole(1), default=os.cpu_count(), metavar="N"),
     parallel.FARM,
-    option("--out", "folder for hardest.csv and failing.csv", Path, default="build/soak", metavar="DIR"),
+    option("--out", "folder for hardest.csv", Path, default="build/soak", metavar="DIR"),
     option("--against", "also compare results with the C of table 6 in long double", click.Choice(["c"])),
     switch("--keep", "update tb/core/worst_targets.csv and soak.md"),
-    option("--again", "run the targets of a failing.csv or hardest.csv", Path, metavar="FILE"),
     option("--worst", "search the model of lean or arm for the largest errors", whole(1), metavar="ROUNDS"),
 ]
 
 
 def _check(options: SimpleNamespace) -> None:
     """Check combinations of options; set seed and targets for --special. Raises InputError."""
-    for name, excluded in EXCLUDED.items():
-        if getattr(options, name) and (others := sorted(options.given & excluded)):
-            raise InputError(f"argument --{others[0].rstrip('_')}: not allowed with --{name}")
+    if options.special and (others := sorted(options.given & {"targets", "seed"})):
+        raise InputError(f"argument --{others[0]}: not allowed with --special")
     if options.worst and options.datapath not in SEARCHED:
         raise InputError(f"argument --worst: only for {' and '.join(SEARCHED)}")
     if options.special:
@@ -105,32 +95,32 @@ def _check(options: SimpleNamespace) -> None:
 # -- chunks ------------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Chunk:
-    """The verdict on a chunk; words and hand errors are kept if it fails."""
-
-    first: int
-    words: np.ndarray
-    found: Found
-    failures: list[Failure]
-    hand: np.ndarray
-
-
 @cache
 def _built(core: Core) -> Core:
     return Core.built(core.sim, core.datapath, core.width)
 
 
-def run_chunk(core: Core, seed: int | None, end: int, against: bool, number: int) -> Chunk:
-    """Run chunk `number`, at most to target `end`; on a farm, with a program of the worker."""
+def run_chunk(core: Core, seed: int | None, end: int, against: bool, number: int) -> tuple[Found, list[str]]:
+    """Run chunk `number`, at most to target `end`, on a farm with a program of the worker; return totals and messages
+    of failures."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
     if MODELS[core.datapath].side:
         words = hands(words, core.width, number)
     core = core if core.program else _built(core)
-    found, failures, hand = judge(core, words, range(start, start + len(words)), opinions if against else None)
-    kept = slice(None if failures else 0)
-    return Chunk(start, words[kept], found, failures, hand[kept])
+    totals, failures, _ = judge(core, words, range(start, start + len(words)), opinions if against else None)
+    return totals, [line for failure in failures for line in messages(failure, words, start)]
+
+
+def messages(failure: Failure, words: np.ndarray, start: int) -> list[str]:
+    """Return the lines of a failure, with the words of its first target."""
+    lines, where = [*failure.lines], "unknown target"
+    if failure.rows:
+        n = failure.rows[0]
+        where = f"target {start + n}"
+        named = zip(worst_targets.named(words.shape[1]), words[n].tolist(), strict=True)
+        lines.insert(1, "its words: " + " ".join(f"{name}={word}" for name, word in named))
+    return [f"{where}: {lines[0]}", *lines[1:]]
 
 
 # -- the C of table 6 --------------------------------------------------------------------------------------------------
@@ -246,8 +236,7 @@ def _worst(arguments: SimpleNamespace) -> int:
 
 
 def _row(core: Core, words: Sequence[int], hand_error: float, origin: str) -> worst_targets.Row:
-    error = None if math.isnan(hand_error) else float(hand_error)
-    return worst_targets.Row(core.datapath, core.width, tuple(map(int, words)), error, origin)
+    return worst_targets.Row(core.datapath, core.width, tuple(words), hand_error, origin)
 
 
 def code(datapath: str) -> str:
@@ -275,52 +264,34 @@ def _keep(core: Core, of: str, totals: Found) -> None:
 # -- the run -----------------------------------------------------------------------------------------------------------
 
 
-def _report(failures: list[Failure], words: np.ndarray, where: Callable[[int], str]) -> list[int]:
-    """Report failures on stderr, with the words of the first target of each; return the rows of all."""
-    for failure in failures:
-        first, *more = failure.lines
-        n = failure.rows[0] if failure.rows else None
-        print(f"soak: {'unknown target' if n is None else where(n)}: {first}", file=sys.stderr)
-        if n is not None:
-            names = worst_targets.named(words.shape[1])
-            named = " ".join(f"{name}={word}" for name, word in zip(names, words[n].tolist(), strict=True))
-            print(f"soak: its words: {named}", file=sys.stderr)
-        for line in more:
-            print(f"soak: {line}", file=sys.stderr)
-    return list(dict.fromkeys(n for failure in failures for n in failure.rows))
-
-
-def _compile(sim: str, datapath: str, width: int) -> Core:
-    with progress("soak", 1) as meter:
-        meter(0, "compiling")
-        return Core.built(sim, datapath, width)
-
-
 def _soak(arguments: SimpleNamespace) -> int:
-    hardest_path, failing = arguments.out / "hardest.csv", arguments.out / "failing.csv"
-    with output(arguments.out, [hardest_path, failing]):
+    hardest_path = arguments.out / "hardest.csv"
+    with output(arguments.out, [hardest_path]):
         lists = [hardest_path, *([worst_targets.LIST] if arguments.keep else [])]
         earlier = {file: worst_targets.read(file) if file.exists() else [] for file in lists}
         if arguments.against:
             for name in EQUATIONS:
                 shared_object(name, "long double", SCALAR)  # fail without a compiler before the run
-        core = (Core if arguments.farm else _compile)(arguments.sim, arguments.datapath, arguments.width)
+        core = Core(arguments.sim, arguments.datapath, arguments.width)
+        if not arguments.farm:
+            with progress("soak", 1) as meter:
+                meter(0, "compiling")
+                core = _built(core)
         name = "all targets of special words" if arguments.seed is None else f"seed {arguments.seed}"
         print(f"soak: {core}, {name}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
         end = arguments.from_ * CHUNK + arguments.targets
         numbers = range(arguments.from_, -(-end // CHUNK))
         work = partial(run_chunk, core, arguments.seed, end, bool(arguments.against))
-        totals, number, broken = Found(), arguments.from_, None
+        totals, number, failed = Found(), arguments.from_, []
         try:
             with (
                 progress("soak", arguments.targets) as meter,
                 parallel.shared(min(arguments.jobs, len(numbers)), arguments.farm) as ordered_map,
             ):
-                for number, run in zip(numbers, ordered_map(work, numbers), strict=True):
-                    if run.failures:
-                        broken = run
+                for number, (run, failed) in zip(numbers, ordered_map(work, numbers), strict=True):
+                    if failed:
                         break
-                    totals += run.found
+                    totals += run
                     number += 1
                     meter(totals.targets)
                 rate = totals.targets / meter.task.elapsed
@@ -329,14 +300,11 @@ def _soak(arguments: SimpleNamespace) -> int:
         except Stopped:
             print(f"soak: stopped; {totals.targets} targets passed; --from {number} resumes", file=sys.stderr)
             raise
-        if broken:
-            where = f"in chunk {number} of {name}"
-            rows = _report(broken.failures, broken.words, lambda n: f"target {broken.first + n} {where}")
-            content = [_row(core, broken.words[n], broken.hand[n], f"{name} target {broken.first + n}") for n in rows]
-            write_atomically(failing, worst_targets.text(content))
-            print(f"soak: {len(rows)} failing targets in {failing}; to rerun them: --again {failing}", file=sys.stderr)
+        if failed:
+            lines = [*failed, f"in chunk {number} of {name}; the same options with --from {number} repeat it"]
+            print(*(f"soak: {line}" for line in lines), sep="\n", file=sys.stderr)
             return 1
-        show(table_of_soak(f"{core}, {name}", core, totals, rate), table_of_hardest(totals))
+        show(table_of_soak(f"{core}, {name}", core, totals, rate))
         hards = {tuple(hard.words): hard for hard in totals.by_hand + totals.by_norm}.values()
         rows = [_row(core, hard.words, hard.hand_error, f"{name} target {hard.target}") for hard in hards]
         for file, before in earlier.items():
@@ -348,26 +316,10 @@ def _soak(arguments: SimpleNamespace) -> int:
         return 0
 
 
-def _again(arguments: SimpleNamespace) -> int:
-    rows = worst_targets.read(arguments.again)
-    if not rows:
-        raise InputError(f"{arguments.again}: no targets")
-    status = 0
-    for (datapath, width), group in worst_targets.groups(rows).items():
-        core = _compile(arguments.sim, datapath, width)
-        words = worst_targets.array(group)
-        totals, failures, _ = judge(core, words, range(len(words)))
-        _report(failures, words, lambda n, group=group: group[n].found)
-        status |= bool(failures)
-        verdict = "FAIL" if failures else "pass"
-        print(f"{core}: {len(words)} targets, largest {MODELS[datapath].error} {totals.hand_error_max:.3e}: {verdict}")
-    return status
-
-
 @command("soak", "Run random targets of all kinds and compare every node with the model.", OPTIONS)
 def main(parsed: SimpleNamespace) -> int:
     _check(parsed)
-    return _again(parsed) if parsed.again else _worst(parsed) if parsed.worst else _soak(parsed)
+    return _worst(parsed) if parsed.worst else _soak(parsed)
 
 
 if __name__ == "__main__":

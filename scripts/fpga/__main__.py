@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import datetime
 import json
-import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from types import SimpleNamespace
@@ -33,8 +32,8 @@ from scripts.fpga.designs import Design
 from scripts.fpga.netlist import HOLDS
 from scripts.fpga.runs import TOOLS, Run, commands, done, version
 from scripts.generate.pages import TARGETS
+from scripts.generate.render import commit
 from scripts.soak import hand_errors
-from tb.sim.env import ROOT
 
 FULL = 0.97
 """Largest utilization of the device at which a design is placed."""
@@ -44,15 +43,6 @@ def fits(family: str, cells: dict) -> bool:
     """Return whether a synthesized design fits the ECP5-85k; the small chips are tried."""
     used = {"MULT18X18D": "multipliers", "TRELLIS_COMB": "LUT", "TRELLIS_FF": "FF", "DP16KD": "RAM"}
     return family != "ecp5" or all(cells[kind] <= FULL * HOLDS[bel] for bel, kind in used.items())
-
-
-def commit() -> str:
-    """Return the commit of the checkout, with a + if the RTL has been changed since."""
-
-    def git(*words):
-        return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
-
-    return git("rev-parse", "--short", "HEAD") + ("+" if git("status", "--porcelain", "rtl") else "")
 
 
 def describe(design: Design) -> dict:

@@ -3,6 +3,7 @@
 
 import itertools
 import re
+import subprocess
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,15 @@ def update(texts: Mapping[Path, str]) -> None:
         if not path.exists() or path.read_text() != text:
             path.write_text(text)
             print(f"wrote {path.relative_to(ROOT)}")
+
+
+def commit() -> str:
+    """Return the commit of the checkout, with a + if the RTL has been changed since."""
+
+    def git(*words):
+        return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+
+    return git("rev-parse", "--short", "HEAD") + ("+" if git("status", "--porcelain", "rtl") else "")
 
 
 TEMPLATES.filters |= {"row": row, "error": error}

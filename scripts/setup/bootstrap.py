@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set up .venv and the tools of the system; make runs this before every other command. Standard library only.
 
-    python3 scripts/setup/bootstrap.py [icarus] [verilator] [lint] [chromium] [graphviz] [EXTRA..]
+    python3 scripts/setup/bootstrap.py [icarus] [verilator] [lint] [graphviz] [EXTRA..]
 
 Makes `.venv` from requirements/run.lock, sufficient for `make run`, and checks that the programs below are installed;
 an EXTRA adds the packages of requirements/EXTRA.lock to it, checkout those of tests and pages. Missing system packages
@@ -26,18 +26,17 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 OLDEST, NEWEST = (3, 10), (3, 14)  # Python versions that the lock files cover
 VERSION = "%d.%d" % sys.version_info[:2]
 PYTHON, STAMP, LOCK = ".venv/bin/python", ".venv/cga-ik.json", "requirements/{}.lock"  # from ROOT, where main works
-EXTRAS = ["checkout", "fpga", "table6", "schedule", "playground", "farm", "litex", "arms"]
+EXTRAS = ["checkout", "fpga", "table6", "schedule", "playground", "browser", "farm", "litex", "arms"]
 PROGRAMS = {
     "icarus": ["iverilog", "vvp"],
     "verilator": ["perl", "pod2usage", "make", "g++", "ccache"],  # pod2usage: Debian's perl-base alone lacks modules
     "lint": ["/usr/bin/verilator_bin"],  # an older Verilator than the checkout's
-    "chromium": ["chromium"],
     "graphviz": ["dot"],
     "cc": ["cc"],
     "clang": ["clang"],
     "ghdl": ["ghdl"],
 }
-PROGRAMS.update({extra: [] for extra in EXTRAS}, table6=["cc"], litex=["riscv64-unknown-elf-gcc"])
+PROGRAMS.update({extra: [] for extra in EXTRAS}, browser=["chromium"], table6=["cc"], litex=["riscv64-unknown-elf-gcc"])
 # Needs that commands do without: their packages are installed where that is allowed.
 OPTIONAL = ["ccache", "/usr/bin/verilator_bin", "cc", "clang", "ghdl", "riscv64-unknown-elf-gcc"]
 OPTIONAL_EXTRAS = ["table6", "litex", "arms"]

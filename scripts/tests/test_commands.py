@@ -26,8 +26,6 @@ def main_of(name):
     return importlib.import_module(COMMANDS[name]).main
 
 
-HEAD = ",".join(worst_targets.COLUMNS)
-NONE = ",,,,,,"  # a target has no tool, hand and branch
 VCD = "$scope module {} $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n"
 
 BAD_INPUT = [
@@ -55,16 +53,8 @@ BAD_INPUT = [
     ("follow", "--target"),
     ("follow --target 100", "--target reach 0 99, 100"),
     ("follow --target 0 --trajectory all", "--trajectory --target"),
-    ("soak --again file --seed 0", "--seed --again"),
     ("soak --farm x", "--farm 'x'"),
     ("soak --special --from 1000000", "--from"),
-    ("soak --against c --datapath paper", "--against paper"),
-    ("soak --again in.csv", "in.csv: row 1", ""),
-    ("soak --again in.csv", "in.csv: no targets", HEAD),
-    ("soak --again in.csv", "in.csv: row 2: 9 columns", f"{HEAD}\nlean,32,1,2,3,4,5,0.1,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: datapath 'mean'", f"{HEAD}\nmean,32,1,2,3,4,5,6{NONE},0.1,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: word 18 bits", f"{HEAD}\nlean,18,1,2,131072,4,5,6{NONE},,here\n"),
-    ("soak --again in.csv", "in.csv: row 2: column z: '1.5'", f"{HEAD}\nlean,18,1,2,1.5,4,5,6{NONE},,here\n"),
     ("soak --worst 1 --datapath paper", "--worst: lean arm"),
     ("soak_memory --jobs 0", "--jobs 0"),
     ("waves none.vcd paper 32 o.gtkw", "'none.vcd': No such file"),
@@ -80,7 +70,6 @@ BAD_INPUT = [
     ("mutants --only nothing", "--only 'nothing'"),
     ("mutants --only lean --keep", "--keep --only"),
     ("icebreaker none", "'none': No such file"),
-    ("coverage --only x --keep", "--keep --only"),
     ("formal --only nothing", "--only 'nothing'"),
     ("paper --only table7", "--only 'table7'"),
     ("playground --width 17", "lean-W32,"),

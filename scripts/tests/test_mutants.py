@@ -73,9 +73,9 @@ def square(lean, mode: str, port: str, bit: int):
 @pytest.mark.release
 @pytest.mark.needs("fpga")
 def test_only_an_equivalent_mutant_is_proved(lean, place):
-    assert proof(square(lean, "const1", "b", 0), place) == "ik_lean_guard"  # a square ignores b
-    assert proof(square(lean, "inv", "p", 0), place, climb=False) == ""
-    assert proof(square(lean, "inv", "clk", 0), place) == ""  # ignored by the solver
+    assert proof(square(lean, "const1", "b", 0), place, deep=True) == "ik_lean_guard"  # a square ignores b
+    assert proof(square(lean, "inv", "p", 0), place, deep=False) == ""
+    assert proof(square(lean, "inv", "clk", 0), place, deep=True) == ""  # ignored by the solver
 
 
 @pytest.mark.release

@@ -20,6 +20,8 @@ from tb.core.random_targets import chunk, judge
 from tb.sim.job import answer
 from tb.sim.simulate import SimulationError
 
+HEAD = ",".join(worst_targets.COLUMNS)
+
 
 @pytest.fixture
 def cli(simulator, command, monkeypatch, tmp_path):
@@ -74,7 +76,7 @@ def test_a_stopped_soak_reports_where_to_resume(cli, simulator, files):
 
 
 def test_poses_of_the_whole_arm(cli, simulator, files):
-    """Chunks have hands of all kinds; a wrong over_limit is a failure, whose pose runs again."""
+    """Chunks have hands of all kinds; a wrong over_limit is a failure."""
     words = ["--datapath", "fold_arm", "--width", "20", "--targets", "800"]
     assert cli(*words)[::2] == (0, []) and files() == ["build/soak/hardest.csv"]
     poses = np.concatenate(simulator.words)
@@ -90,53 +92,38 @@ def test_poses_of_the_whole_arm(cli, simulator, files):
     simulator.spoil = spoil
     status, _, err = cli(*words)
     assert status == 1 and "over_6" in "".join(err) and "hand_x=" in err[1]
-    assert cli("--again", "build/soak/failing.csv")[0] == 0
 
 
 # -- checks that fail --------------------------------------------------------------------------------------------------
 
 
-def test_failing_targets_stop_the_soak_and_run_again(cli, simulator):
-    """Results are compared apart from the scoreboard, which may compare nothing."""
-
-    def spoil(run):
-        if len(simulator.calls) == 2:
-            run.results[[5, 9], 0] ^= 1
-
-    simulator.spoil = spoil
-    status, out, err = cli("--targets", "1200")
-    assert (status, len(out), len(simulator.calls)) == (1, 1, 2) and "target 405 in chunk 1" in err[0]
-    rows = worst_targets.read(Path("build/soak/failing.csv"))
-    assert [row.found for row in rows] == ["seed 1 target 405", "seed 1 target 409"]
-    status, out, err = cli("--again", "build/soak/failing.csv")
-    assert (status, err) == (0, []) and "lean" in out[0] and "2 targets" in out[0]
-    assert np.array_equal(simulator.words[-1], [row.words for row in rows])
-
-    def spoil_first(run):
-        run.results[0, 0] ^= 1
-
-    simulator.spoil = spoil_first
-    status, out, err = cli("--again", "build/soak/failing.csv", "--sim", "icarus")
-    assert status == 1 and out[0].endswith("FAIL") and err[0].startswith("soak: seed 1 target 405: ")
-    assert simulator.calls[-1]["simulator"] == "icarus"
-
-
 def test_a_node_that_differs(cli, simulator):
-    """The scoreboard reports a difference although the results are correct; target numbers are the soak's."""
+    """The scoreboard reports a difference although the results are correct; --from repeats the chunk."""
 
     def spoil(run):
-        if len(simulator.calls) == 2:
+        if np.array_equal(simulator.words[-1], failing):
             first = "first difference: turn.c_plus of target 7 at clock 40: RTL 1 (1), model 0 (0)"
             run.bit_mismatches, run.first_mismatch = 2, first
 
+    failing = chunk(1, 32, 1)
     simulator.spoil = spoil
-    status, _, err = cli("--targets", "800")
-    assert status == 1 and "target 407 in chunk 1 of seed 1: 2 bits differ" in err[0]
-    words = simulator.words[1][7].tolist()
-    named = " ".join(f"{name}={word}" for name, word in zip(FIELDS, words, strict=True))
-    assert err[1] == f"soak: its words: {named}" and "turn.c_plus of target 407 at clock 40" in err[2]
-    (row,) = worst_targets.read(Path("build/soak/failing.csv"))
-    assert (row.words, row.found) == (tuple(words), "seed 1 target 407")
+    named = " ".join(f"{name}={word}" for name, word in zip(FIELDS, failing[7], strict=True))
+    for options, calls in (("--targets", "800"), 2), (("--targets", "800", "--from", "1"), 3):
+        status, _, err = cli(*options)
+        assert (status, len(simulator.calls)) == (1, calls)
+        assert err == [
+            "soak: target 407: 2 bits differ from the bit-true model, results of 0 targets",
+            f"soak: its words: {named}",
+            "soak: first difference: turn.c_plus of target 407 at clock 40: RTL 1 (1), model 0 (0)",
+            "soak: in chunk 1 of seed 1; the same options with --from 1 repeat it",
+        ]
+
+
+def test_results_are_compared_apart_from_the_scoreboard(cli, simulator):
+    """The scoreboard may compare nothing."""
+    simulator.spoil = lambda run: np.add.at(run.results, ([5, 9], 0), 1)
+    status, _, err = cli("--targets", "400", "--sim", "icarus")
+    assert status == 1 and err[0].startswith("soak: target 5: ") and err[0].endswith(" results of 2 targets")
 
 
 def wrong_flag(answer, words, width):
@@ -154,14 +141,14 @@ def stretched(answer, words, width):
 
 
 @pytest.mark.parametrize(
-    ("change", "message", "count"),
+    ("change", "message"),
     [
-        (wrong_flag, "target 3 in chunk 0 of seed 1: flags ", 1),
-        (turned, "hand error / reach ", 3),
-        (stretched, "abs(norm^2 - 1)", 1),
+        (wrong_flag, "soak: target 3: flags "),
+        (turned, "hand error / reach "),
+        (stretched, "abs(norm^2 - 1)"),
     ],
 )
-def test_rtl_and_model_that_are_wrong_alike(cli, monkeypatch, change, message, count):
+def test_rtl_and_model_that_are_wrong_alike(cli, monkeypatch, change, message):
     right = fixed.run
 
     def wrong(words, width, *others):
@@ -172,10 +159,6 @@ def test_rtl_and_model_that_are_wrong_alike(cli, monkeypatch, change, message, c
     monkeypatch.setattr(fixed, "run", wrong)
     status, _, err = cli("--targets", "400")
     assert status == 1 and message in err[0] and err[1].startswith("soak: its words: x="), err
-    rows = worst_targets.read(Path("build/soak/failing.csv"))
-    errors = [row.hand_error for row in rows]
-    assert len(rows) == count and (errors[0] is None) == (change is stretched)
-    assert change is not turned or errors[0] == max(errors) > min(errors) > tolerances.lean(32)
 
 
 def test_the_paper_datapath_has_no_tolerance_and_its_excess_is_reported(cli, simulator, monkeypatch):
@@ -215,6 +198,25 @@ def test_keep(cli, simulator):
     assert check_proofs.stale("soak.md") == []
     soak.PAGE.write_text(soak.PAGE.read_text().replace(rows[0][-1], "0" * 16, 1))
     assert len(check_proofs.stale("soak.md")) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("old", "row 1"),
+        (f"{HEAD}\nlean,32,1,2,3,4,5,0.1,here\n", "row 2: 9 columns"),
+        (f"{HEAD}\nmean,32,1,2,3,4,5,6,,,,,,,0.1,here\n", "row 2: unknown datapath 'mean'"),
+        (f"{HEAD}\nlean,18,1,2,131072,4,5,6,,,,,,,,here\n", "18 bits"),
+        (f"{HEAD}\nlean,18,1,2,1.5,4,5,6,,,,,,,,here\n", "row 2: column z: '1.5'"),
+        (f"{HEAD}\narm,32,1,2,3,4,5,6,,,,,,,,here\n", "row 2: column tool: ''"),
+        ("\xff", "CSV"),
+    ],
+)
+def test_an_unusable_list_is_not_overwritten(cli, simulator, text, message):
+    worst_targets.LIST.write_text(text, encoding="latin1")
+    status, out, (err,) = cli("--targets", "400", "--keep")
+    assert (status, out, simulator.calls) == (2, [], []) and message in err
+    assert worst_targets.LIST.read_text(encoding="latin1") == text
 
 
 @pytest.mark.parametrize("datapath", soak.SEARCHED)

@@ -23,7 +23,7 @@ from tb.sim.coverage import Point
 from tb.sim.job import answer
 
 NEAR = 64  # a target is near a singular pose if it is within reach / NEAR of it
-FILE = f"{uuid.uuid4().hex}.txt"  # counts of this simulation
+FILE = f"{uuid.uuid4().hex}.json"  # counts of this simulation
 
 REGIONS = ("regular", "axis", "shoulder", "stretched", "folded")
 STALLS = ("none", "gap", "held", "gap and held")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Benches that run with one mutant: every node of a core, jobs of ``ik_axi``, and the unit benches.
+"""Benches that run with one mutant: every node of a core (`NodeBench`), jobs of ``ik_axi``, and the unit benches.
 
 ``run(mutant, netlist, place, seconds)`` returns the fault that a bench finds, empty if none, and its measurements;
 without a mutant it runs the netlist itself. `place` is an empty folder.
@@ -9,58 +9,23 @@ import functools
 import importlib
 import json
 import re
-import subprocess
 import time
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from inspect import signature
 from pathlib import Path
 
 from tb.formal.tools import yosys
-from tb.mutation import node_bench
-from tb.mutation.netlists import SECONDS, SELECT, Mutant, Netlist, relative, source_name
+from tb.mutation.netlists import SECONDS, TIMEOUT, Mutant, Netlist, finished, relative, source_name
 from tb.mutation.node_bench import NodeBench
 from tb.sim.env import ROOT
 from tb.sim.runner import alone, command
 from tb.sim.simulate import SimulationError
 from tb.sim.sources import LIST
-from tb.sim.subprocesses import compiled
 from tb.units.unit import Case, simulation
 
 LEAST, TIMES = 30.0, 10.0
 """Time limit of a simulation: LEAST seconds, or TIMES its duration without a mutant if that is longer."""
-TIMEOUT = "time limit"
-
-
-@dataclass(frozen=True)
-class Nodes:
-    """Every node of a core compared with the model, under stalls and after a reset, by Icarus without cocotb."""
-
-    bench: NodeBench
-
-    @property
-    def name(self) -> str:
-        return self.bench.name
-
-    def run(self, mutant: Mutant | None, netlist: Netlist, place: Path, seconds: float) -> tuple[str, str]:
-        folder = netlist.folder / self.name.replace(" ", "-")
-        with alone(folder):
-            if not (folder / "program").exists():
-                self.bench.write(folder)
-                half, files = folder / "half", [node_bench.TOP, netlist.folder / "netlist.v"]
-                build = ["iverilog", "-g2001", f"-I{folder}", "-s", node_bench.TOP.stem, "-o", half, *files]
-                status, output = finished(build, SECONDS)
-                if status != 0:
-                    raise SimulationError(f"Icarus rejects the netlist {netlist.name}: {output[-300:]}")
-                half.rename(folder / "program")
-        number = mutant.number if mutant else 0
-        words = ["vvp", "-n", folder / "program", f"+data={folder / node_bench.DATA}", f"+{SELECT}={number}"]
-        status, output = finished(words, seconds)
-        if status is None:
-            return TIMEOUT, ""
-        last = output.splitlines()[-1] if output else "no output"
-        return ("", output) if last.startswith(node_bench.RIGHT) else (last[-200:], output)
 
 
 @dataclass(frozen=True)
@@ -127,7 +92,7 @@ def unit_bench(mutant: Mutant) -> Replaced | None:
     return None
 
 
-def fault(bench: Nodes | Replaced, mutant: Mutant, place: Path) -> str:
+def fault(bench: NodeBench | Replaced, mutant: Mutant, place: Path) -> str:
     """Return the fault by which a bench kills a mutant, empty if it survives.
 
     The unchanged netlist must pass first. A unit bench that fails on it does not support its parameters and kills
@@ -154,12 +119,3 @@ def emptied(place: Path) -> Path:
     folder = place / f"run{len(list(place.glob('run*')))}"
     folder.mkdir(parents=True)
     return folder
-
-
-def finished(words: Sequence[str | Path], seconds: float) -> tuple[int | None, str]:
-    """Run a program; return its exit status, None after `seconds`, and its output."""
-    try:
-        done = compiled(words, seconds)
-    except subprocess.TimeoutExpired:
-        return None, ""
-    return done.returncode, (done.stderr + done.stdout).strip()

@@ -11,9 +11,8 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from model.dataflow.datapaths import MODELS
 from tb.axi.test_ik_axi import LONG, MODULES
-from tb.mutation.benches import Nodes, Replaced, fault, unit_bench
+from tb.mutation.benches import Replaced, fault, unit_bench
 from tb.mutation.equivalence import proof
 from tb.mutation.netlists import BUILD, Mutant, Netlist, relative
 from tb.mutation.node_bench import NodeBench
@@ -29,23 +28,13 @@ class Design:
     name: str
     top: str
     parameters: dict[str, int]
-    benches: tuple[Nodes | Replaced, ...]
-
-    def has(self, only: str) -> bool:
-        """Return whether the name of a file of the design contains `only`."""
-        files = set(closure(self.top))
-        if self.top == "ik_axi":
-            files -= {*closure("ik_axis"), *closure("ik_arm")}
-        else:
-            files -= {path for other in MODELS.values() for path in closure(other.entity)}
-            files |= set(closure(self.benches[0].bench.path.entity))
-        return any(only in relative(path) for path in files)
+    benches: tuple[NodeBench | Replaced, ...]
 
 
 def core(*benches: NodeBench) -> Design:
     """Return a design of a core; its benches differ only in their targets."""
     name = " ".join(benches[0].name.split()[1:-1])
-    return Design(name, benches[0].path.top, benches[0].parameters, tuple(map(Nodes, benches)))
+    return Design(name, benches[0].path.top, benches[0].parameters, benches)
 
 
 def memory(log2_burst: int, data_w: int) -> Design:
@@ -103,11 +92,15 @@ COLUMNS = ("nodes", "unit", "jobs", PROVED, SURVIVED)
 def order(seed: int, only: str) -> Iterator[tuple[int, int, Mutant]]:
     """Yield design, seed and mutant: files whose name contains `only` take turns, as do the designs of a file.
 
+    All designs with such a file are elaborated, even if it belongs to another datapath of their top.
+
     Of mutants of a module that designs share, only the first design's is used.
     """
     files: dict[str, list[list]] = {}
     changes: set[tuple[int, str]] = set()
-    for design in (number for number, design in enumerate(DESIGNS) if design.has(only)):
+    for design, top in enumerate(design.top for design in DESIGNS):
+        if not any(only in relative(path) for path in closure(top)):
+            continue
         mutants = [m for m in netlist(design, seed).mutants if only in m.file and m.change not in changes]
         changes |= {mutant.change for mutant in mutants}
         for file, group in itertools.groupby(mutants, key=lambda mutant: mutant.file):
@@ -133,13 +126,13 @@ def judge(job: tuple[int, int, int]) -> Result:
         place = Path(folder)
         if why := fault(first, mutant, place):
             return result(KILLED, first.name, why)
-        if where := proof(mutant, place / "own", climb=False):
+        if where := proof(mutant, place / "own", deep=False):
             return result(PROVED, where)
         unit = unit_bench(mutant)
         for bench in [*([unit] if unit else []), *more]:
             if why := fault(bench, mutant, place):
                 return result(KILLED, bench.name, why)
-        where = proof(mutant, place / "around")
+        where = proof(mutant, place / "around", deep=True)
     return result(PROVED if where else SURVIVED, where)
 
 

@@ -20,23 +20,20 @@ UNPROVEN = re.compile(r"Unproven \$equiv \S+: \\(\S+)_gold ")
 PORT = re.compile(r"^ *wire .*\b(?:input|output) \d+ .*\\(\S+)$", re.M)
 
 
-def proof(mutant: Mutant, place: Path, climb: bool = True) -> str:
+def proof(mutant: Mutant, place: Path, deep: bool) -> str:
     """Return the modules in which a mutant is proved equivalent, empty if it is not.
 
-    The search begins with the module of the mutant; with `climb` it continues with the modules that instantiate it. It
-    ends after SECONDS.
+    The search begins with the module of the mutant; `deep`, it continues with the modules that instantiate it. It ends
+    after SECONDS.
     """
     if mutant.options["port"] in CLOCKS:
         return ""
-    module, end = mutant.options["module"], time.monotonic() + SECONDS
-    if equivalent(mutant, module, place, end, deep=False):
-        return source_name(module)
-    modules = mutant.netlist.modules
-    wanted, shown = {module}, set()
-    while climb and wanted:
-        left = {name for name in sorted(wanted) if not equivalent(mutant, name, place, end, deep=True)}
+    modules, end = mutant.netlist.modules, time.monotonic() + SECONDS
+    wanted, shown = {mutant.options["module"]}, set()
+    while wanted:
+        left = {name for name in sorted(wanted) if not equivalent(mutant, name, place, end, deep)}
         shown |= wanted - left
-        if not all(modules[name]["parents"] for name in left):
+        if not all(deep and modules[name]["parents"] for name in left):
             return ""
         wanted = {parent for name in left for parent in modules[name]["parents"]}
     return ", ".join(sorted(map(source_name, shown)))

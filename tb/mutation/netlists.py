@@ -11,6 +11,8 @@ import itertools
 import json
 import re
 import shutil
+import subprocess
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -22,12 +24,14 @@ from tb.sim.runner import alone
 from tb.sim.seeded_bugs import copy_rtl
 from tb.sim.simulate import SimulationError
 from tb.sim.sources import closure, digest, headers, includes, sources
+from tb.sim.subprocesses import compiled
 
 BUILD = ROOT / "build" / "mutants"
 SECONDS = 120.0
 """Time limit of a Yosys script or an Icarus build for one mutant; ten times that for a whole netlist."""
 SELECT, BITS = "mutant", 16
 """Input of the top that selects a mutant, and its width; 0 selects none."""
+TIMEOUT = "time limit"
 PER_FILE = 24  # most mutants of one file of rtl/ in one netlist
 EXCLUDED = {"RD_CLK", "RD_EN", "RD_ARST", "RD_SRST", "Q"}
 """Ports without mutants: read ports of memories are asynchronous and tied, and a changed register output would lose its
@@ -37,6 +41,15 @@ initial value. A changed register input has the same effect."""
 def relative(path: Path) -> str:
     """Return a path for Yosys, whose WebAssembly build reads only files below the checkout."""
     return path.relative_to(ROOT).as_posix()
+
+
+def finished(words: Sequence[str | Path], seconds: float) -> tuple[int | None, str]:
+    """Run a program; return its exit status, None after `seconds`, and its output."""
+    try:
+        done = compiled(words, seconds)
+    except subprocess.TimeoutExpired:
+        return None, ""
+    return done.returncode, (done.stderr + done.stdout).strip()
 
 
 def source_name(module: str) -> str:

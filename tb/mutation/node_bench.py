@@ -14,9 +14,11 @@ import numpy as np
 
 from model.dataflow.datapaths import MODELS, Datapath
 from model.io.stimuli import arithmetic_corners, arm_targets, mixed
-from tb.mutation.netlists import BITS
+from tb.mutation.netlists import BITS, SECONDS, SELECT, TIMEOUT, Mutant, Netlist, finished
 from tb.sim.job import answer, limits_port
 from tb.sim.native_run import columns
+from tb.sim.runner import alone
+from tb.sim.simulate import SimulationError
 
 TOP, DATA = Path(__file__).with_name("node_bench.v"), "data.hex"
 TAG_W = 8
@@ -46,6 +48,26 @@ class NodeBench:
         """Parameters of the top."""
         digit = {} if self.path.side else {"DIGIT": self.digit}
         return {"W": self.width, "TAG_W": TAG_W, **digit, **self.path.parameters}
+
+    def run(self, mutant: Mutant | None, netlist: Netlist, _: Path, seconds: float) -> tuple[str, str]:
+        """Run the netlist with a mutant; return the first difference, and latency and clocks."""
+        folder = netlist.folder / self.name.replace(" ", "-")
+        with alone(folder):
+            if not (folder / "program").exists():
+                self.write(folder)
+                half, files = folder / "half", [TOP, netlist.folder / "netlist.v"]
+                build = ["iverilog", "-g2001", f"-I{folder}", "-s", TOP.stem, "-o", half, *files]
+                status, output = finished(build, SECONDS)
+                if status != 0:
+                    raise SimulationError(f"Icarus rejects the netlist {netlist.name}: {output[-300:]}")
+                half.rename(folder / "program")
+        number = mutant.number if mutant else 0
+        words = ["vvp", "-n", folder / "program", f"+data={folder / DATA}", f"+{SELECT}={number}"]
+        status, output = finished(words, seconds)
+        if status is None:
+            return TIMEOUT, ""
+        last = output.splitlines()[-1] if output else "no output"
+        return ("", output) if last.startswith(RIGHT) else (last[-200:], output)
 
     def words(self) -> np.ndarray:
         """Return the targets as words, of the whole arm with their branch."""

@@ -5,6 +5,7 @@ With it, builds go to ``build/coverage``, and each simulation that passes writes
 and parameters. Files that differ from the checkout's, such as the echo of tb/axi, do not count.
 """
 
+import json
 import os
 import re
 import tempfile
@@ -55,7 +56,7 @@ def counting(root: Path) -> Iterator[list[str]]:
         raw = Path(place) / "counts"
         yield [f"+verilator+coverage+file+{raw}"]
         if raw.exists():  # Verilator wrote counts
-            write(kept / f"{uuid.uuid4().hex}.txt", totals(raw.read_text(), root))
+            write(kept / f"{uuid.uuid4().hex}.json", totals(raw.read_text(), root))
 
 
 def totals(text: str, root: Path = ROOT) -> Counter[Point]:
@@ -73,16 +74,15 @@ def totals(text: str, root: Path = ROOT) -> Counter[Point]:
 
 
 def write(path: Path, counts: Mapping[Point, int]) -> None:
-    """Write counts, one point per line."""
+    """Write counts as a JSON list of points, each with its count."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_atomically(path, "".join("\t".join(map(str, (*point, count))) + "\n" for point, count in counts.items()))
+    write_atomically(path, json.dumps([(*point, count) for point, count in counts.items()]))
 
 
 def read(folder: Path) -> Counter[Point]:
     """Sum all counts in a folder."""
     counts: Counter[Point] = Counter()
-    for path in sorted(folder.glob("*.txt")):
-        for line in path.read_text().splitlines():
-            file, row, column, kind, what, count = line.split("\t")
-            counts[Point(file, int(row), int(column), kind, what)] += int(count)
+    for path in folder.glob("*.json"):
+        for *point, count in json.loads(path.read_text()):
+            counts[Point(*point)] += count
     return counts

@@ -184,7 +184,7 @@ def test_the_background_turns_the_view_and_keys_move_the_wrist(page):
         places.append(page.run(PLACE))
     assert len({tuple(place) for place in places}) == 4
     page.run("document.activeElement.blur()")
-    page.press(" ")
+    page.press("Space")
     assert page.run("document.documentElement.dataset.flow") == "run"
 
 
@@ -219,7 +219,7 @@ def test_the_hand_turns_and_the_joints_follow(page, name, touch):
         assert 0.2 < 2 * abs(by[1 + ring]) < 1.5 and np.abs(np.delete(by[1:], ring)).max() < 1e-9, "another axis"
     page.run("document.getElementById('scene').focus()")
     for key in ("ArrowRight", "PageUp"):
-        page.press(key, shift=True)
+        page.press(f"Shift+{key}")
     assert np.allclose(page.run("playground.pointOf(playground.place(), playground.ui.target.turn)"), before, atol=1e-9)
     page.wait_for("String(playground.state.runs[0].now.one.turn) === String(playground.ui.target.turn)")
     page.run(FLOW.format("step"))
@@ -353,7 +353,7 @@ def test_two_cores_side_by_side(page):
 @pytest.mark.parametrize("size", [WIDE, (900, 700), NARROW], ids=str)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_page_fits(page, size, scheme):
-    page.resize(*size, prefers_color_scheme=scheme)
+    page.resize(*size, color_scheme=scheme)
     step(page, 50)
     assert page.run(FITS)
     scrolls = STICKING_OUT.replace(".map(", ".filter((e) => !e.closest('.wide, .scrolls')).map(")
@@ -368,9 +368,7 @@ def test_page_fits(page, size, scheme):
 
 
 def test_without_webassembly_the_page_reports_it(written, browser):
-    opened = browser("about:blank")
-    opened.call("Page.addScriptToEvaluateOnNewDocument", source="delete window.WebAssembly")
-    opened.open(written.as_uri())
+    opened = browser("about:blank").open(written.as_uri(), before="delete window.WebAssembly")
     assert "no WebAssembly" in opened.text("status")
 
 

@@ -90,15 +90,15 @@ def test_playback(written, browser):
     page.wait_for(f"{AT} < {first}")  # the motion restarts after its end
     page.click("#play")
     at = stays(page, 0.4)
-    page.press(" ")  # the focused button treats the key as a click
+    page.press("Space")  # the focused button treats the key as a click
     page.wait_for(f"{AT} != {at}")
     page.run("document.activeElement.blur()")
-    page.press(" ")
+    page.press("Space")
     stays(page, 0.4)
     for target, at in (("-5", 0), ("1000", 99), ("x", 0), ("", 0)):
         page.open(f"{written}#trajectory=none&target={target}")
         assert stays(page) == at and page.run("document.getElementById('trajectory').value") == NAMES[0]
-    assert stays(browser(written, prefers_reduced_motion="reduce"), 0.4) == 0
+    assert stays(browser(written, reduced_motion="reduce"), 0.4) == 0
 
 
 def test_controls(written, browser):
@@ -148,7 +148,7 @@ def test_controls(written, browser):
 @pytest.mark.parametrize(("size", "scheme"), SIZES, ids=str)
 def test_every_trajectory_is_drawn_and_fits(written, browser, size, scheme):
     """Limbs are inside the picture and large enough to see; figures 1 to 5 are whole; every picture differs."""
-    page = browser(written + "#target=50", size, prefers_color_scheme=scheme)
+    page = browser(written + "#target=50", size, color_scheme=scheme)
     pictures, figures = set(), set()
     for name in NAMES:
         page.choose("trajectory", name)
@@ -172,13 +172,14 @@ def test_every_trajectory_is_drawn_and_fits(written, browser, size, scheme):
 
 
 def test_window_and_colours_change(written, browser):
-    page = browser(written + "#target=0", prefers_color_scheme="light")
+    page = browser(written + "#target=0", color_scheme="light")
     light, background = page.picture(), "getComputedStyle(document.body).backgroundColor"
     colour = page.run(background)
-    page.resize(*WIDE, prefers_color_scheme="dark")
+    page.resize(*WIDE, color_scheme="dark")
     page.wait_for(f"document.getElementById('scene').toDataURL() !== {json.dumps(light)}", 10)
     assert page.run(background) != colour
-    page.resize(*NARROW, scale=2)
+    size = {"width": NARROW[0], "height": NARROW[1], "deviceScaleFactor": 2, "mobile": False}
+    page.call("Emulation.setDeviceMetricsOverride", size)
     page.wait_for("document.getElementById('scene').width === 2 * document.getElementById('scene').clientWidth")
     assert page.run(FITS)
 
@@ -196,7 +197,7 @@ def test_a_clip_is_played_by_frames(clip, browser):
     assert page.run("document.getElementById('overview').clientHeight") == 0
     page.press("Home")
     page.choose("speed", 0.1)
-    page.press(" ")
+    page.press("Space")
     start = time.monotonic()
     page.wait_for(f"{FRAME} >= 24")  # 120 Hz at a tenth of the speed
     assert 1.5 < time.monotonic() - start < 4
@@ -205,7 +206,7 @@ def test_a_clip_is_played_by_frames(clip, browser):
 @pytest.mark.parametrize(("size", "scheme"), SIZES[::2], ids=str)
 def test_a_clip_is_drawn_and_fits(clip, browser, size, scheme):
     """The whole figure is in the picture; figure 1 of each arm has the joints' directions, apart from perspective."""
-    page = browser(clip + "#frame=0", size, prefers_color_scheme=scheme)
+    page = browser(clip + "#frame=0", size, color_scheme=scheme)
     pictures = set()
     for frame in (0, 20, 40, 55):  # the motion ends in the pose of its beginning
         page.choose("scrub", frame)
@@ -237,7 +238,7 @@ def test_hand_poses_are_drawn_and_fit(browser, size, scheme, tmp_path):
     others = {name: column[30:31] * 100 for name, column in poses.others.items()}
     (tmp_path / "t.csv").write_text(format_csv(replace(poses, phi=phi, others=others, **still)))
     address = write_without_rtl(tmp_path, "--trajectory", str(tmp_path / "t.csv"), "--robot", "iiwa14")
-    page = browser(address + "#target=0", size, prefers_color_scheme=scheme)
+    page = browser(address + "#target=0", size, color_scheme=scheme)
     hands = data_in(tmp_path / "report.html")[0]["hands"]
     over, names, ends = np.array(hands["over"]), np.array(hands["names"]), np.radians(hands["free"][0]).ravel()
     away = np.abs(np.angle(np.exp(1j * (phi - ends[:, None])))).min(axis=0)
@@ -262,7 +263,7 @@ def test_hand_poses_are_drawn_and_fit(browser, size, scheme, tmp_path):
 @pytest.mark.parametrize(("size", "scheme"), SIZES[:3], ids=str)
 def test_datapaths_side_by_side(three, browser, size, scheme):
     """Each datapath has its colour, plots, verdict, files; axes are common."""
-    page = browser(three + "#target=10", size, prefers_color_scheme=scheme)
+    page = browser(three + "#target=10", size, color_scheme=scheme)
     assert_fits(page)
     folder, names = Path(three.removeprefix("file://")).parent, ("lean", "fold", "paper")
     badges = page.run(BADGES)

@@ -76,7 +76,7 @@ def test_a_change_invalidates_the_stamp(change):
 def test_a_missing_program_is_named(path, capsys):
     (path / "vvp").unlink()
     assert not bootstrap.is_ready(["icarus"]) and bootstrap.missing(["icarus", "verilator"]) == ["vvp"]
-    assert refused(capsys, bootstrap.set_up, ["chromium"]).endswith("apt-get install -y chromium")
+    assert refused(capsys, bootstrap.set_up, ["graphviz"]).endswith("apt-get install -y graphviz")
     assert "unknown requirement 'netscape'" in refused(capsys, bootstrap.main, ["netscape"])
 
 
