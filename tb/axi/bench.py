@@ -111,7 +111,7 @@ class Writer(Responder, AxiSlaveWrite):
 
 
 class Monitor:
-    """Checks of the memory port beyond the AXI rules (tb/rules), sampled at every falling edge.
+    """Checks of the memory port beyond the AXI rules (tb/axi/rules), sampled at every falling edge.
 
     A test checks `errors` at its end. A reset clears only the state of open transactions.
     """

@@ -222,7 +222,7 @@ class Pipeline:
         functional_coverage.keep()
 
     async def _watch(self) -> None:
-        """Sample admissions, departures and nodes once per clock; tb/rules checks the stream rules."""
+        """Sample admissions, departures and nodes once per clock; tb/axi/rules checks the stream rules."""
         dut = self.dut
         streams = [
             (*(getattr(dut, f"{name}_t{part}") for part in ("valid", "ready", "data", "user")), taken)
@@ -280,12 +280,10 @@ class Pipeline:
             return
         target = self.due.pop(0)
         self.results.append((words, tag, flags, self.clock))
-        if path.side:
-            kinds = functional_coverage.pose_kinds(self.words[target].tolist(), words, flags, self.width)
-            functional_coverage.sample_pose(kinds, path.name, self.gaps[target], self.held, self.lost)
-            self.lost = False
-        else:
-            functional_coverage.sample(flags, path.rtl, self.words[target], self.gaps[target], self.held)
+        kinds = functional_coverage.kinds_of(self.words[target].tolist(), words, flags, self.width)
+        name, late = (path.name, self.lost) if path.side else (path.rtl, False)
+        functional_coverage.sample(kinds, name, self.gaps[target], self.held, late)
+        self.lost = False
         self.held = False
         self.latencies.append(self.clock - self.admitted[target])
         expected = (self.answer_results[target], self.tags[target], self.answer_flags[target])

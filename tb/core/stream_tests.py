@@ -2,7 +2,7 @@
 """Stream tests of ``ik_axis`` and ``ik_arm``: stalls on both sides, tags and order, rate and latency, reset in traffic.
 
 Each test compares every result, tag and flag with the bit-true model; some also compare every node, which dominates
-simulation time. tb/rules checks the AXI4-Stream rules in every clock.
+simulation time. tb/axi/rules checks the AXI4-Stream rules in every clock.
 """
 
 import os
@@ -14,7 +14,7 @@ from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.dataflow.fold.program import program
-from tb.core.functional_coverage import STALLS, every_kind, every_pose
+from tb.core.functional_coverage import STALLS, every_kind
 from tb.core.pipeline import PATTERNS, Pipeline, pause
 
 
@@ -109,14 +109,14 @@ async def every_flag_in_every_region(dut, idle, stall):
         if pauses:
             port.set_pause_generator(bool(number) for number in iter(lambda: random.integers(8), None))
     path, targets = MODELS[bench.datapath], bench.around(every_kind(bench.width))
-    wanted = every_kind
-    if path.side:
-        wanted, targets = every_pose, np.concatenate([targets, every_pose(bench.width)])
+    arm = bool(path.side)
+    if arm:
+        targets = np.concatenate([targets, every_kind(bench.width, arm)])
     for _ in range(10):
         bench.send(np.concatenate([targets[-1:], targets]))
         await bench.drain()
         bench.check()
-        targets = wanted(bench.width, path.name if path.side else path.rtl, STALLS[idle + 2 * stall])
+        targets = every_kind(bench.width, arm, path.name if arm else path.rtl, STALLS[idle + 2 * stall])
         if not len(targets):
             break
     assert len(bench.results) == len(bench.words), "a target has no result"

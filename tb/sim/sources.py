@@ -77,7 +77,7 @@ def header(text: str) -> str:
     return text[: text.index("\n);\n")] + "\n);\nendmodule\n"
 
 
-RULES = ROOT / "tb" / "rules"
+RULES = ROOT / "tb" / "axi" / "rules"
 """AXI rules: Icarus 11 has no ``bind``, so NAME.vh is inserted before the end of a copy of module NAME."""
 
 END = "\nendmodule\n"

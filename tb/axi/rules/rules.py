@@ -11,8 +11,8 @@ from cocotb.types import LogicArray
 from model.io.stimuli import mixed
 from tb.axi.bench import CHANNELS as AXI_CHANNELS
 from tb.axi.bench import started
+from tb.axi.rules.traces import BASES, BREAKS, LEGAL, Trace, X, names, over
 from tb.core.pipeline import Pipeline
-from tb.rules.traces import BASES, BREAKS, LEGAL, Trace, X, names, over
 
 ADDRESS, CHANNEL = "ik_rules_address", "ik_rules_channel"
 CHANNELS = {name: CHANNEL for name in ("aw", "w", "b", "ar", "r")}

@@ -10,7 +10,7 @@ import re
 import pytest
 
 from tb.axi.instances import echoing
-from tb.rules.traces import names
+from tb.axi.rules.traces import names
 from tb.sim.env import ROOT, simulator
 from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
@@ -136,7 +136,7 @@ def ends_with(finding: str, text: str) -> None:
 @pytest.mark.sim
 def test_every_rule_fails_its_own_trace():
     env = {"COCOTB_TEST_FILTER": "legal_traces|each_rule"}
-    simulate(TOP, "tb.rules.rules", top=top_of(PORTS, [RULES / "ik_rules.v"]), env=env)
+    simulate(TOP, "tb.axi.rules.rules", top=top_of(PORTS, [RULES / "ik_rules.v"]), env=env)
 
 
 only_icarus = pytest.mark.skipif(simulator() != "icarus", reason="the same monitors; Icarus builds them in a second")
@@ -170,7 +170,7 @@ def test_a_wrong_driver_is_named(finding, test, forced, when, echo, said):
     if test == "stream":
         env.pop("IK_AXI_CORE")
     with pytest.raises(SystemExit, match=r"^FAILED \d+ tests"):
-        simulate(top, "tb.rules.rules", parameters={"W": 18}, env=env, seed=1, **options)
+        simulate(top, "tb.axi.rules.rules", parameters={"W": 18}, env=env, seed=1, **options)
     ends_with(finding, said())
 
 
