@@ -10,6 +10,7 @@ integers D = 2^(DW-1), X = 2^XW >= 2 D and B = 2^ROWS, at least 8 for roots, so 
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterator
 from functools import partial
@@ -22,92 +23,75 @@ from tb.sim.seeded_bugs import Bug
 DIV = "tb/formal/ik_div_digit.vh"
 ROOT_DIGIT = "tb/formal/ik_root_digit.vh"
 
-LEVELS = (("||",), ("==",), (">=", "<=", "<"), ("<<",), ("+", "-"), ("*",))
-"""Operators of an expression, lowest precedence first."""
+PYTHON = {
+    r"\{[^{}]*\{1'b0\}\}": "0",
+    r"\{(\w+)\[\w+-2:0\], (\w+)\}": r"(2 * \1 + \2)",  # a bit appended
+    r"1'b([01])": r"\1",
+    r"\|\|": " or ",
+    r"\?": " if ",  # the condition comes first, as in Verilog: :func:`_term` reads it so
+    r":": " else ",
+}
+"""Replacements that turn a Verilog expression into one that Python can parse; both have the same precedences."""
 
-TOKEN = re.compile(r"\s*(\{[^{}]*\{[^{}]*\}\}|\{[^{}]*\}|1'b[01]|\w+(?:\[[^\]]*\])?|\|\||==|>=|<=|<<<?|[-+*?:()<~])")
+OPERATORS = {
+    ast.Or: "or",
+    ast.Eq: "=",
+    ast.GtE: ">=",
+    ast.LtE: "<=",
+    ast.Lt: "<",
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+}
 
 
 class FormulaError(LookupError):
     """An expression of a .vh file without an equivalent over the integers."""
 
 
-class _Reader:
-    """Parser of a Verilog expression into an SMT term over integers, ignoring overflow; ``names`` maps identifiers."""
-
-    def __init__(self, text: str, names: dict[str, str]) -> None:
-        self.text, self.names, self.left = text, names, []
-        place = 0
-        while text[place:].strip():
-            found = TOKEN.match(text, place)
-            if not found:
-                raise FormulaError(f"{text!r} at {text[place:]!r}")
-            self.left.append(found[1])
-            place = found.end()
-
-    def _next(self, *wanted: str) -> str:
-        return self.left.pop(0) if self.left and self.left[0] in wanted else ""
-
-    def choice(self) -> str:
-        condition = self.level(0)
-        if not self._next("?"):
-            return condition
-        yes = self.choice()
-        if not self._next(":"):
-            raise FormulaError(self.text)
-        return f"(ite {condition} {yes} {self.choice()})"
-
-    def level(self, depth: int) -> str:
-        if depth == len(LEVELS):
-            return self.primary()
-        term = self.level(depth + 1)
-        while sign := self._next(*LEVELS[depth], *(["<<<"] if "<<" in LEVELS[depth] else [])):
-            other = self.level(depth + 1)
-            if sign.startswith("<<"):  # by a number, or by ROWS, which maps to 2^ROWS
-                term = f"(* {term} {1 << int(other) if other.isdigit() else other})"
-            else:
-                term = f"({ {'||': 'or', '==': '='}.get(sign, sign) } {term} {other})"
-        return term
-
-    def primary(self) -> str:
-        if self._next("("):
-            term = self.choice()
-            if not self._next(")"):
-                raise FormulaError(self.text)
-            return term
-        if self._next("~"):
-            return f"(- (- 1) {self.primary()})"
-        if self._next("-"):
-            return f"(- {self.primary()})"
-        if not self.left:
-            raise FormulaError(self.text)
-        word = self.left.pop(0)
-        if word in self.names:
-            return self.names[word]
-        if word.isdigit() or word.startswith("1'b"):
-            return word[-1] if "'" in word else word
-        if re.fullmatch(r"\{\(\w+ - 1\) \{1'b0\}\}|\{\w+\{1'b0\}\}|\{\w+ \{1'b0\}\}", word):
-            return "0"
-        if found := re.fullmatch(r"\{(\w+)\[\w+-2:0\], (\w+)\}", word):  # a bit appended
-            return f"(+ (* 2 {self.names[found[1]]}) {self.names[found[2]]})"
-        raise FormulaError(f"{word!r} in {self.text!r}")
-
-
 def integer(text: str, names: dict[str, str]) -> str:
-    """Return the expression as an SMT term over integers."""
-    reader = _Reader(text, names)
-    term = reader.choice()
-    if reader.left:
-        raise FormulaError(f"{text!r} at {reader.left[0]!r}")
-    return term
+    """Return a Verilog expression as an SMT term over integers, ignoring overflow; ``names`` maps identifiers."""
+    python = text
+    for verilog, replacement in PYTHON.items():
+        python = re.sub(verilog, replacement, python)
+    try:
+        return _term(ast.parse(python.strip(), mode="eval").body, names)
+    except (SyntaxError, KeyError) as error:
+        raise FormulaError(f"{text!r}: {error}") from None
+
+
+def _term(node: ast.expr, names: dict[str, str]) -> str:
+    term = partial(_term, names=names)
+    match node:
+        case ast.Name(id=name):
+            return names[name]
+        case ast.Constant(value=int(number)):
+            return str(number)
+        case ast.IfExp(body=condition, test=yes, orelse=no):
+            return f"(ite {term(condition)} {term(yes)} {term(no)})"
+        case ast.UnaryOp(op=ast.Invert(), operand=a):
+            return f"(- (- 1) {term(a)})"
+        case ast.UnaryOp(op=ast.USub(), operand=a):
+            return f"(- {term(a)})"
+        case ast.BinOp(left=a, op=ast.LShift(), right=ast.Constant(value=int(places))):
+            return f"(* {term(a)} {1 << places})"
+        case ast.BinOp(left=a, op=ast.LShift(), right=b):  # by ROWS, which maps to 2^ROWS
+            return f"(* {term(a)} {term(b)})"
+        case (
+            ast.BinOp(left=a, op=operator, right=b)
+            | ast.Compare(left=a, ops=[operator], comparators=[b])
+            | ast.BoolOp(op=operator, values=[a, b])
+        ):
+            return f"({OPERATORS[type(operator)]} {term(a)} {term(b)})"
+    raise KeyError(ast.unparse(node))
 
 
 def _one(text: str, pattern: str) -> str:
     """Return the group of a pattern's only match."""
-    found = re.findall(pattern, text)
-    if len(found) != 1:
+    groups = re.findall(pattern, text)
+    if len(groups) != 1:
         raise FormulaError(f"not exactly one {pattern!r}")
-    return found[0]
+    return groups[0]
 
 
 def _asked(name: str, says: str, names: str, facts: list[str], claim: str) -> Question:
