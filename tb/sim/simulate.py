@@ -14,7 +14,7 @@ from model.dataflow.nodes import Limits
 from tb.sim import native_run, runner
 from tb.sim.env import ROOT
 from tb.sim.job import Job, Run, SimulationError
-from tb.sim.subprocesses import full, naming, started
+from tb.sim.subprocesses import full, started
 
 LONG = 5000
 """Targets from which Verilator runs natively by default: for fewer, cocotb takes less time than that build."""
@@ -54,9 +54,8 @@ def simulate(
         return native_run.run(program, jobs, width, datapath, progress, root, limits)
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)
-        with naming(place / "jobs.npz") as file:
-            given = {"limits": np.array(limits)} if limits else {}
-            np.savez(file, **given, **{f"words_{k}": job.words for k, job in enumerate(jobs)})
+        arrays = {f"words_{k}": job.words for k, job in enumerate(jobs)}
+        np.savez(place / "jobs.npz", **arrays, **({"limits": np.array(limits)} if limits else {}))
         log = place / "log"
         command = runner.command(
             MODELS[datapath].top,
