@@ -15,7 +15,7 @@ from pathlib import Path
 import cocotb
 import numpy as np
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge, Timer
+from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge, Timer
 from cocotb.types import LogicArray
 from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
 
@@ -142,8 +142,7 @@ class Pipeline:
         await RisingEdge(self.dut.clk)
         self.dut.rst.value = 1
         self.source.clear()
-        for _ in range(clocks):
-            await RisingEdge(self.dut.clk)
+        await ClockCycles(self.dut.clk, clocks)
         self.sink.clear()
         # Forget targets that were announced but never admitted.
         dropped = len(self.admitted)
@@ -192,9 +191,12 @@ class Pipeline:
                 f"no result for {most_clocks} clocks: {len(self.words)} targets announced, {len(self.admitted)} "
                 f"admitted, {len(self.results)} results"
             )
-        # No further result may follow.
-        for _ in range(8):
-            await FallingEdge(self.dut.clk)
+        await ClockCycles(self.dut.clk, 8, FallingEdge)  # no further result may follow
+
+    async def finish(self) -> None:
+        """Wait for all results, then check them."""
+        await self.drain()
+        self.check()
 
     def check(self) -> None:
         """Check everything that must hold after a drain: results, order, tags, flags and all compared nodes."""
@@ -274,21 +276,24 @@ class Pipeline:
             self.errors.append(f"target {target}: RTL {(words, tag, flags)}, model {model}, in clock {self.clock}")
 
 
-PATTERNS = ("none", "single", "bursts", "long")  # pause patterns of :func:`pause`
+def bursts(random: np.random.Generator) -> Iterable[bool]:
+    """Yield pauses and gaps between them, of random lengths."""
+    while True:
+        yield from [bool(random.integers(2))] * int(random.integers(1, 12))
+
+
+PATTERNS = {
+    "none": lambda random: None,
+    "single": lambda random: itertools.cycle([True, False]),
+    "bursts": bursts,
+    "long": lambda random: itertools.cycle([False] * int(random.integers(20, 60)) + [True] * 700),
+}
+"""Pause patterns of a stream: a pause in every other clock, of random lengths, of 700 clocks."""
 
 
 def pause(pattern: str, seed: int) -> Iterable[bool] | None:
-    """Return a pause generator: none, single (every other clock), bursts (random lengths), long (700 clocks)."""
-    random = np.random.default_rng(seed)
-    if pattern == "none":
-        return None
-    if pattern == "single":
-        return itertools.cycle([True, False])
-    if pattern == "bursts":
-        return (stop for _ in itertools.count() for stop in [bool(random.integers(2))] * int(random.integers(1, 12)))
-    if pattern == "long":
-        return itertools.cycle([False] * int(random.integers(20, 60)) + [True] * 700)
-    raise ValueError(f"no pause pattern {pattern}")
+    """Return a pause generator, None for no pauses."""
+    return PATTERNS[pattern](np.random.default_rng(seed))
 
 
 @cocotb.test()
@@ -309,8 +314,7 @@ async def run_targets(dut):
 
     async def report():
         while True:
-            for _ in range(100):
-                await FallingEdge(dut.clk)
+            await ClockCycles(dut.clk, 100, FallingEdge)
             progress.write_text(str(len(bench.results)))
 
     cocotb.start_soon(report())

@@ -16,13 +16,6 @@ WIDTH = 18
 QUICK = 3  # a word length that builds quickly
 
 
-def test_what_cannot_run_natively(tmp_path):
-    jobs = [Job("some", mixed(5, WIDTH, seed=1))]
-    for wrong in ({"simulator": "icarus"}, {"simulator": "verilator", "waves": tmp_path / "waves.vcd"}):
-        with pytest.raises(ValueError, match="only Verilator runs natively"):
-            simulate(jobs, datapath="lean", width=WIDTH, native=True, **wrong)
-
-
 if simulator() == "verilator":
 
     @pytest.fixture(scope="module")

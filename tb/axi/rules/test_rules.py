@@ -10,11 +10,10 @@ import re
 import pytest
 
 from tb.axi.instances import echoing
-from tb.axi.rules.traces import names
-from tb.sim.env import ROOT, simulator
+from tb.sim.env import simulator
 from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
-from tb.sim.sources import RULES, with_rules
+from tb.sim.sources import RULES
 from tb.sim.wrapper_top import TOP, top_of
 
 PORTS = {
@@ -128,9 +127,9 @@ def said(caplog):
 def ends_with(finding: str, text: str) -> None:
     """Check that the first broken rule in the text is the expected one, with its port and a time."""
     port, rule = finding.split()
-    found = re.search(r"error: rule (\w+) \([^)]+\) is broken at (\S+), \d+ ns", text)
-    assert found, text[-3000:]
-    assert found[1] == rule and found[2].endswith(f".rules_{port}"), found[0]
+    line = re.search(r"error: rule (\w+) \([^)]+\) is broken at (\S+), \d+ ns", text)
+    assert line, text[-3000:]
+    assert line[1] == rule and line[2].endswith(f".rules_{port}"), line[0]
 
 
 @pytest.mark.sim
@@ -172,13 +171,3 @@ def test_a_wrong_driver_is_named(finding, test, forced, when, echo, said):
     with pytest.raises(SystemExit, match=r"^FAILED \d+ tests"):
         simulate(top, "tb.axi.rules.rules", parameters={"W": 18}, env=env, seed=1, **options)
     ends_with(finding, said())
-
-
-def test_rules_are_put_in_once(tmp_path):
-    """Rules are added to the modules that have ports; an unchanged copy is not rewritten."""
-    found = with_rules([ROOT / AXIS, ROOT / FIFO], tmp_path)
-    assert found[:2] == [tmp_path / "ik_axis_rules.v", ROOT / FIFO] and found[2:] == [RULES / "ik_rules.v"]
-    before = found[0].stat().st_mtime_ns
-    with_rules([ROOT / AXIS], tmp_path)
-    assert found[0].stat().st_mtime_ns == before and found[0].read_text().count("ik_rules_channel") == 2
-    assert names("ik_rules_channel")[3] == "PAYLOAD_STAYS"

@@ -116,7 +116,7 @@ def of_channel(port: str, name: str) -> list[Break]:
     """Return breaks of all rules of a channel, of the payload rules for each part of the payload."""
     prefix, stall, payload = CHANNELS[port, name]
     valid, ready = f"{prefix}valid", f"{prefix}ready"
-    found = [
+    breaks = [
         Break(port, {f"{name}LOW_AFTER_RESET"}, {1: {valid: 1}}),
         Break(port, {f"{name}VALID_STAYS"}, {stall + 1: {valid: 0}}),
         Break(port, {f"{name}VALID_KNOWN"}, {3: {valid: X}}, known=False),
@@ -124,9 +124,9 @@ def of_channel(port: str, name: str) -> list[Break]:
     ]
     for part, other in payload.items():
         also = {ALSO[part]} if part in ALSO and port == "axi4" else set()
-        found.append(Break(port, {f"{name}PAYLOAD_STAYS"} | also, {stall + 1: {part: other}}))
-        found.append(Break(port, {f"{name}PAYLOAD_KNOWN"}, {stall: {part: X}}, known=False))
-    return found
+        breaks.append(Break(port, {f"{name}PAYLOAD_STAYS"} | also, {stall + 1: {part: other}}))
+        breaks.append(Break(port, {f"{name}PAYLOAD_KNOWN"}, {stall: {part: X}}, known=False))
+    return breaks
 
 
 def of_address(a: str) -> list[Break]:

@@ -32,11 +32,11 @@ def test_definition(proof):
 
 def test_assumptions_are_on_inputs():
     """Proofs (not covers) have only these assumptions, all on inputs of ik_fifo, ik_fold and ik_axi's engines."""
-    found = {}
+    labels = {}
     for path in FORMAL.glob("*.v*"):
         proved = re.sub(r"`ifdef IK_COVER.*?`(else|endif)", "", path.read_text(), flags=re.S)
-        found[path.name] = re.findall(r"(?:(\w+) : )?assume \(", proved)
-    assert {name: labels for name, labels in found.items() if labels} == {
+        labels[path.name] = re.findall(r"(?:(\w+) : )?assume \(", proved)
+    assert {name: named for name, named in labels.items() if named} == {
         "ik_axi.vh": ["f_answered", "f_length"],
         "ik_axi_read.vh": ["f_go", "f_area", "f_leave", "f_data"],
         "ik_axi_write.vh": ["f_go", "f_area", "f_got_some", "f_ended", "f_leave", "f_answer"],
