@@ -204,13 +204,13 @@ class Linux(Platform):
         self.uio, page, offset = Uio(), 0x91000, 0x40
         paths = uio_device(folder, page, offset + 2 * SIZE, offset, ARM)
         assert self.driver.linked.ik_uio_open(ctypes.byref(self.uio), *paths, 20) == 0
-        given = self.uio.bus
+        bus = self.uio.bus
         for name in ("user", "source", "destination", "records", "flush", "invalidate"):
-            setattr(self.driver.bus, name, getattr(given, name))
-        assert given.records == RECORDS
-        self.driver.core, self.waiting = self.uio.core, ctypes.cast(given.wait, WAIT)
-        self.source, self.destination = given.source.address, given.destination.address
-        mapped = (ctypes.c_char * PAGE).from_address(given.source.at - offset)
+            setattr(self.driver.bus, name, getattr(bus, name))
+        assert bus.records == RECORDS
+        self.driver.core, self.waiting = self.uio.core, ctypes.cast(bus.wait, WAIT)
+        self.source, self.destination = bus.source.address, bus.destination.address
+        mapped = (ctypes.c_char * PAGE).from_address(bus.source.at - offset)
         self.memory.segs[page] = memoryview(mapped).cast("B")  # shared by CPU and bus
         self.kernel, descriptor = socket.socketpair()
         self.kernel.settimeout(9)

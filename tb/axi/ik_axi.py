@@ -31,12 +31,12 @@ BATCH, LONG = 100, 600
 
 def bursts(address: int, count: int, bench: Bench) -> list[tuple[int, int]]:
     """Return the expected bursts of an area as (address, beats)."""
-    found = []
+    expected = []
     while count:
         size = min(count, bench.per_burst - address // BYTES % bench.per_burst)
-        found.append((address, size * bench.beats))
+        expected.append((address, size * bench.beats))
         address, count = address + size * BYTES, count - size
-    return found
+    return expected
 
 
 @bench_test()

@@ -247,8 +247,8 @@ def test_joint_limits(library, width):
             reals[1][3] = wrong
         code = driver.call("ik_limits", *reals)
         assert (code, driver.core.bad) == ((0, 0) if wrong is None else (CODES["bad_limits"], 3))
-        found = [[core.registers[f"LIMIT_{name}{k}"] for k in range(1, 8)] for name in ("LOW", "HIGH")]
-        np.testing.assert_array_equal(np.array(found) >> 32 - width, words)
+        written = [[core.registers[f"LIMIT_{name}{k}"] for k in range(1, 8)] for name in ("LOW", "HIGH")]
+        np.testing.assert_array_equal(np.array(written) >> 32 - width, words)
 
 
 def test_start_up(library):

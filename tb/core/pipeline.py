@@ -307,8 +307,8 @@ async def run_targets(dut):
     """
     progress = Path(os.environ["IK_PROGRESS"])
     with np.load(os.environ["IK_JOBS"]) as jobs:
-        given = dict(jobs)
-    bench = Pipeline(dut, limits=given.pop("limits", np.empty(0)).tolist())
+        arrays = dict(jobs)
+    bench = Pipeline(dut, limits=arrays.pop("limits", np.empty(0)).tolist())
     written: dict[str, np.ndarray] = {}
     board = bench.scoreboard
 
@@ -318,12 +318,12 @@ async def run_targets(dut):
             progress.write_text(str(len(bench.results)))
 
     cocotb.start_soon(report())
-    for k in range(len(given)):
+    for k in range(len(arrays)):
         await bench.reset()
         first, bits = len(bench.results), board.mismatching_bits
         since = len(bench.admitted)
         board.differences.clear()
-        bench.send(given[f"words_{k}"])
+        bench.send(arrays[f"words_{k}"])
         await bench.drain()
         rows = bench.results[first:]
         clocks = rows[-1][3] - bench.admitted[-len(rows)] + 1

@@ -89,9 +89,9 @@ def runtime(folder: Path, kind: str, header: bool = True):
         if not (folder / path.name).exists():
             shutil.copy(path, folder / path.name)
     rule, common = (os.path.relpath(store / name, folder) for name in ("common.mk", "common.h"))
-    given = [f"COMMON={common}", *[f"USER_CPPFLAGS=-include {common}"] * header]
-    given += [f"--old-file={path.name}" for path in ready]
-    yield [f"-j{os.cpu_count()}", *MAKE_ARGS, "-f", rule, *given]
+    settings = [f"COMMON={common}", *[f"USER_CPPFLAGS=-include {common}"] * header]
+    settings += [f"--old-file={path.name}" for path in ready]
+    yield [f"-j{os.cpu_count()}", *MAKE_ARGS, "-f", rule, *settings]
     for path in folder.glob("verilated*.o"):
         if not (store / path.name).exists():
             copy = store / f"{path.name}.{os.getpid()}"
@@ -224,5 +224,5 @@ def command(*names: str, **options) -> list[str]:
 
 
 if __name__ == "__main__":
-    given, named = json.loads(sys.argv[1])
-    simulate(*given, **named | {key: Path(named[key]) for key in ("waves", "root", "build") if named.get(key)})
+    names, named = json.loads(sys.argv[1])
+    simulate(*names, **named | {key: Path(named[key]) for key in ("waves", "root", "build") if named.get(key)})

@@ -11,7 +11,7 @@ from model.dataflow import angles
 from model.dataflow.expressions import round_shift
 from model.dataflow.formats import Latency
 from tb.units.test_fold import Ports, check
-from tb.units.unit import BIT, EVERY, Case, Tests, Vector, checks, each, runs, sets_of, signed, some, unsigned
+from tb.units.unit import BIT, EVERY, Case, Tests, Vector, checks, runs, sets_of, signed, some, unsigned
 
 
 def words(W: int, count: int = 1000) -> list[Vector]:
@@ -37,7 +37,8 @@ def vector(W: int) -> Tests:
         def model(x, y):
             return (angles.iterate(np.array(x), np.array(y), W)[which],)
 
-        tests = checks(inputs, outputs, model, of_words, of_lengths, latency=latency, corners=named, good=(9, 4))
+        options = {"latency": latency, "columns": True, "corners": named, "good": (9, 4)}
+        tests = checks(inputs, outputs, model, of_words, of_lengths, **options)
         return {f"{name}_{port}": test for port in outputs for name, test in tests.items()}
 
     exact = [((x, 0), 0) for x in (0, 8, 1 << W)] + [((x, 0), -(1 << W + 3)) for x in (-8, -(1 << W))]
@@ -135,7 +136,7 @@ def over(W: int, th: int, low: int, high: int) -> int:
 
 def limit(W: int) -> Tests:
     angle = unsigned(W)
-    return checks({"th": angle, "low": angle, "high": angle}, {"over": BIT}, each(partial(over, W)), latency=1)
+    return checks({"th": angle, "low": angle, "high": angle}, {"over": BIT}, partial(over, W), latency=1)
 
 
 def fold_limit(W: int) -> Tests:
@@ -149,7 +150,7 @@ def fold_limit(W: int) -> Tests:
         return [(n, ((arcs >> W * (2 * n - 1 - arcs % 2)) + by) % (1 << W), arcs) for n, by, arcs in drawn]
 
     inputs = {"joint": unsigned(3), "th": unsigned(W), "limits": unsigned(14 * W)}
-    return checks(inputs, {"over": BIT}, each(of_joint), near, latency=1, fits=lambda joint, *_: joint)
+    return checks(inputs, {"over": BIT}, of_joint, near, latency=1, fits=lambda joint, *_: joint)
 
 
 test_angles = runs(

@@ -30,7 +30,7 @@ def half_angles(W: int, frac: int, model, bound: float, latency: int, *streams) 
         return random.sample(angles, len(angles))
 
     ports = {"sin_h": signed(frac + 2), "cos_h": signed(frac + 2)}
-    return checks({"phi": words}, ports, model, near_corners, *streams, latency=latency, also=true)
+    return checks({"phi": words}, ports, model, near_corners, *streams, latency=latency, columns=True, also=true)
 
 
 def sincos(W: int) -> Tests:
@@ -95,6 +95,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
         random_mantissas,
         any_words,
         latency=INVERSE_ROOT.clocks(F, TILE),  # counted after the mantissa register, where `twice` enters
+        columns=True,
         delays={"DM": 1},
         corners=[((one // 4, 0), 1 << F), ((one - 1, 0), 1 << F - 1), ((one - 1, 1), 1 << F), ((0, 0), 1 << F)],
         good=(one // 3, 0),

@@ -7,7 +7,7 @@ import numpy as np
 
 from model.dataflow.formats import GUARD, Latency
 from model.dataflow.mul3 import TILE, mul3, unseen
-from tb.units.unit import Case, Tests, checks, crossed, each, halves, rounded, runs, sets_of, signed, some, wrapped
+from tb.units.unit import Case, Tests, checks, crossed, halves, rounded, runs, sets_of, signed, some, wrapped
 
 
 def exact(W: int, SQUARE: int) -> Tests:
@@ -24,7 +24,7 @@ def exact(W: int, SQUARE: int) -> Tests:
     return checks(
         {"a": words, "b": words},
         {"p": signed(2 * W)},
-        each(lambda a, b: a * (a if SQUARE else b)),
+        lambda a, b: a * (a if SQUARE else b),
         extreme_halves,
         equal_or_opposite,
         latency=Latency(32)["square" if SQUARE else "product"],
@@ -50,7 +50,7 @@ def mul(AW: int, BW: int, SH: int, OW: int, SQUARE: int = 0, **delays: int) -> T
     return checks(
         {"a": A, "b": B},
         {"q": Q},
-        each(reference),
+        reference,
         squares,
         latency=Latency(32)["mul"],
         delays=delays,
@@ -96,6 +96,7 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
         extreme_high_parts,
         halves_of_a_place,
         latency=Latency(32)["mul3"],
+        columns=True,
         delays=delays,
     )
 

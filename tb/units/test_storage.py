@@ -11,7 +11,7 @@ from functools import partial
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
-from tb.units.unit import Case, Tests, checks, each, runs, sets_of, unsigned
+from tb.units.unit import Case, Tests, checks, runs, sets_of, unsigned
 
 LATENCY = 2  # clocks from writing a word to offering it
 
@@ -28,7 +28,7 @@ def delay(W: int, N: int) -> Tests:
         lap = 1 << max(N, 1).bit_length()
         return [word for word in (0, words[-1], 0) for _ in range(lap)]
 
-    return checks({"d": words}, {"q": words}, each(lambda d: d), single_bits, each_place, latency=N)
+    return checks({"d": words}, {"q": words}, lambda d: d, single_bits, each_place, latency=N)
 
 
 def ring(W: int, N: int) -> Tests:

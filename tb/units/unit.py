@@ -11,7 +11,7 @@ import json
 import math
 import os
 import random
-from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import partial
 from typing import NamedTuple
@@ -48,14 +48,12 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
     """Return the arguments of :func:`tb.sim.runner.simulate` for instances of modules, all in one top."""
     from tb.sim.wrapper_top import TOP, top_of
 
-    pairs = list(pairs)
-    names = ["_".join([case.module, *(f"{k}{v}" for k, v in given.items())]) for case, given in pairs]
-    named = dict(zip(names, pairs, strict=True))
-    benches = {name: (case.bench.__module__, case.bench.__name__, given) for name, (case, given) in named.items()}
+    named = {"_".join([case.module, *(f"{k}{v}" for k, v in values.items())]): (case, values) for case, values in pairs}
+    benches = {name: (case.bench.__module__, case.bench.__name__, values) for name, (case, values) in named.items()}
     return {
         "toplevel": TOP,
         "module": "tb.units.sets",
-        "top": top_of({name: (case.module, given) for name, (case, given) in named.items()}),
+        "top": top_of({name: (case.module, values) for name, (case, values) in named.items()}),
         "env": {"IK_SETS": json.dumps(benches)},
         "name": "units",
         "seed": SEED,
@@ -72,7 +70,7 @@ def runs(*cases: Case) -> Callable:
     def test(group):
         from tb.sim.runner import simulate
 
-        simulate(**simulation((case, given) for case in cases for given in getattr(case, group)))
+        simulate(**simulation((case, values) for case in cases for values in getattr(case, group)))
 
     test.cases = cases
     return test
@@ -89,9 +87,10 @@ def sets_of(names: str, *rows: Vector, **others: int) -> list[Parameters]:
 def checks(
     inputs: dict[str, range],
     outputs: dict[str, range],
-    expected: Callable[..., Iterable[Sequence[int]]],
+    reference: Callable,
     *streams: Callable[[], Iterable[Vector | int]],
     latency: int,
+    columns: bool = False,
     delays: Parameters | None = None,
     corners: Iterable[tuple[Vector | int, Vector | int]] = (),
     good: Vector | int = 0,
@@ -100,8 +99,8 @@ def checks(
 ) -> Tests:
     """Return the tests of a module without handshake; in each, a vector enters in every clock (:func:`stream`).
 
-    ``inputs`` and ``outputs`` map ports to the range of their words; ``expected`` is the reference, from one sequence
-    of words per input to one per output. A vector of one word may be given as the word.
+    ``inputs`` and ``outputs`` map ports to the range of their words; ``reference`` is a function of the words of a
+    vector, or with ``columns`` of a sequence of words per input. A vector of one word may be written as the word.
 
     - *named*: each of ``corners``, a vector and its outputs, between ``good`` vectors; omitted if a word does not fit
       its port.
@@ -112,6 +111,9 @@ def checks(
     Vectors that do not satisfy ``fits`` are skipped; ``also`` is an additional check of vectors and outputs.
     """
     words = list(inputs.values())
+
+    def expected(*operands):
+        return reference(*operands) if columns else zip(*map(_row, map(reference, *operands)), strict=True)
 
     def every_vector():
         vectors = list(itertools.product(*words))
@@ -127,8 +129,8 @@ def checks(
     def named():
         for vector, wanted in ((_row(vector), _row(wanted)) for vector, wanted in corners):
             if _all_in(vector, words) and _all_in(wanted, outputs.values()):
-                found = [column[0] for column in map(list, expected(*([word] for word in vector)))]
-                assert found == list(wanted), f"the reference of {vector} is {found}, not {wanted}"
+                reference = [column[0] for column in map(list, expected(*([word] for word in vector)))]
+                assert reference == list(wanted), f"the reference of {vector} is {reference}, not {wanted}"
                 yield from (good, vector, good, vector, vector, good)
 
     async def run(vectors, dut) -> None:
@@ -136,8 +138,8 @@ def checks(
         also(chosen, await stream(dut, inputs, outputs, expected, chosen, latency, delays or {}))
 
     general = every_vector if math.prod(map(size, words)) <= EVERY else random_vectors
-    found = (extremes, general, *([named] if corners else []), *streams)
-    return {vectors.__name__: partial(run, vectors) for vectors in found}
+    generators = (extremes, general, *([named] if corners else []), *streams)
+    return {vectors.__name__: partial(run, vectors) for vectors in generators}
 
 
 async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency: int, delays) -> list[Vector]:
@@ -172,7 +174,7 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
         expected(*zip(*vectors, strict=True)), outputs.values(), strict=True
     )]  # fmt: skip
     wanted = list(map(list, zip(*columns, strict=True)))
-    wrong = [k for k, (found, right) in enumerate(zip(got, wanted, strict=True)) if found != right]
+    wrong = [k for k, rows in enumerate(zip(got, wanted, strict=True)) if rows[0] != rows[1]]
     assert not wrong, (
         f"{dut._name}, latency {latency}, seed {SEED}: {len(wrong)} of {len(vectors)} vectors differ; "
         f"vector {wrong[0]}, {dict(zip(inputs, vectors[wrong[0]], strict=True))}: "
@@ -261,11 +263,6 @@ def _one(words: range) -> int:
 
 
 # ---- references ------------------------------------------------------------------------------------------------------
-
-
-def each(function: Callable[..., Vector | int]) -> Callable[..., Iterator[Sequence[int]]]:
-    """Turn a reference for one vector into a reference for many."""
-    return lambda *columns: zip(*map(_row, map(function, *columns)), strict=True)
 
 
 def rounded(value: int, places: int) -> int:
