@@ -66,13 +66,6 @@ async def pages(bench):
     assert len(bench.monitor.bursts["ar"]) >= 300 // bench.per_burst
 
 
-@bench_test(seed=4)
-async def long_job(bench):
-    """A job of many times the FIFO depth, with pauses: no slot is lost."""
-    bench.stall("ar", "r", "aw", "w", "b")
-    await bench.solve(0x40000 - 3 * BYTES, 0x80000 - BYTES, 1500)
-
-
 @bench_test()
 async def neighbours(bench):
     """Destination directly after and directly before the source, at both ends of the address space."""

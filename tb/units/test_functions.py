@@ -6,9 +6,9 @@ import random
 
 import numpy as np
 
-from model.dataflow import fixed
 from model.dataflow.formats import Latency, inner_frac
 from model.dataflow.mul3 import TILE
+from model.dataflow.paper_operations import cordic, sincos_bound
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, SINE_FRACS, half_sincos, half_sincos_error, rsqrt, rsqrt_places
 from tb.units.unit import BIT, Case, Tests, checks, corners, runs, sets_of, signed, unsigned
 
@@ -35,9 +35,9 @@ def half_angles(W: int, frac: int, model, bound: float, latency: int, *streams) 
 
 def sincos(W: int) -> Tests:
     def model(phi):
-        return fixed.cordic(np.array(phi, dtype=np.int64), W)
+        return cordic(np.array(phi, dtype=np.int64), W)
 
-    return half_angles(W, W - 2, model, fixed.sincos_bound(W), Latency(W)["sincos"])
+    return half_angles(W, W - 2, model, sincos_bound(W), Latency(W)["sincos"])
 
 
 def trig(W: int, F: int, TILE: int = TILE) -> Tests:
