@@ -2,14 +2,11 @@
 """Tests of the C driver on ``ik_axi``: its library, IK_DRIVER, runs in a thread; register accesses take simulated time.
 
 Target words in memory and result values equal the model's. Each bus error returns its code, and the next call
-succeeds. `Linux` is the same on ik_uio.c.
+succeeds.
 """
 
 import ctypes
 import os
-import socket
-import sys
-import tempfile
 from pathlib import Path
 
 import cocotb
@@ -20,7 +17,7 @@ from cocotbext.axi import AxiResp
 
 from model.io.words import FIELDS, Targets, result_values, to_words
 from tb.axi.bench import ARM, BYTES, CHANNELS, LAYOUT, Bench, started
-from tb.axi.binding import REGISTER, WAIT, Driver, Uio, uio_device
+from tb.axi.binding import REGISTER, Driver
 
 LIBRARY = Path(os.environ["IK_DRIVER"])
 
@@ -195,40 +192,6 @@ class Platform:
         await self.call(self.targets(count))
 
 
-class Linux(Platform):
-    """A file as memories of the uio device, and once it is open, a socket as its descriptor: the test is the kernel."""
-
-    def __init__(self, bench: Bench, folder: Path) -> None:
-        super().__init__(bench, interrupt=True)
-        self.interrupt = False  # no cache
-        self.uio, page, offset = Uio(), 0x91000, 0x40
-        paths = uio_device(folder, page, offset + 2 * SIZE, offset, ARM)
-        assert self.driver.linked.ik_uio_open(ctypes.byref(self.uio), *paths, 20) == 0
-        bus = self.uio.bus
-        for name in ("user", "source", "destination", "records", "flush", "invalidate"):
-            setattr(self.driver.bus, name, getattr(bus, name))
-        assert bus.records == RECORDS
-        self.driver.core, self.waiting = self.uio.core, ctypes.cast(bus.wait, WAIT)
-        self.source, self.destination = bus.source.address, bus.destination.address
-        mapped = (ctypes.c_char * PAGE).from_address(bus.source.at - offset)
-        self.memory.segs[page] = memoryview(mapped).cast("B")  # shared by CPU and bus
-        self.kernel, descriptor = socket.socketpair()
-        self.kernel.settimeout(9)
-        with descriptor:
-            os.dup2(descriptor.fileno(), self.uio.file)  # the memories stay mapped
-
-    def wait(self) -> bool:
-        """Let the kernel count an interrupt, if one comes; every other call one of no cause. Let the driver wait."""
-        self.waits += 1
-        if self.waits % 2 or self._interrupted():
-            self.kernel.send(self.waits.to_bytes(4, sys.byteorder))
-        if not self.waiting(ctypes.addressof(self.uio)):
-            return False
-        assert self.kernel.recv(9) == (1).to_bytes(4, sys.byteorder), "the interrupt stays masked"
-        self._low()
-        return True
-
-
 async def ready(dut, interrupt: bool, seed: int = 1, **options) -> Platform:
     platform = Platform(await started(dut, seed=seed), interrupt, **options)
     await platform.start_up()
@@ -347,25 +310,3 @@ async def memory_hangs(dut, interrupt):
     assert not any((await bench.ended()).values()), "the job was not aborted"
     await platform.good_call()
     bench.check()
-
-
-@cocotb.test()
-async def linux(dut):
-    """The driver over /dev/uio: several jobs, a bus error, and no interrupt while the memory hangs."""
-    with tempfile.TemporaryDirectory(prefix="ik_") as folder:
-        platform = Linux(await started(dut), Path(folder))
-        await platform.start_up()
-        for count in (1, 2 * RECORDS + 3):
-            await platform.call(platform.targets(count))
-        assert len(platform.jobs) == 3
-        place = platform.source + BYTES
-        platform.second_faults = {place: AxiResp.SLVERR}
-        await platform.call(platform.targets(2 * RECORDS), "read_slverr", RECORDS + 1, place)
-        await platform.good_call()
-        platform.bench.channel("r").pause = True
-        await platform.call(platform.targets(5), "timeout")
-        assert platform.uio.error == 0
-        platform.bench.channel("r").pause = False
-        await platform.bench.ended()
-        await platform.good_call()
-        platform.bench.check()
