@@ -253,14 +253,8 @@ def test_joint_limits(library, width):
 
 
 def test_start_up(library):
-    for identity, code in (
-        (0x494B0100, "none"),
-        (0x494B01FF, "none"),
-        (0x494B0200, "version"),
-        (0x494A0100, "no_core"),
-        (0, "no_core"),
-        (0xFFFFFFFF, "no_core"),
-    ):
+    codes = {0x494B0100: "none", 0x494B01FF: "none", 0x494B0200: "version"}
+    for identity, code in (codes | dict.fromkeys((0x494A0100, 0, 0xFFFFFFFF), "no_core")).items():
         core = RegisterModel(identity=identity)
         driver = Driver(library, core, *core.areas, COUNT)
         assert driver.start_up() == code

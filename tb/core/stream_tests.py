@@ -47,7 +47,8 @@ def places(bench: Pipeline) -> int:
 
 @cocotb.test()
 async def one_result_per_clock(dut):
-    """Unstalled results leave in consecutive clocks, or a period apart, all with the same latency."""
+    """Unstalled results leave in consecutive clocks, or a period apart, all with the same latency. Each divider and
+    root is of the kind that DIGIT selects."""
     bench = await started(dut, nodes=True)
     bench.send(bench.mixed(200 if bench.period == 1 else 20, seed=1))
     await bench.finish()
@@ -59,17 +60,11 @@ async def one_result_per_clock(dut):
     limits = {"paper": (363, 363), "fold": (115, 115), "arm": (105, 130), "fold_arm": (320, 320)}
     most = limits.get(bench.datapath.removesuffix("16"), (38, 44))[bench.width > 18]
     assert expected <= most, f"latency {expected}, more than {most}"
-
-
-@cocotb.test()
-async def recurrences(dut):
-    """Each divider and root of the paper datapath is of the kind that DIGIT selects."""
-    bench = await started(dut, nodes=True)
-    if MODELS[bench.datapath].rtl == "paper":
-        cores = [node for node in bench.scoreboard.nodes if node.kind in ("div", "root")]
-        built = [hasattr(getattr(bench.module(node), f"u_{node.name}"), "g_digit") for node in cores]
-        others = [node.name for node, digit in zip(cores, built, strict=True) if digit != (int(dut.DIGIT.value) == 1)]
-        assert built and not others, f"{len(built)} dividers and roots; of the other kind {others}"
+    recurrences = [node for node in bench.scoreboard.nodes if node.kind in ("div", "root")]
+    for node in recurrences:  # of the paper's datapath
+        digit = hasattr(getattr(bench.module(node), f"u_{node.name}"), "g_digit")
+        assert digit == (int(dut.DIGIT.value) == 1), f"{node.name} is of the other kind than DIGIT selects"
+    assert bool(recurrences) == (bench.datapath == "paper")
 
 
 @cocotb.test()

@@ -57,7 +57,7 @@ def failures(request, tmp_path_factory):
 
 LARGE = ("paper-23", "arm-18", "fold_arm-24") if simulator() == "icarus" else ()
 SOME = (*LARGE, "fold_arm16-18")  # differs from fold_arm-24 in the fetch of steps only: test_power_up resets it
-FEW = ("one_result", "recurrences", "idle=bursts/stall=bursts", "full", "after=out")
+FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out")
 CASES = [
     *((key, name) for key in SETS for name in TESTS if key not in SOME or any(part in name for part in FEW)),
     *(

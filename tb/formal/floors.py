@@ -26,6 +26,7 @@ ROOT_DIGIT = "tb/formal/ik_root_digit.vh"
 PYTHON = {
     r"\{[^{}]*\{1'b0\}\}": "0",
     r"\{(\w+)\[\w+-2:0\], (\w+)\}": r"(2 * \1 + \2)",  # a bit appended
+    r"\{(\w+), 1'b0\}": r"(2 * \1)",
     r"1'b([01])": r"\1",
     r"\|\|": " or ",
     r"\?": " if ",  # the condition comes first, as in Verilog: :func:`_term` reads it so
@@ -63,8 +64,8 @@ def integer(text: str, names: dict[str, str]) -> str:
 def _term(node: ast.expr, names: dict[str, str]) -> str:
     term = partial(_term, names=names)
     match node:
-        case ast.Name(id=name):
-            return names[name]
+        case ast.Name() | ast.Attribute() | ast.Subscript():
+            return names[ast.unparse(node)]
         case ast.Constant(value=int(number)):
             return str(number)
         case ast.IfExp(body=condition, test=yes, orelse=no):
@@ -86,12 +87,12 @@ def _term(node: ast.expr, names: dict[str, str]) -> str:
     raise KeyError(ast.unparse(node))
 
 
-def _one(text: str, pattern: str) -> str:
-    """Return the group of a pattern's only match."""
-    groups = re.findall(pattern, text)
-    if len(groups) != 1:
+def _read(text: str, pattern: str, names: dict[str, str]) -> str:
+    """Return the term of the expression that a pattern's only match has as its group."""
+    expressions = re.findall(pattern, text)
+    if len(expressions) != 1:
         raise FormulaError(f"not exactly one {pattern!r}")
-    return groups[0]
+    return integer(expressions[0], names)
 
 
 def _asked(name: str, says: str, names: str, facts: list[str], claim: str) -> Question:
@@ -104,26 +105,15 @@ WORDS = ["(< 0 D)", "(<= (* 2 D) X)", "(< 0 B)"]
 
 
 def _divider(text: str) -> Iterator[Question]:
-    names = {"P": "P", "Q": "Q", "bit_q": "q", "dv": "d", "R": "R", "sign": "sign", "ROWS": "B"}
-    names["bit_q"] = "(= q 1)"
-    p_next = integer(_one(text, r"wire \[XW-1:0\] P_next = (.*);"), names)
-    q_next = integer(_one(text, r"wire \[ROWS-1:0\] Q_next = (.*);"), {**names, "bit_q": "q"})
-    flag = {"over_q": "false", "P_q": "P", "R": "R"}
-    held, come = _one(text, r"\.identity\(over_q \|\| (P_q \+ R) == (M_q >> \(ROWS - 1 - k\))\)")
-    if come != "M_q >> (ROWS - 1 - k)":
-        raise FormulaError(come)
-    total = integer(held, flag)
-    below = _one(text, r"\.in_range\(\(over_q \|\| \((.*?) && r_plus").replace("g_row[k].divisor_q", "d")
-    least = integer(below, {"R": "R", "d": "d"})
-    magnitude = integer(
-        _one(text, r"f_M_1 <= (n\[NW-1\] \? .*);").replace("n[NW-1]", "minus"), {"minus": "(< N 0)", "f_N": "N"}
-    )
-    over = integer(
-        _one(text, r"wire f_over_1 = f_d_1\[DW-1\] \|\| (.*);"), {"f_M_wide": "M", "f_d_wide": "d", "ROWS": "B"}
-    )
-    out = integer(
-        _one(text, r"f_over_rows, (f_sign_rows \? .*)\};"), {"f_sign_rows": "(< N 0)", "f_magnitude": "magnitude"}
-    )
+    read = partial(_read, text)
+    p_next = read(r"wire \[XW-1:0\] P_next = (.*);", {"P": "P", "bit_q": "(= q 1)", "dv": "d"})
+    q_next = read(r"wire \[ROWS-1:0\] Q_next = (.*);", {"Q": "Q", "bit_q": "q"})
+    total = read(r"\.identity\(over_q \|\| (P_q \+ R) == M_q >> \(ROWS - 1 - k\)\)", {"P_q": "P", "R": "R"})
+    least = read(r"\.in_range\(\(over_q \|\| \((.*?) && r_plus", {"R": "R", "g_row[k].divisor_q": "d"})
+    magnitude = read(r"f_M_1 <= (n\[NW-1\] \? .*);", {"n[NW - 1]": "(< N 0)", "f_N": "N"})
+    wide = {"f_M_wide": "M", "f_d_wide": "d", "ROWS": "B"}
+    over = read(r"wire f_over_1 = f_d_1\[DW-1\] \|\| (.*);", wide)
+    out = read(r"f_over_rows, (f_sign_rows \? .*)\};", {"f_sign_rows": "(< N 0)", "f_magnitude": "magnitude"})
     names = "P Q R d q bit M X D B R2 P2 Q2 M2 t"
     row = [*WORDS, "(<= 0 q 1)", BIT, "(<= 0 R)", least, "(< d D)", "(<= 0 M)", "(<= 0 Q)"]
     row += ["(= P (* Q d))", f"(= {total} M)"]
@@ -175,13 +165,12 @@ def _divider(text: str) -> Iterator[Question]:
 
 
 def _root(text: str) -> Iterator[Question]:
-    names = {"S": "S", "Q": "Q", "Q_wide": "Q", "bit_q": "(= q 1)"}
-    s_next = integer(_one(text, r"wire \[MW-1:0\] S_next = (.*);"), names)
-    q_next = integer(_one(text, r"wire \[ROWS-1:0\] Q_next = (.*);"), {**names, "bit_q": "q"})
-    held = _one(text, r"\.identity\((S_q \+ R) == M_q >> \(2 \* \(ROWS - 1 - k\)\)\)")
-    total = integer(held, {"S_q": "S", "R": "R"})
-    doubled = _one(text, r"wire \[MW:0\] Q_twice = (\{Q_q, 1'b0\});")
-    least = integer(_one(text, r"\.in_range\((.*?) && r_plus"), {"R": "R", "Q_twice": "(* 2 Q)" * bool(doubled)})
+    read = partial(_read, text)
+    s_next = read(r"wire \[MW-1:0\] S_next = (.*);", {"S": "S", "Q_wide": "Q", "bit_q": "(= q 1)"})
+    q_next = read(r"wire \[ROWS-1:0\] Q_next = (.*);", {"Q": "Q", "bit_q": "q"})
+    total = read(r"\.identity\((S_q \+ R) == M_q >> \(2 \* \(ROWS - 1 - k\)\)\)", {"S_q": "S", "R": "R"})
+    twice = read(r"wire \[MW:0\] Q_twice = (\{Q_q, 1'b0\});", {"Q_q": "Q"})
+    least = read(r"\.in_range\((.*?) && r_plus", {"R": "R", "Q_twice": twice})
     names = "S Q R q pair M B R2 S2 Q2 M2 t"
     row = ["(<= 8 B)", "(<= 0 q 1)", "(<= 0 pair 3)", "(<= 0 R)", least, "(<= 0 Q)", "(< Q B)", "(<= 0 M)"]
     row += ["(= S (* Q Q))", f"(= {total} M)"]

@@ -6,6 +6,7 @@ A bench is a function that maps a module's parameters to the cocotb tests of an 
 and model: they use Python integers and fractions.
 """
 
+import importlib
 import itertools
 import json
 import math
@@ -16,6 +17,7 @@ from fractions import Fraction
 from functools import partial
 from typing import NamedTuple
 
+import cocotb
 import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
@@ -52,7 +54,7 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
     benches = {name: (case.bench.__module__, case.bench.__name__, values) for name, (case, values) in named.items()}
     return {
         "toplevel": TOP,
-        "module": "tb.units.sets",
+        "module": "tb.units.unit",
         "top": top_of({name: (case.module, values) for name, (case, values) in named.items()}),
         "env": {"IK_SETS": json.dumps(benches)},
         "name": "units",
@@ -273,3 +275,20 @@ def rounded(value: int, places: int) -> int:
 def wrapped(value: int, words: range) -> int:
     """Wrap a value to the range of words."""
     return (value - words[0]) % size(words) + words[0]
+
+
+# ---- tests of a simulation's instances, whose benches IK_SETS names --------------------------------------------------
+
+
+def _on(instance: str, test: Callable):
+    """Return the test of an instance of the top, which it gets as ``dut``."""
+
+    async def narrowed(top):
+        await test(dut=getattr(top, instance))
+
+    return narrowed
+
+
+for _instance, (_file, _function, _parameters) in json.loads(os.environ.get("IK_SETS", "{}")).items():
+    for _name, _test in getattr(importlib.import_module(_file), _function)(**_parameters).items():
+        globals()[f"{_instance}.{_name}"] = cocotb.test(name=f"{_instance}.{_name}")(_on(_instance, _test))
