@@ -53,26 +53,6 @@ def alone(folder: Path):
         yield
 
 
-COMMON = {
-    "common.h": """\
-#ifndef IK_COMMON
-#define IK_COMMON
-#include <memory>
-#include <string>
-#include "verilated.h"
-#include "verilated_dpi.h"
-#include "verilated_vpi.h"
-#endif
-""",
-    "common.mk": """\
-Vtop__ALL.o verilator.o: | $(COMMON).gch
-$(COMMON).gch: $(COMMON)
-	$(CXX) $(CXXFLAGS) $(CPPFLAGS) $(OPT_FAST) -x c++-header $< -o $@.$$$$ && mv $@.$$$$ $@
-""",
-}
-"""Headers that all files of a cocotb build include, and the rule that parses them once: 3 s less for each build."""
-
-
 @contextmanager
 def runtime(folder: Path, kind: str, header: bool = True):
     """Share Verilator's own runtime and its parsed headers, 10 s of compilation, between all builds of a kind; yield
@@ -81,14 +61,14 @@ def runtime(folder: Path, kind: str, header: bool = True):
     header: False if Verilator precompiles a header itself, as for a model in several files; gcc accepts only one."""
     store = BUILD / "verilator" / f"runtime-{version('verilator')}-{kind}"
     with alone(store):
-        for name, text in COMMON.items():
-            if not (store / name).exists():
-                (store / name).write_text(text)
+        if not (store / "common.h").exists():
+            shutil.copy(ROOT / "tb" / "sim" / "common.h", store)
     ready = list(store.glob("*.o"))
     for path in ready:
         if not (folder / path.name).exists():
             shutil.copy(path, folder / path.name)
-    rule, common = (os.path.relpath(store / name, folder) for name in ("common.mk", "common.h"))
+    files = ROOT / "tb" / "sim" / "common.mk", store / "common.h"
+    rule, common = (os.path.relpath(path, folder) for path in files)
     settings = [f"COMMON={common}", *[f"USER_CPPFLAGS=-include {common}"] * header]
     settings += [f"--old-file={path.name}" for path in ready]
     yield [f"-j{os.cpu_count()}", *MAKE_ARGS, "-f", rule, *settings]
