@@ -67,13 +67,9 @@ def test_the_environment_chooses(monkeypatch, choose, variable, default, other, 
         choose()
 
 
-def modules():
-    return {path.stem: path.read_text() for path in sources()}
-
-
 def test_every_module_above_a_core_has_the_parameter():
     """DIGIT reaches every divider and root: no module between ik_axis and these sets a constant."""
-    texts = modules()
+    texts = {path.stem: path.read_text() for path in sources()}
     have = {name for name, text in texts.items() if re.search(r"parameter integer DIGIT\b", text)}
     assert {"ik_axis", "ik_paper", "ik_div", "ik_root"} < have
     for name, text in texts.items():
