@@ -28,11 +28,6 @@ PAGE = 4096  # bytes of a segment of the simulated memory
 PATIENCE = 4000  # limit in clocks for an interrupt to arrive
 
 
-def with_branch(targets: np.ndarray) -> np.ndarray:
-    """Return the tags' words of hand poses."""
-    return targets["branch"].astype(np.int64) << 24 | targets["tag"] & 0xFFFFFF
-
-
 class Platform:
     """Buffers and driver callbacks: polling on coherent memory, or interrupts with a non-coherent cache.
 
@@ -172,7 +167,8 @@ class Platform:
         tags = targets["tag"]
         if ARM:
             more = np.column_stack([np.ldexp(targets["tool"], exponent), targets["hand"]])
-            words, tags = np.hstack([words, np.rint(np.ldexp(more, 30)).astype(np.int64)]), with_branch(targets)
+            words = np.hstack([words, np.rint(np.ldexp(more, 30)).astype(np.int64)])
+            tags = targets["branch"].astype(np.int64) << 24 | tags & 0xFFFFFF
         records = LAYOUT.targets(words, tags)
         placed = b"".join(self.jobs)
         assert not written or placed == records[: max(len(placed), written * BYTES)], "words of targets"
