@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Functional coverage at the ports of ``ik_axis``: flag x datapath x singular region x stall pattern; at those of
-``ik_arm``: kind of pose x datapath x stall pattern.
+"""Functional coverage at the ports of ``ik_axis``: flag x datapath x singular region x stall pattern; at the
+ports of ``ik_arm``: kind of pose x datapath x stall pattern.
 
 :class:`tb.core.pipeline.Pipeline` samples each result that leaves, and writes the samples once a test has checked them.
 """

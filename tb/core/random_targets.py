@@ -196,7 +196,7 @@ def judge(
     differs = (run.results != results).any(axis=1) | (run.flags != flags)
     if run.bit_mismatches or differs.any():
         failures.append(_bits_failure(run, np.flatnonzero(differs).tolist(), numbers))
-    if path.side:  # those of the core are compared with the model's only
+    if path.side:  # flags of the core are compared with the model's only
         owed = run.flags & (1 << OVER_BIT) - 1 | over_limits(run.results, arm_limits(core.width), core.width)
     else:
         owed = expected_flags(words, core.width)

@@ -272,7 +272,7 @@ class Stages:
         y, twice = self.unrolled.at("y", self.clocks), self.unrolled.at("twice", 1)
         yield (
             "y",
-            "the result is the model's, doubled where twice says so",
+            "the result is the model's, doubled where twice is 1",
             lambda row, u, result, f: (
                 f"(= {y} ((_ extract {self.frac} 0) (ite {twice} {(result << 1).text} {result.text})))"
             ),

@@ -66,7 +66,7 @@ def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = (), without: 
 
 @cache
 def _named(text: str) -> list[str]:
-    """Return the files that may be those of headers and modules in a Verilog text."""
+    """Return the names of files that may hold the headers and modules in a Verilog text."""
     text = re.sub(r"//[^\n]*", "", text)
     return re.findall(r'`include\s+"([^"]+)"', text) + [f"{word}.v" for word in re.findall(r"\bik_\w+\b", text)]
 
