@@ -49,7 +49,7 @@ MODULE_SETS = {
 """Module -> its parameter sets; another one is linted at W = 32 and 18, or with its defaults if it has no W. A set also
 lints all modules below with the parameters that they get there: ik_axi has the cores of 32 and 18 bits."""
 
-FOLDERS = ("examples/icebreaker", "tb/rules")
+FOLDERS = ("examples/icebreaker", "tb/axi/rules")
 """Folders of modules that are linted with rtl/; models of vendor primitives are in tb/icebreaker."""
 
 OLDEST = "5.006"  # oldest supported Verilator

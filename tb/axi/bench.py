@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bench of ``ik_axi``: clock, registers, a memory with injected faults, a monitor of its port, and result checks."""
 
+import functools
 import logging
 import os
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import cocotb
 import numpy as np
@@ -111,7 +112,7 @@ class Writer(Responder, AxiSlaveWrite):
 
 
 class Monitor:
-    """Checks of the memory port beyond the AXI rules (tb/rules), sampled at every falling edge.
+    """Checks of the memory port beyond the AXI rules (tb/axi/rules), sampled at every falling edge.
 
     A test checks `errors` at its end. A reset clears only the state of open transactions.
     """
@@ -352,3 +353,19 @@ async def started(dut, seed: int = 1, **options) -> Bench:
     bench = Bench(dut, seed, **options)
     await bench.reset()
     return bench
+
+
+def bench_test(**options) -> Callable:
+    """Return a decorator: a cocotb test of a bench that is started with these options and checked at the end."""
+
+    def decorate(function):
+        @cocotb.test()
+        @functools.wraps(function)
+        async def run(dut, **parameters):
+            bench = await started(dut, **options)
+            await function(bench, **parameters)
+            bench.check()
+
+        return run
+
+    return decorate

@@ -90,8 +90,10 @@ class Uio(ctypes.Structure):
 
 
 def uio_device(folder: Path, page: int, size: int, offset: int, arm: bool = False) -> tuple[bytes, bytes]:
-    """Write a file as the device, a page per map, and what sysfs has on its maps: the registers, which are 0 but for
-    CONFIG.arm, and the buffer as given. Return the paths of both."""
+    """Write a file as the device, one page per map, and the files of sysfs that describe its maps; return both paths.
+
+    The maps are the registers, all 0 except CONFIG.arm, and the buffer.
+    """
     registers = np.zeros(2 * os.sysconf("SC_PAGESIZE") // 4, "<u4")
     registers[OFFSETS["CONFIG"] // 4] = arm << FIELDS_OF["CONFIG"]["arm"].low
     registers.tofile(folder / "uio0")

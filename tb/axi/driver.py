@@ -2,14 +2,11 @@
 """Tests of the C driver on ``ik_axi``: its library, IK_DRIVER, runs in a thread; register accesses take simulated time.
 
 Target words in memory and result values equal the model's. Each bus error returns its code, and the next call
-succeeds. `Linux` is the same on ik_uio.c.
+succeeds.
 """
 
 import ctypes
 import os
-import socket
-import sys
-import tempfile
 from pathlib import Path
 
 import cocotb
@@ -21,7 +18,7 @@ from cocotbext.axi import AxiResp
 from model.io.flags import BAD_HAND, OVER_BIT
 from model.io.words import FIELDS, Targets, result_values, to_words
 from tb.axi.bench import ARM, BYTES, CHANNELS, LAYOUT, Bench, started
-from tb.axi.binding import REGISTER, WAIT, Driver, Uio, uio_device
+from tb.axi.binding import REGISTER, Driver
 
 LIBRARY = Path(os.environ["IK_DRIVER"])
 
@@ -30,11 +27,6 @@ RECORDS = 24  # capacity of each buffer in records
 SIZE = RECORDS * BYTES
 PAGE = 4096  # bytes of a segment of the simulated memory
 PATIENCE = 4000  # limit in clocks for an interrupt to arrive
-
-
-def with_branch(targets: np.ndarray) -> np.ndarray:
-    """Return the tags' words of hand poses."""
-    return targets["branch"].astype(np.int64) << 24 | targets["tag"] & 0xFFFFFF
 
 
 class Platform:
@@ -176,7 +168,8 @@ class Platform:
         tags = targets["tag"]
         if ARM:
             more = np.column_stack([np.ldexp(targets["tool"], exponent), targets["hand"]])
-            words, tags = np.hstack([words, np.rint(np.ldexp(more, 30)).astype(np.int64)]), with_branch(targets)
+            words = np.hstack([words, np.rint(np.ldexp(more, 30)).astype(np.int64)])
+            tags = targets["branch"].astype(np.int64) << 24 | tags & 0xFFFFFF
         records = LAYOUT.targets(words, tags)
         placed = b"".join(self.jobs)
         assert not written or placed == records[: max(len(placed), written * BYTES)], "words of targets"
@@ -194,40 +187,6 @@ class Platform:
     async def good_call(self, count: int = 5) -> None:
         self.bench.memory.faults.clear()
         await self.call(self.targets(count))
-
-
-class Linux(Platform):
-    """A file as memories of the uio device, and once it is open, a socket as its descriptor: the test is the kernel."""
-
-    def __init__(self, bench: Bench, folder: Path) -> None:
-        super().__init__(bench, interrupt=True)
-        self.interrupt = False  # no cache
-        self.uio, page, offset = Uio(), 0x91000, 0x40
-        paths = uio_device(folder, page, offset + 2 * SIZE, offset, ARM)
-        assert self.driver.linked.ik_uio_open(ctypes.byref(self.uio), *paths, 20) == 0
-        given = self.uio.bus
-        for name in ("user", "source", "destination", "records", "flush", "invalidate"):
-            setattr(self.driver.bus, name, getattr(given, name))
-        assert given.records == RECORDS
-        self.driver.core, self.waiting = self.uio.core, ctypes.cast(given.wait, WAIT)
-        self.source, self.destination = given.source.address, given.destination.address
-        mapped = (ctypes.c_char * PAGE).from_address(given.source.at - offset)
-        self.memory.segs[page] = memoryview(mapped).cast("B")  # shared by CPU and bus
-        self.kernel, descriptor = socket.socketpair()
-        self.kernel.settimeout(9)
-        with descriptor:
-            os.dup2(descriptor.fileno(), self.uio.file)  # the memories stay mapped
-
-    def wait(self) -> bool:
-        """Let the kernel count an interrupt, if one comes; every other call one of no cause. Let the driver wait."""
-        self.waits += 1
-        if self.waits % 2 or self._interrupted():
-            self.kernel.send(self.waits.to_bytes(4, sys.byteorder))
-        if not self.waiting(ctypes.addressof(self.uio)):
-            return False
-        assert self.kernel.recv(9) == (1).to_bytes(4, sys.byteorder), "the interrupt stays masked"
-        self._low()
-        return True
 
 
 async def ready(dut, interrupt: bool, seed: int = 1, **options) -> Platform:
@@ -348,25 +307,3 @@ async def memory_hangs(dut, interrupt):
     assert not any((await bench.ended()).values()), "the job was not aborted"
     await platform.good_call()
     bench.check()
-
-
-@cocotb.test()
-async def linux(dut):
-    """The driver over /dev/uio: several jobs, a bus error, and no interrupt while the memory hangs."""
-    with tempfile.TemporaryDirectory(prefix="ik_") as folder:
-        platform = Linux(await started(dut), Path(folder))
-        await platform.start_up()
-        for count in (1, 2 * RECORDS + 3):
-            await platform.call(platform.targets(count))
-        assert len(platform.jobs) == 3
-        place = platform.source + BYTES
-        platform.second_faults = {place: AxiResp.SLVERR}
-        await platform.call(platform.targets(2 * RECORDS), "read_slverr", RECORDS + 1, place)
-        await platform.good_call()
-        platform.bench.channel("r").pause = True
-        await platform.call(platform.targets(5), "timeout")
-        assert platform.uio.error == 0
-        platform.bench.channel("r").pause = False
-        await platform.bench.ended()
-        await platform.good_call()
-        platform.bench.check()

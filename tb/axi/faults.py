@@ -10,7 +10,7 @@ import cocotb
 from cocotb.triggers import ClockCycles, FallingEdge
 from cocotbext.axi import AxiResp
 
-from tb.axi.bench import BYTES, CHANNELS, Bench, started
+from tb.axi.bench import BYTES, CHANNELS, Bench, bench_test
 from tb.axi.ik_regs import CODES
 
 ROUNDS = int(os.environ.get("IK_AXI_FAULTS", "12"))  # number of random faults of each kind
@@ -45,10 +45,9 @@ async def next_job(bench: Bench) -> None:
     await bench.write("IRQ_STATUS", DONE)
 
 
-@cocotb.test()
-async def refused_areas(dut):
+@bench_test()
+async def refused_areas(bench):
     """Illegal areas are refused within a few clocks, before any access."""
-    bench = await started(dut)
     end = 1 << bench.addr_width
     cases = [
         (0x1004, 0x2000, 4, "source_misaligned", 0x1004),
@@ -78,13 +77,11 @@ async def refused_areas(dut):
     assert not any(bench.monitor.bursts.values()), "a refused job accesses memory"
     await bench.write("IRQ_STATUS", ERROR)
     await next_job(bench)
-    bench.check()
 
 
-@cocotb.test()
-async def no_records(dut):
+@bench_test()
+async def no_records(bench):
     """A job of count 0 is done at once, even with illegal areas."""
-    bench = await started(dut)
     for source, destination in ((0x1000, 0x2000), (0x1000, 0x1000), (3, 5), (1 << 63, 1 << 63)):
         await bench.start(source, destination, 0)
         assert await bench.ended(20) == {"busy": 0, "done": 1, "error": 0, "code": 0}
@@ -92,16 +89,14 @@ async def no_records(dut):
         await bench.write("IRQ_STATUS", DONE)
     assert not any(bench.monitor.bursts.values())
     await next_job(bench)
-    bench.check()
 
 
-@cocotb.test()
-async def bus_errors(dut):
+@bench_test(seed=5, latency=9)
+async def bus_errors(bench):
     """The records before the failing beat of R or burst of W are written; ERROR is the address of that beat or burst.
 
     Sides and responses alternate. Some failing jobs follow each other directly; each reports its own error.
     """
-    bench = await started(dut, seed=5, latency=9)
     numbers, beat_bytes = bench.random, bench.data_width // 8
     for k in range(4 * ROUNDS):
         if k == 2 * ROUNDS:
@@ -124,13 +119,11 @@ async def bus_errors(dut):
         assert side == "write" or after == rest, "a record after the error is written"
         if k % 3:
             await next_job(bench)
-    bench.check()
 
 
-@cocotb.test()
-async def errors_on_both(dut):
+@bench_test(seed=7)
+async def errors_on_both(bench):
     """One error on each side: the first to arrive is reported, and the first WRITTEN results are in memory."""
-    bench = await started(dut, seed=7)
     numbers = bench.random
     for k in range(ROUNDS):
         count = numbers.randint(20, 90)
@@ -146,42 +139,38 @@ async def errors_on_both(dut):
         assert written <= min(read, write if write < read else read)
         bench.compare(DESTINATION, k, written)
         await next_job(bench)
-    bench.check()
 
 
-@cocotb.test()
-async def start_while_busy(dut):
+@bench_test()
+async def start_while_busy(bench):
     """A start while busy is refused with its own interrupt; new parameters apply to the next job only."""
-    bench = await started(dut)
     bench.stall("r", "w")
     bench.place(SOURCE, 0, 60)
     await bench.start(SOURCE, DESTINATION, 60)
     await bench.start(0x10000, 0x20000, 7, accepted=False)
-    assert dut.u_job.busy.value == 1 and await bench.read("IRQ_STATUS") == REFUSED
-    assert dut.irq.value == 0
+    assert bench.dut.u_job.busy.value == 1 and await bench.read("IRQ_STATUS") == REFUSED
+    assert bench.dut.irq.value == 0
     await bench.write("IRQ_ENABLE", REFUSED)
-    await ClockCycles(dut.clk, 3)
-    assert dut.irq.value == 1
+    await ClockCycles(bench.dut.clk, 3)
+    assert bench.dut.irq.value == 1
     assert (await bench.ended())["done"] == 1
     assert await bench.read("IRQ_STATUS") == REFUSED | DONE, "IRQ_STATUS.refused is cleared by the end of the job"
     bench.compare(DESTINATION, 0, 60)
     await bench.write("IRQ_STATUS", REFUSED)
     assert await bench.read("IRQ_STATUS") == DONE
-    await ClockCycles(dut.clk, 3)
-    assert dut.irq.value == 0
+    await ClockCycles(bench.dut.clk, 3)
+    assert bench.dut.irq.value == 0
     bench.place(0x10000, 9, 7)
     bench.memory.readable, bench.memory.writable = (0x10000, 0x10000 + 7 * BYTES), (0x20000, 0x20000 + 7 * BYTES)
     await bench.write("CONTROL", 1)
     assert (await bench.ended())["done"] == 1
     bench.compare(0x20000, 9, 7)
-    bench.check()
 
 
-@cocotb.test()
 @cocotb.parametrize(paused=[False, True])
-async def soft_reset(dut, paused):
+@bench_test(seed=8, latency=12)
+async def soft_reset(bench, paused):
     """A soft reset in any clock of a job completes open bus transactions and clears STATUS and IRQ_STATUS."""
-    bench = await started(dut, seed=8, latency=12)
     numbers = bench.random
     if paused:
         bench.stall(*CHANNELS)
@@ -191,13 +180,13 @@ async def soft_reset(dut, paused):
         bench.place(SOURCE, k, count)
         await bench.write("IRQ_ENABLE", 7)
         await bench.start(SOURCE, DESTINATION, count)
-        await ClockCycles(dut.clk, numbers.randrange(400) if k % 4 else numbers.randrange(8))
-        ended += dut.u_job.busy.value == 0
+        await ClockCycles(bench.dut.clk, numbers.randrange(400) if k % 4 else numbers.randrange(8))
+        ended += bench.dut.u_job.busy.value == 0
         await bench.write("CONTROL", 3)
         await bench.ended()
-        await ClockCycles(dut.clk, 4)
+        await ClockCycles(bench.dut.clk, 4)
         assert bench.monitor.quiet(), "transactions are open after a soft reset"
-        assert await bench.read("STATUS") == 0 and await bench.read("IRQ_STATUS") == 0 and dut.irq.value == 0
+        assert await bench.read("STATUS") == 0 and await bench.read("IRQ_STATUS") == 0 and bench.dut.irq.value == 0
         kept = await bench.read("COUNT"), await bench.wide("SOURCE"), await bench.wide("DESTINATION")
         assert kept == (count, SOURCE, DESTINATION) and await bench.read("IRQ_ENABLE") == 7
         bench.compare(DESTINATION, k, await bench.read("WRITTEN"))
@@ -209,40 +198,35 @@ async def soft_reset(dut, paused):
             await next_job(bench)
         await bench.write("IRQ_STATUS", 7)
     assert ended < ROUNDS, "most jobs ended before the reset"
-    bench.check()
 
 
-@cocotb.test()
-async def soft_reset_after_an_error(dut):
+@bench_test(seed=10, latency=100)
+async def soft_reset_after_an_error(bench):
     """A soft reset also clears the error of the running job."""
-    bench = await started(dut, seed=10, latency=100)
     seen = 0
     for k in range(6):
         bench.place(SOURCE, k, 60)
         bench.memory.faults = {SOURCE: AxiResp.SLVERR}
         await bench.start(SOURCE, DESTINATION, 60)
-        while dut.u_job.code.value == 0:
-            await FallingEdge(dut.clk)
+        while bench.dut.u_job.code.value == 0:
+            await FallingEdge(bench.dut.clk)
         await bench.write("CONTROL", 3)
-        await FallingEdge(dut.clk)
-        seen += dut.u_job.aborted.value == 1
+        await FallingEdge(bench.dut.clk)
+        seen += bench.dut.u_job.aborted.value == 1
         await bench.ended()
-        await ClockCycles(dut.clk, 4)
+        await ClockCycles(bench.dut.clk, 4)
         assert await bench.read("STATUS") == 0
         await next_job(bench)
     assert seen, "every job ended before the reset"
-    bench.check()
 
 
-@cocotb.test()
-async def reset_during_a_job(dut):
+@bench_test(seed=9)
+async def reset_during_a_job(bench):
     """The next job succeeds after a reset of the core and the memory's ports."""
-    bench = await started(dut, seed=9)
     for k in range(4):
         bench.place(SOURCE, k, 50)
         await bench.start(SOURCE, DESTINATION, 50)
-        await ClockCycles(dut.clk, 20 + 60 * k)
+        await ClockCycles(bench.dut.clk, 20 + 60 * k)
         await bench.reset()
         assert await bench.read("STATUS") == 0 and await bench.read("COUNT") == 0
         await bench.solve(SOURCE, DESTINATION, 30)
-    bench.check()

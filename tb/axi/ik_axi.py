@@ -12,7 +12,7 @@ from cocotb.triggers import ClockCycles
 from model.io.stimuli import arm_limits
 from model.io.trajectories import make
 from model.io.words import to_words
-from tb.axi.bench import ARM, BURSTS, BYTES, CHANNELS, LAYOUT, Bench, started
+from tb.axi.bench import ARM, BURSTS, BYTES, CHANNELS, LAYOUT, Bench, bench_test, started
 
 JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))
 """Random jobs: half of them without pauses, half with pauses on all channels, and a twentieth more per channel."""
@@ -31,27 +31,24 @@ BATCH, LONG = 100, 600
 
 def bursts(address: int, count: int, bench: Bench) -> list[tuple[int, int]]:
     """Return the expected bursts of an area as (address, beats)."""
-    found = []
+    expected = []
     while count:
         size = min(count, bench.per_burst - address // BYTES % bench.per_burst)
-        found.append((address, size * bench.beats))
+        expected.append((address, size * bench.beats))
         address, count = address + size * BYTES, count - size
-    return found
+    return expected
 
 
-@cocotb.test()
-async def one_record(dut):
+@bench_test()
+async def one_record(bench):
     """One target gives one result."""
-    bench = await started(dut)
     await bench.solve(BASE, BASE + 0x2000, 1)
     await bench.solve(BASE + BYTES, BASE, 1, first=1)
-    bench.check()
 
 
-@cocotb.test()
-async def edges_of_bursts(dut):
+@bench_test()
+async def edges_of_bursts(bench):
     """Jobs that start and end at, before and after a burst boundary, with another alignment at the destination."""
-    bench = await started(dut)
     whole = bench.per_burst
     for k, skip in enumerate((0, 1, whole - 1)):
         for count in (1, 2, whole - 1, whole, whole + 1, 2 * whole + 1):
@@ -60,36 +57,22 @@ async def edges_of_bursts(dut):
             await bench.solve(source, destination, count, first=count)
             wanted = {"ar": bursts(source, count, bench), "aw": bursts(destination, count, bench)}
             assert bench.monitor.bursts == wanted, f"{count} records: {bench.monitor.bursts}, expected {wanted}"
-    bench.check()
 
 
-@cocotb.test()
-async def pages(dut):
+@bench_test()
+async def pages(bench):
     """Areas that cross several 4 KiB boundaries, starting just below one."""
-    bench = await started(dut)
     await bench.solve(0x10000 - BYTES, 0x20000 - 3 * BYTES, 300)
-    bench.check()
     assert len(bench.monitor.bursts["ar"]) >= 300 // bench.per_burst
 
 
-@cocotb.test()
-async def long_job(dut):
-    """A job of many times the FIFO depth, with pauses: no slot is lost."""
-    bench = await started(dut, seed=4)
-    bench.stall("ar", "r", "aw", "w", "b")
-    await bench.solve(0x40000 - 3 * BYTES, 0x80000 - BYTES, 1500)
-    bench.check()
-
-
-@cocotb.test()
-async def neighbours(dut):
+@bench_test()
+async def neighbours(bench):
     """Destination directly after and directly before the source, at both ends of the address space."""
-    bench = await started(dut)
     count, end = 2 * bench.per_burst + 3, 1 << bench.addr_width
     size = count * BYTES
     for source, destination in ((0x3000, 0x3000 + size), (0x3000 + size, 0x3000), (0, end - size), (end - size, 0)):
         await bench.solve(source, destination, count)
-    bench.check()
 
 
 @cocotb.test()
@@ -146,11 +129,10 @@ if ARM and os.environ.get("IK_AXI_CORE") != "echo":  # a filter of tests would a
     limits = cocotb.test()(limits)
 
 
-@cocotb.test()
 @cocotb.parametrize(blocked=["r", "aw", "w", "b"])
-async def blocked_channel(dut, blocked):
+@bench_test()
+async def blocked_channel(bench, blocked):
     """Block one channel: requests stay within FIFO slots and burst limit; after release every result is right."""
-    bench = await started(dut)
     count = bench.places + 12 * bench.per_burst
     source, destination = 0x40000, 0x80000
     bench.place(source, 0, count)
@@ -158,8 +140,8 @@ async def blocked_channel(dut, blocked):
         bench.channel(name).queue_occupancy_limit = 64  # accept every request
     bench.channel(blocked).pause = True
     await bench.start(source, destination, count)
-    await ClockCycles(dut.clk, 30 * bench.places + 4 * count * bench.beats // bench.per_burst)
-    assert dut.u_job.busy.value == 1
+    await ClockCycles(bench.dut.clk, 30 * bench.places + 4 * count * bench.beats // bench.per_burst)
+    assert bench.dut.u_job.busy.value == 1
     most = dict(bench.monitor.most)
     assert most["reads"] <= BURSTS and most["writes"] <= BURSTS, f"{most}"
     assert most["places"] <= bench.places + 1, f"{most}"  # one record may be on W
@@ -173,13 +155,11 @@ async def blocked_channel(dut, blocked):
     bench.channel(blocked).pause = False
     assert (await bench.ended())["done"] == 1
     bench.compare(destination, 0, count)
-    bench.check()
 
 
-@cocotb.test()
-async def counters(dut):
+@bench_test(latency=20)
+async def counters(bench):
     """CLOCKS counts busy clocks; the stall counters count clocks in which a due beat does not move."""
-    bench = await started(dut, latency=20)
     await bench.solve(0x4000, 0x8000, 20)
     assert await bench.read("READ_STALLS") >= 20 and await bench.read("WRITE_STALLS") == 0
     bench.stall("w", share=0.8)
@@ -187,8 +167,8 @@ async def counters(dut):
 
     async def count():
         while True:
-            await ClockCycles(dut.clk, 1)
-            busy[0] += int(dut.u_job.busy.value)
+            await ClockCycles(bench.dut.clk, 1)
+            busy[0] += int(bench.dut.u_job.busy.value)
 
     watch = cocotb.start_soon(count())
     await bench.solve(0x4000, 0x8000, 60)
@@ -196,7 +176,6 @@ async def counters(dut):
     clocks, waited = await bench.read("CLOCKS"), await bench.read("WRITE_STALLS")
     assert abs(clocks - busy[0]) <= 1, f"{clocks} counted, busy for {busy[0]}"
     assert 60 < waited < clocks
-    bench.check()
 
 
 @cocotb.test()

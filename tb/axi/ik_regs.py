@@ -36,7 +36,7 @@ LISTED = [
     for of in REGISTERS
     for k in range(of.array_dimensions[0] if of.is_array else 1)
 ]
-"""Name, offset and description of each register; those of an array are numbered from 1."""
+"""Name, offset and description of each register; registers of an array are numbered from 1."""
 
 OFFSETS = {name: offset for name, offset, _ in LISTED}  # register -> its offset in bytes
 

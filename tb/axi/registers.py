@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Register tests of ``ik_axi`` against rtl/axi/ik_axi.rdl: every field of every register is read and written."""
 
-import cocotb
 from cocotb.triggers import ClockCycles
 from cocotbext.axi import AxiResp
 from cocotbext.axi.axil_channels import AxiLiteAWTransaction, AxiLiteWTransaction
 
-from tb.axi.bench import ARM, Bench, started
+from tb.axi.bench import ARM, Bench, bench_test
 from tb.axi.ik_regs import FIELDS, OFFSETS, Field
 
 ALL = 0xFFFFFFFF
@@ -52,20 +51,17 @@ async def raw(bench: Bench, address: int, data: int, strobes: int, data_first: i
     return AxiResp(int((await bus.b_channel.recv()).bresp))
 
 
-@cocotb.test()
-async def after_a_reset(dut):
-    bench = await started(dut)
+@bench_test()
+async def after_a_reset(bench):
     for register, value in after_reset(bench).items():
         got = await bench.read(register)
         assert got == value, f"{register}: {got:#x}, expected {value:#x}"
-    bench.check()
 
 
-@cocotb.test()
-async def every_field(dut):
+@bench_test()
+async def every_field(bench):
     """Write all ones, all zeros and a random word: only writable bits change, of no other register; read-only ones
     return SLVERR."""
-    bench = await started(dut)
     values = after_reset(bench)
     for register in bench.registers:
         if register == "CONTROL":
@@ -79,13 +75,11 @@ async def every_field(dut):
             for other in values if data in (ALL, 0) else (register,):
                 got, value = await bench.read(other), values[other]
                 assert got == value, f"{data:#x} to {register}: {other} is {got:#x}, expected {value:#x}"
-    bench.check()
 
 
-@cocotb.test()
-async def pulses(dut):
+@bench_test()
+async def pulses(bench):
     """Each write-1-to-clear bit alone, after a job that sets it; CONTROL reads as 0 and ignores zeros."""
-    bench = await started(dut)
     await bench.write("CONTROL", 0)
     await bench.write("CONTROL", ALL & ~masks("CONTROL", "w1"))
     assert await bench.read("CONTROL") == 0 and await bench.read("STATUS") == 0
@@ -97,22 +91,20 @@ async def pulses(dut):
             await bench.start(*job)
             status = await bench.ended(20)
             assert status[name] == 1
-            await ClockCycles(dut.clk, 3)
+            await ClockCycles(bench.dut.clk, 3)
             assert await bench.read("IRQ_STATUS") == mask(field), name
-            assert dut.irq.value == bool(enabled & mask(field)), f"irq with {enabled:#x} enabled"
+            assert bench.dut.irq.value == bool(enabled & mask(field)), f"irq with {enabled:#x} enabled"
             await bench.write("IRQ_STATUS", ALL & ~mask(field))
             assert await bench.read("IRQ_STATUS") == mask(field), "cleared by a 1 in another bit"
             await bench.write("IRQ_STATUS", mask(field))
             assert await bench.read("IRQ_STATUS") == 0
-            await ClockCycles(dut.clk, 3)
-            assert dut.irq.value == 0
-    bench.check()
+            await ClockCycles(bench.dut.clk, 3)
+            assert bench.dut.irq.value == 0
 
 
-@cocotb.test()
-async def strobes(dut):
+@bench_test()
+async def strobes(bench):
     """Every strobe pattern on every writable register, with address and data in any order."""
-    bench = await started(dut)
     for register in bench.registers:
         offset = OFFSETS[register]
         keeps = masks(register, "rw")
@@ -129,13 +121,11 @@ async def strobes(dut):
     for lanes in (0, 14):
         await raw(bench, OFFSETS["CONTROL"], 1, lanes)
     assert await bench.read("STATUS") == 0 and await bench.read("IRQ_STATUS") == 0
-    bench.check()
 
 
-@cocotb.test()
-async def unmapped_address(dut):
+@bench_test()
+async def unmapped_address(bench):
     """An unmapped address returns SLVERR, reads as 0 and changes nothing."""
-    bench = await started(dut)
     bench.stall("lite")
     last = max(OFFSETS[register] for register in bench.registers)
     before = [await bench.read(register) for register in bench.registers]
@@ -144,4 +134,3 @@ async def unmapped_address(dut):
         answer = await bench.lite.read(address, 4)
         assert (answer.resp, answer.data) == (AxiResp.SLVERR, bytes(4)), f"read of {address:#x}: {answer}"
     assert [await bench.read(register) for register in bench.registers] == before
-    bench.check()

@@ -7,6 +7,7 @@ import os
 import signal
 import socket
 import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -243,19 +244,13 @@ def test_joint_limits(library, width):
             reals[1][3] = wrong
         code = driver.call("ik_limits", *reals)
         assert (code, driver.core.bad) == ((0, 0) if wrong is None else (CODES["bad_limits"], 3))
-        found = [[core.registers[f"LIMIT_{name}{k}"] for k in range(1, 8)] for name in ("LOW", "HIGH")]
-        np.testing.assert_array_equal(np.array(found) >> 32 - width, words)
+        written = [[core.registers[f"LIMIT_{name}{k}"] for k in range(1, 8)] for name in ("LOW", "HIGH")]
+        np.testing.assert_array_equal(np.array(written) >> 32 - width, words)
 
 
 def test_start_up(library):
-    for identity, code in (
-        (0x494B0100, "none"),
-        (0x494B01FF, "none"),
-        (0x494B0200, "version"),
-        (0x494A0100, "no_core"),
-        (0, "no_core"),
-        (0xFFFFFFFF, "no_core"),
-    ):
+    codes = {0x494B0100: "none", 0x494B01FF: "none", 0x494B0200: "version"}
+    for identity, code in (codes | dict.fromkeys((0x494A0100, 0, 0xFFFFFFFF), "no_core")).items():
         core = RegisterModel(identity=identity)
         driver = Driver(library, core, *core.areas, COUNT)
         assert driver.start_up() == code
@@ -332,11 +327,15 @@ def test_uio_reports_what_is_missing(library, tmp_path, name, text):
     assert str(tmp_path) not in Path("/proc/self/maps").read_text()
 
 
-@pytest.mark.parametrize("error", [0, errno.EIO, errno.EPIPE, errno.EINTR], ids=["silent", "gone", "deaf", "signal"])
+ENDS = {"arrives": None, "silent": 0, "gone": errno.EIO, "deaf": errno.EPIPE, "signal": errno.EINTR}
+
+
+@pytest.mark.parametrize("error", ENDS.values(), ids=ENDS)
 def test_uio_wait_ends(library, tmp_path, error):
-    """A wait ends without an interrupt, after the device has gone, on an abort and on a signal."""
+    """A wait ends at an interrupt, which is then unmasked, without one, after the device has gone, and on an abort."""
     core, uio = RegisterModel(), Uio()
-    core.run = lambda count: None  # no job ends
+    if error is not None:
+        core.run = lambda count: None  # no job ends
     driver = Driver(library, core, *core.areas, COUNT, polls=9)
     paths, patience = uio_device(tmp_path, *BUFFER), 9000 if error == errno.EINTR else 20
     assert driver.linked.ik_uio_open(ctypes.byref(uio), *paths, patience) == 0
@@ -353,19 +352,25 @@ def test_uio_wait_ends(library, tmp_path, error):
 
     if error == errno.EINTR:
         threading.Timer(0.1, abort).start()
-    elif error == errno.EPIPE:
+    elif error in (None, errno.EPIPE):
         kernel.send(bytes(4))
-        kernel.shutdown(socket.SHUT_RD)
+        if error:
+            kernel.shutdown(socket.SHUT_RD)
     elif error:
         kernel.close()
     code, _ = driver.solve(driver.targets({name: np.ones(1) for name in FIELDS}, np.ones(1)))
     signal.signal(signal.SIGUSR1, before)
-    assert (code, uio.error) == ("aborted" if error == errno.EINTR else "timeout", error)
+    expected = {None: "none", errno.EINTR: "aborted"}.get(error, "timeout")
+    assert (code, uio.error) == (expected, error or 0)
+    if error is None:
+        kernel.settimeout(9)
+        assert kernel.recv(9) == (1).to_bytes(4, sys.byteorder), "the interrupt stays masked"
+        assert core.registers["IRQ_STATUS"] == 0, "the interrupt is not acknowledged"
     driver.linked.ik_uio_close(ctypes.byref(uio))
 
 
 ICARUS = simulator() == "icarus"
-FEW = "linux|ik_init|solves/interrupt=.*/stalled=False|bus_error/.*=slverr|aborted/interrupt=False"
+FEW = "ik_init|solves/interrupt=.*/stalled=False|bus_error/.*=slverr|aborted/interrupt=False"
 SMALL = {"W": 18, "ADDR_W": 20}
 ARM = {"W": 18, "DATA_W": 128, "ARM": 1}
 INSTANCES = [SMALL] if ICARUS else [SMALL, {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4}, ARM]

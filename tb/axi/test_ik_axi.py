@@ -10,7 +10,7 @@ from tb.sim.runner import simulate
 MODULES = "tb.axi.ik_axi,tb.axi.faults,tb.axi.registers"
 FEW = "one_record|limits|stalled=(none|all)"
 ICARUS = simulator() == "icarus"
-LONG = "long_job|pages|rates|stalled=(ar|r|aw|w|b)$"
+LONG = "pages|rates|stalled=(ar|r|aw|w|b)$"
 """Tests with many records, which Verilator runs ten times faster; Icarus covers X in the others."""
 SAME = "every_field|pulses|strobes|unmapped_address|rates/latency=(18|66|130)"
 """Tests that no parameter affects; an instance for wrists and one for hand poses run them."""

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Functional coverage at the ports of ``ik_axis``: flag x datapath x singular region x stall pattern; at those of
-``ik_arm``: kind of pose x datapath x stall pattern.
+"""Functional coverage at the ports of ``ik_axis``: flag x datapath x singular region x stall pattern; at the
+ports of ``ik_arm``: kind of pose x datapath x stall pattern.
 
 :class:`tb.core.pipeline.Pipeline` samples each result that leaves, and writes the samples once a test has checked them.
 """
@@ -15,7 +15,7 @@ from math import isqrt
 import numpy as np
 
 from model.dataflow.datapaths import ARM
-from model.io.flags import ARM_FLAGS, CORE_FLAGS, expected_flags, names
+from model.io.flags import ARM_FLAGS, CORE_FLAGS, names
 from model.io.stimuli import hands, mixed
 from model.io.words import BRANCHES, FIELDS
 from tb.sim import coverage
@@ -36,47 +36,51 @@ IMPOSSIBLE = {
 """Flags that exclude a region."""
 
 
-def bin_of(*values: str) -> Point:
-    """Return the point of a bin: flag, datapath, region, stall pattern."""
-    return Point("ik_axis", 0, 0, "cross", " x ".join(values))
-
-
-BINS = [
-    bin_of(flag, datapath, region, stall)
-    for flag in ["-", *CORE_FLAGS]
-    for datapath, region, stall in itertools.product(("lean", "paper", "fold"), REGIONS, STALLS)
-    if (flag, region) not in IMPOSSIBLE
-]
-
+Kind = tuple[str, ...]
+"""Flag and region of a wrist target, or one property of a pose of the whole arm."""
 
 LATE = "after a reset that dropped poses"
 POSES = [f"{name}={bit}" for name in (*ARM_FLAGS, *BRANCHES) for bit in (0, 1)]
 POSES += [f"{joint} near {angle}" for joint in ("th2", "th6") for angle in ("0", "pi")]
 POSES += [f"tool {length}" for length in ("least", "0", "greatest")]
-"""Kinds of poses of the whole arm; an angle is near another one within 1/256 of a turn."""
+"""Properties of poses of the whole arm; an angle is near another one within 1/256 of a turn."""
 
 
-def pose_bin(kind: str, datapath: str, stall: str) -> Point:
-    """Return the point of a bin of ``ik_arm``: kind of pose, datapath, stall pattern."""
-    return Point("ik_arm", 0, 0, "cross", " x ".join((kind, datapath, stall)))
+def bin_of(*values: str, top: str = "ik_axis") -> Point:
+    """Return the point of a bin."""
+    return Point(top, 0, 0, "cross", " x ".join(values))
 
 
-BINS += [pose_bin(*of) for of in itertools.product(POSES, ("arm", "fold_arm"), STALLS)]
-BINS += [pose_bin(LATE, datapath, "any") for datapath in ("arm", "fold_arm")]
+def bin_of_kind(kind: Kind, datapath: str, stall: str) -> Point:
+    """Return the point of a kind of target, a datapath and a stall pattern."""
+    first, *region = kind
+    return bin_of(first, datapath, *region, stall, top="ik_axis" if region else "ik_arm")
 
 
-def pose_kinds(pose: Sequence[int], results: Sequence[int], flags: int, width: int) -> list[str]:
-    """Return the kinds of a pose, words with its branch, given its results and flags."""
+WRISTS = [kind for kind in itertools.product(("-", *CORE_FLAGS), REGIONS) if kind not in IMPOSSIBLE]
+BINS = [
+    bin_of_kind(kind, datapath, stall)
+    for kinds, datapaths in ((WRISTS, ("lean", "paper", "fold")), ([(pose,) for pose in POSES], ("arm", "fold_arm")))
+    for kind, datapath, stall in itertools.product(kinds, datapaths, STALLS)
+]
+BINS += [bin_of(LATE, datapath, "any", top="ik_arm") for datapath in ("arm", "fold_arm")]
+
+
+def kinds_of(target: Sequence[int], results: Sequence[int], flags: int, width: int) -> list[Kind]:
+    """Return the kinds of a wrist target, or of a pose with its branch, that has these results and flags."""
+    if len(target) == len(FIELDS):
+        return list(itertools.product(names(flags).split("+"), regions(target)))
     bits = {name: flags & flag != 0 for name, flag in ARM_FLAGS.items()}
-    bits |= {name: pose[-1] >> k & 1 for k, name in enumerate(BRANCHES)}
-    found = [f"{name}={int(bit)}" for name, bit in bits.items()]
+    bits |= {name: target[-1] >> k & 1 for k, name in enumerate(BRANCHES)}
+    kinds = [f"{name}={int(bit)}" for name, bit in bits.items()]
     half, words = 1 << width - 1, dict(zip(ARM.results, results, strict=True))
     for joint in ("th2", "th6"):
         size = min(abs(words[joint]), half) << 7
-        found += [f"{joint} near 0"] * (size <= half) + [f"{joint} near pi"] * (size >= 127 * half)
+        kinds += [f"{joint} near 0"] * (size <= half) + [f"{joint} near pi"] * (size >= 127 * half)
     lengths = {-half: "least", 0: "0", half - 1: "greatest"}
-    tool = pose[ARM.inputs.index("tool")]
-    return found + [f"tool {lengths[length]}" for length in {tool} & lengths.keys()]
+    tool = target[ARM.inputs.index("tool")]
+    kinds += [f"tool {lengths[length]}" for length in {tool} & lengths.keys()]
+    return [(kind,) for kind in kinds]
 
 
 def regions(target: Sequence[int]) -> list[str]:
@@ -94,61 +98,39 @@ def regions(target: Sequence[int]) -> list[str]:
 
 
 @functools.cache
-def kinds(width: int) -> dict[tuple[str, str], list[int]]:
-    """Return a target for each flag, and none, in each region where it can occur."""
+def examples(width: int, arm: bool) -> dict[Kind, tuple[int, ...]]:
+    """Return a wrist target, or a pose of the whole arm, of each kind that occurs; a few targets for all kinds."""
     k = 1 << width - 5
-    found: dict[tuple[str, str], list[int]] = {}
-    for target in [*mixed(4000, width, 8).tolist(), (k - 2, 0, 0, 9, k, 1), (k + 2, 0, 0, 9, k, 1)]:
-        flags = names(int(expected_flags(np.array([target]), width)[0])).split("+")
-        for kind in itertools.product(flags, regions(target)):
-            found.setdefault(kind, target)
-    return found
+    targets = mixed(4000, width, 8)
+    targets = hands(targets, width, 8) if arm else np.array([*targets, (k - 2, 0, 0, 9, k, 1), (k + 2, 0, 0, 9, k, 1)])
+    run = answer(targets, width, "arm" if arm else "lean")
+    targets_of: dict[Kind, tuple[int, ...]] = {}
+    for target, results, flags in zip(targets.tolist(), run.results.tolist(), run.flags.tolist(), strict=True):
+        for kind in kinds_of(target, results, flags, width):
+            targets_of.setdefault(kind, tuple(target))
+    return targets_of
 
 
-def every_kind(width: int, datapath: str = "", stall: str = "") -> np.ndarray:
-    """Return the targets of :func:`kinds`, (N, 6); given datapath and stall pattern, those whose bin has no sample."""
+def every_kind(width: int, arm: bool = False, datapath: str = "", stall: str = "") -> np.ndarray:
+    """Return wrist targets, (N, 6), or poses, (N, 12), of all kinds; with a datapath and a stall pattern, only those
+    whose bin has no sample."""
     wanted = [
-        tuple(target)
-        for (flag, region), target in kinds(width).items()
-        if not datapath or not HITS[bin_of(flag, datapath, region, stall)]
+        target
+        for kind, target in examples(width, arm).items()
+        if not datapath or not HITS[bin_of_kind(kind, datapath, stall)]
     ]
-    return np.array(list(dict.fromkeys(wanted))).reshape(-1, len(FIELDS))
-
-
-@functools.cache
-def pose_of_kind(width: int) -> dict[str, tuple[int, ...]]:
-    """Return a pose of each kind, a few poses for all of them."""
-    poses = hands(mixed(4000, width, 8), width, 8)
-    run = answer(poses, width, "arm")
-    rows = zip(poses.tolist(), run.results.tolist(), run.flags.tolist(), strict=True)
-    found: dict[str, tuple[int, ...]] = {}
-    for pose, results, flags in rows:
-        for kind in pose_kinds(pose, results, flags, width):
-            found.setdefault(kind, tuple(pose))
-    return found
-
-
-def every_pose(width: int, datapath: str = "", stall: str = "") -> np.ndarray:
-    """Return poses of all kinds, (N, 12); given datapath and stall pattern, those whose bin has no sample."""
-    wanted = [
-        pose for kind, pose in pose_of_kind(width).items() if not datapath or not HITS[pose_bin(kind, datapath, stall)]
-    ]
-    return np.array(list(dict.fromkeys(wanted))).reshape(-1, len(ARM.inputs) + 1)
+    return np.array(list(dict.fromkeys(wanted))).reshape(-1, len(ARM.inputs) + 1 if arm else len(FIELDS))
 
 
 HITS: Counter[Point] = Counter()  # samples of this simulation
 
 
-def sample(flags: int, datapath: str, target: Sequence[int], gap: bool, held: bool) -> None:
-    """Sample a result; ``gap``: its target followed idle clocks, ``held``: the result had to wait."""
-    for flag, region in itertools.product(names(flags).split("+"), regions(target)):
-        HITS[bin_of(flag, datapath, region, STALLS[gap + 2 * held])] += 1
-
-
-def sample_pose(kinds: Sequence[str], datapath: str, gap: bool, held: bool, late: bool) -> None:
-    """Sample a result of ``ik_arm``; ``late``: the first one after a reset that dropped poses."""
-    HITS.update(pose_bin(kind, datapath, STALLS[gap + 2 * held]) for kind in kinds)
-    HITS[pose_bin(LATE, datapath, "any")] += late
+def sample(kinds: Sequence[Kind], datapath: str, gap: bool, held: bool, late: bool) -> None:
+    """Sample a result; ``gap``: its target followed idle clocks, ``held``: the result had to wait, ``late``: it is the
+    first one after a reset that dropped poses."""
+    HITS.update(bin_of_kind(kind, datapath, STALLS[gap + 2 * held]) for kind in kinds)
+    if late:
+        HITS[bin_of(LATE, datapath, "any", top="ik_arm")] += 1
 
 
 def keep() -> None:

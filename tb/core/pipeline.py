@@ -15,7 +15,7 @@ from pathlib import Path
 import cocotb
 import numpy as np
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge, Timer
+from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge, Timer
 from cocotb.types import LogicArray
 from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
 
@@ -31,8 +31,8 @@ from tb.sim.job import KEPT, Difference, answer, limits_port, report
 class Scoreboard:
     """Comparison of every named node of every target with the bit-true model, in the clock where the node is valid.
 
-    ``handle_of`` maps a node to its signal. ``expect`` announces targets in order of admission. Call ``admitted`` once
-    per admitted target and ``sample`` once per clock.
+    ``handle_of`` maps a node to its signal. ``expect`` announces targets in order of admission. Enter each admitted
+    target in ``in_clock``, and call ``sample`` once per clock.
     """
 
     def __init__(self, handle_of, nodes: Iterable[Node]) -> None:
@@ -52,14 +52,6 @@ class Scoreboard:
             node = answer.bits.nodes[name]
             mask = (1 << node.format.width) - 1
             values += [int(v) & mask for v in node.value.tolist()]
-
-    def admitted(self, clock: int, target: int) -> None:
-        """Record that target ``target`` was admitted in clock ``clock``."""
-        self.in_clock[clock] = target
-
-    def forget(self) -> None:
-        """Drop all targets in flight on reset."""
-        self.in_clock.clear()
 
     def sample(self, clock: int, now: int) -> None:
         """Compare all valid nodes; ``clock`` counts clocks without a stall, ``now`` all clocks, for messages."""
@@ -100,7 +92,7 @@ class Pipeline:
     """
 
     def __init__(self, dut, nodes: bool = True, limits: Limits | None = None) -> None:
-        self.dut, self.core = dut, getattr(dut, "u", dut)  # a wrapper of tb/sim/wrapper_top.py has the core in u
+        self.dut = dut
         self.width, self.tag_width = int(dut.W.value), int(dut.TAG_W.value)
         self.slot = -(-self.width // 8) * 8 if dut._name == "ik_axis_bytes" else self.width  # bits of a word in tdata
         self.datapath = configuration(dut)
@@ -114,21 +106,17 @@ class Pipeline:
         logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # hides the drivers' banners
         Clock(dut.clk, 10, unit="ns").start(start_high=False)
         dut.rst.value = 1
-        self.source = AxiStreamSource(
-            AxiStreamBus.from_prefix(dut, "s_axis"), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True
-        )
-        self.sink = AxiStreamSink(
-            AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True
+        self.source, self.sink = (
+            kind(AxiStreamBus.from_prefix(dut, name), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True)
+            for kind, name in ((AxiStreamSource, "s_axis"), (AxiStreamSink, "m_axis"))
         )
         self.scoreboard = Scoreboard(self._handle, fixed.nodes(self.datapath, self.width).values() if nodes else ())
         self.period, self.behind = path.lap(self.width), path.behind
-        self.go = getattr(self.core, f"g_{path.rtl}").u_core.go if path.times else None  # low: the core is stalled
+        self.go = getattr(self.dut, f"g_{path.rtl}").u_core.go if path.times else None  # low: the core is stalled
         self.clock = 0
         self.ran = 0  # clocks in which the core was not stalled
         self.words = np.zeros((0, len(path.inputs) + bool(path.side)), dtype=np.int64)  # announced targets, in order
-        self.answer_results: list[tuple[int, ...]] = []
-        self.answer_flags: list[int] = []
-        self.tags: list[int] = []
+        self.expected: list[tuple[tuple[int, ...], int, int]] = []  # words, tag and flags of their results
         self.admitted: list[int] = []  # clock of admission of each target
         self.due: list[int] = []  # targets whose result has not left yet
         self.results: list[tuple[tuple[int, ...], int, int, int]] = []
@@ -142,7 +130,7 @@ class Pipeline:
     def module(self, node: Node):
         """Return the module instance that contains a node."""
         path = MODELS[self.datapath]
-        core = getattr(self.core, f"g_{path.rtl}").u_core
+        core = getattr(self.dut, f"g_{path.rtl}").u_core
         return reduce(getattr, filter(None, path.instance(node).split(".")), core)
 
     def _handle(self, node: Node):
@@ -154,13 +142,12 @@ class Pipeline:
         await RisingEdge(self.dut.clk)
         self.dut.rst.value = 1
         self.source.clear()
-        for _ in range(clocks):
-            await RisingEdge(self.dut.clk)
+        await ClockCycles(self.dut.clk, clocks)
         self.sink.clear()
         # Forget targets that were announced but never admitted.
         dropped = len(self.admitted)
         self.words = self.words[:dropped]
-        del self.answer_results[dropped:], self.answer_flags[dropped:], self.tags[dropped:]
+        del self.expected[dropped:]
         for values in self.scoreboard.expected.values():
             del values[dropped:]
         self.dut.rst.value = 0
@@ -177,25 +164,20 @@ class Pipeline:
         hands = [(0, one, 0, 0, 0, n % 8) for n in range(len(words))]  # tool, Qh, branch
         return np.column_stack([words, hands]) if path.side else words
 
-    def announce(self, words: np.ndarray) -> None:
-        """Compute the model's results for further targets, which must then be sent in this order."""
-        expected = answer(words, self.width, self.datapath, self.limits)
-        self.words = np.concatenate([self.words, words])
-        self.answer_results += [tuple(r) for r in expected.results.tolist()]
-        self.answer_flags += expected.flags.tolist()
-        self.scoreboard.expect(expected)
-
     def send(self, words: np.ndarray) -> None:
         """Queue targets, (N, words of a target), of the whole arm with their branch, with incrementing tags."""
-        self.announce(words)
+        model = answer(words, self.width, self.datapath, self.limits)
+        self.words = np.concatenate([self.words, words])
+        self.scoreboard.expect(model)
         count = len(MODELS[self.datapath].inputs)
         words, branches = words[:, :count], words[:, count:].sum(axis=1)
         padding = np.random.default_rng(len(words)).integers(1 << self.slot - self.width, size=words.shape)
         half = 1 << self.slot - 1
         padded = ((words & (1 << self.width) - 1 | padding << self.width) ^ half) - half
-        for beat, branch in zip(pack(padded, self.slot), branches.tolist(), strict=True):
-            tag = len(self.tags) & ((1 << self.tag_width) - 1)
-            self.tags.append(tag)
+        columns = pack(padded, self.slot), branches.tolist(), model.results.tolist(), model.flags.tolist()
+        for beat, branch, results, flags in zip(*columns, strict=True):
+            tag = len(self.expected) & ((1 << self.tag_width) - 1)
+            self.expected.append((tuple(results), tag, flags))
             self.source.send_nowait(AxiStreamFrame([beat], tuser=branch << self.tag_width | tag))
 
     async def drain(self, most_clocks: int = 20000) -> None:
@@ -209,9 +191,12 @@ class Pipeline:
                 f"no result for {most_clocks} clocks: {len(self.words)} targets announced, {len(self.admitted)} "
                 f"admitted, {len(self.results)} results"
             )
-        # No further result may follow.
-        for _ in range(8):
-            await FallingEdge(self.dut.clk)
+        await ClockCycles(self.dut.clk, 8, FallingEdge)  # no further result may follow
+
+    async def finish(self) -> None:
+        """Wait for all results, then check them."""
+        await self.drain()
+        self.check()
 
     def check(self) -> None:
         """Check everything that must hold after a drain: results, order, tags, flags and all compared nodes."""
@@ -222,7 +207,7 @@ class Pipeline:
         functional_coverage.keep()
 
     async def _watch(self) -> None:
-        """Sample admissions, departures and nodes once per clock; tb/rules checks the stream rules."""
+        """Sample admissions, departures and nodes once per clock; tb/axi/rules checks the stream rules."""
         dut = self.dut
         streams = [
             (*(getattr(dut, f"{name}_t{part}") for part in ("valid", "ready", "data", "user")), taken)
@@ -234,7 +219,7 @@ class Pipeline:
             await FallingEdge(dut.clk)
             self.clock += 1
             if dut.rst.value != 0:
-                self.scoreboard.forget()
+                self.scoreboard.in_clock.clear()
                 self.lost |= bool(self.due)
                 self.due.clear()
                 self.gap = self.held = False
@@ -266,7 +251,7 @@ class Pipeline:
         if target >= len(self.words):
             self.errors.append(f"target {target} was admitted and never sent")
         else:
-            self.scoreboard.admitted(self.ran, target)
+            self.scoreboard.in_clock[self.ran] = target
 
     def _leave(self, data: str, user: str) -> None:
         if "x" in (data + user).lower() or "z" in (data + user).lower():
@@ -280,34 +265,35 @@ class Pipeline:
             return
         target = self.due.pop(0)
         self.results.append((words, tag, flags, self.clock))
-        if path.side:
-            kinds = functional_coverage.pose_kinds(self.words[target].tolist(), words, flags, self.width)
-            functional_coverage.sample_pose(kinds, path.name, self.gaps[target], self.held, self.lost)
-            self.lost = False
-        else:
-            functional_coverage.sample(flags, path.rtl, self.words[target], self.gaps[target], self.held)
+        kinds = functional_coverage.kinds_of(self.words[target].tolist(), words, flags, self.width)
+        name, late = (path.name, self.lost) if path.side else (path.rtl, False)
+        functional_coverage.sample(kinds, name, self.gaps[target], self.held, late)
+        self.lost = False
         self.held = False
         self.latencies.append(self.clock - self.admitted[target])
-        expected = (self.answer_results[target], self.tags[target], self.answer_flags[target])
-        if (words, tag, flags) != expected:
-            self.errors.append(f"target {target}: RTL {(words, tag, flags)}, model {expected}, in clock {self.clock}")
+        if (words, tag, flags) != self.expected[target]:
+            model = self.expected[target]
+            self.errors.append(f"target {target}: RTL {(words, tag, flags)}, model {model}, in clock {self.clock}")
 
 
-PATTERNS = ("none", "single", "bursts", "long")  # pause patterns of :func:`pause`
+def bursts(random: np.random.Generator) -> Iterable[bool]:
+    """Yield pauses and gaps between them, of random lengths."""
+    while True:
+        yield from [bool(random.integers(2))] * int(random.integers(1, 12))
+
+
+PATTERNS = {
+    "none": lambda random: None,
+    "single": lambda random: itertools.cycle([True, False]),
+    "bursts": bursts,
+    "long": lambda random: itertools.cycle([False] * int(random.integers(20, 60)) + [True] * 700),
+}
+"""Pause patterns of a stream: a pause in every other clock, of random lengths, of 700 clocks."""
 
 
 def pause(pattern: str, seed: int) -> Iterable[bool] | None:
-    """Return a pause generator: none, single (every other clock), bursts (random lengths), long (700 clocks)."""
-    random = np.random.default_rng(seed)
-    if pattern == "none":
-        return None
-    if pattern == "single":
-        return itertools.cycle([True, False])
-    if pattern == "bursts":
-        return (stop for _ in itertools.count() for stop in [bool(random.integers(2))] * int(random.integers(1, 12)))
-    if pattern == "long":
-        return itertools.cycle([False] * int(random.integers(20, 60)) + [True] * 700)
-    raise ValueError(f"no pause pattern {pattern}")
+    """Return a pause generator, None for no pauses."""
+    return PATTERNS[pattern](np.random.default_rng(seed))
 
 
 @cocotb.test()
@@ -321,24 +307,23 @@ async def run_targets(dut):
     """
     progress = Path(os.environ["IK_PROGRESS"])
     with np.load(os.environ["IK_JOBS"]) as jobs:
-        given = dict(jobs)
-    bench = Pipeline(dut, limits=given.pop("limits", np.empty(0)).tolist())
+        arrays = dict(jobs)
+    bench = Pipeline(dut, limits=arrays.pop("limits", np.empty(0)).tolist())
     written: dict[str, np.ndarray] = {}
     board = bench.scoreboard
 
     async def report():
         while True:
-            for _ in range(100):
-                await FallingEdge(dut.clk)
+            await ClockCycles(dut.clk, 100, FallingEdge)
             progress.write_text(str(len(bench.results)))
 
     cocotb.start_soon(report())
-    for k in range(len(given)):
+    for k in range(len(arrays)):
         await bench.reset()
         first, bits = len(bench.results), board.mismatching_bits
         since = len(bench.admitted)
         board.differences.clear()
-        bench.send(given[f"words_{k}"])
+        bench.send(arrays[f"words_{k}"])
         await bench.drain()
         rows = bench.results[first:]
         clocks = rows[-1][3] - bench.admitted[-len(rows)] + 1

@@ -75,13 +75,13 @@ def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.n
     Without a seed, return part `number` of all targets made of special words, in order."""
     if seed is None:
         return of_special(number * count, count, width)
-    own = int(np.random.SeedSequence((seed, number)).generate_state(1, np.uint64)[0])
+    chunk_seed = int(np.random.SeedSequence((seed, number)).generate_state(1, np.uint64)[0])
     named = np.array(list(corners(width).values()), dtype=np.int64)
-    parts = [region(name, count // 2 // len(REGIONS), width, own) for name in REGIONS]
-    parts += [make(count // 8, width, own) for make in (unreachable, edges, extremes)]
+    parts = [region(name, count // 2 // len(REGIONS), width, chunk_seed) for name in REGIONS]
+    parts += [make(count // 8, width, chunk_seed) for make in (unreachable, edges, extremes)]
     parts.append(named[: count // 8])
-    parts.append(random_reachable(count - sum(map(len, parts)), width, own))
-    return np.random.default_rng((own, width)).permutation(np.concatenate(parts))
+    parts.append(random_reachable(count - sum(map(len, parts)), width, chunk_seed))
+    return np.random.default_rng((chunk_seed, width)).permutation(np.concatenate(parts))
 
 
 def over_limits(results: np.ndarray, limits: Limits, width: int) -> np.ndarray:
@@ -191,15 +191,13 @@ def judge(
     tolerance = np.full(len(words), np.inf)
     tolerance[candidates] = tolerances.yardstick(words[candidates], core.width, core.datapath)
     above = candidates[hand[candidates] > tolerance[candidates]]
-    judged = tolerances.hand(core.width, core.datapath) is not None
 
     failures = []
     differs = (run.results != results).any(axis=1) | (run.flags != flags)
     if run.bit_mismatches or differs.any():
         failures.append(_bits_failure(run, np.flatnonzero(differs).tolist(), numbers))
-    if path.side:  # those of the core are compared with the model's only
-        own = (1 << OVER_BIT) - 1
-        owed = run.flags & own | over_limits(run.results, arm_limits(core.width), core.width)
+    if path.side:  # flags of the core are compared with the model's only
+        owed = run.flags & (1 << OVER_BIT) - 1 | over_limits(run.results, arm_limits(core.width), core.width)
     else:
         owed = expected_flags(words, core.width)
     wrong = np.flatnonzero(run.flags != owed)
@@ -207,46 +205,39 @@ def judge(
         n = int(wrong[0])
         text = f"flags {names(int(run.flags[n]))} instead of {names(int(owed[n]))} ({len(wrong)} targets)"
         failures.append(Failure([text], wrong.tolist()))
-    for what, error, most, rows in (
-        (path.error, hand, tolerance, above if judged else above[:0]),
-        (
-            "abs(norm^2 - 1)",
-            norm,
-            np.full(len(words), tolerances.norm(core.width, core.datapath)),
-            np.flatnonzero(~(norm <= tolerances.norm(core.width, core.datapath))),
-        ),
-    ):
-        if len(rows):
-            worst = rows[np.argsort(-error[rows] / most[rows], kind="stable")].tolist()
-            n = worst[0]
-            text = f"{what} {error[n]:.3e} is above its tolerance {most[n]:.3e} ({len(rows)} targets)"
-            failures.append(Failure([text], worst))
+    if tolerances.hand(core.width, core.datapath) is not None:
+        failures += _above(f"{path.error} {{:.3e}} is above its tolerance", hand, tolerance, above)
+    most = np.full(len(words), tolerances.norm(core.width, core.datapath))
+    failures += _above("abs(norm^2 - 1) {:.3e} is above its tolerance", norm, most, np.flatnonzero(~(norm <= most)))
 
     apart: Apart = {}
     for opinion in opinions(words, core.width) if opinions else []:
-        difference, most = opinion.apart(run.results, core.width), tolerances.lean(core.width)
+        difference, most = opinion.apart(run.results, core.width), np.full(len(words), tolerances.lean(core.width))
         apart[opinion.of] = int(opinion.asked.sum()), float(difference.max(initial=0.0))
-        rows = np.flatnonzero(difference > most)
-        if len(rows):
-            worst = rows[np.argsort(-difference[rows], kind="stable")].tolist()
-            text = f"{opinion.of}: a result differs by {difference[worst[0]]:.3e}, tolerance {most:.3e}"
-            failures.append(Failure([f"{text} ({len(rows)} targets)"], worst))
+        text = f"{opinion.of}: a result differs by {{:.3e}}, tolerance"
+        failures += _above(text, difference, most, np.flatnonzero(difference > most))
 
     by_norm = reachable[np.argsort(-norm[reachable], kind="stable")][: worst_targets.KEPT]
     missing = by_norm[np.isinf(tolerance[by_norm])]
     tolerance[missing] = tolerances.yardstick(words[missing], core.width, core.datapath)
 
     def hard(rows) -> list[Hard]:
-        return [
-            Hard(int(numbers[n]), words[n].tolist(), float(hand[n]), float(tolerance[n]), float(norm[n]))
-            for n in rows.tolist()
-        ]
+        columns = (column[rows].tolist() for column in (np.asarray(numbers), words, hand, tolerance, norm))
+        return list(map(Hard, *columns))
 
     by_ratio = candidates[np.argsort(-hand[candidates] / tolerance[candidates], kind="stable")][: worst_targets.KEPT]
     largest = float(hand[reachable].max(initial=0.0)), float(norm.max(initial=0.0))
     flagged = Counter({name: int(np.count_nonzero(run.flags & flag)) for name, flag in FLAGS.items()})
-    found = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm), apart, flagged)
-    return Found() + found, failures, hand
+    totals = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm), apart, flagged)
+    return Found() + totals, failures, hand
+
+
+def _above(text: str, error: np.ndarray, most: np.ndarray, rows: np.ndarray) -> list[Failure]:
+    """Return the failure of targets whose error is too large, if there are any, the worst first."""
+    if not len(rows):
+        return []
+    worst = rows[np.argsort(-error[rows] / most[rows], kind="stable")].tolist()
+    return [Failure([f"{text.format(error[worst[0]])} {most[worst[0]]:.3e} ({len(rows)} targets)"], worst)]
 
 
 _TARGET = re.compile(r"(?<= of target )\d+")

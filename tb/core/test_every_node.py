@@ -38,7 +38,7 @@ def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) 
     options = {"simulator": simulator(), "datapath": datapath, "width": width, "cores": cores}
     ends = np.random.default_rng(6).integers(-(1 << width - 1), 1 << width - 1, (7, 2))
     limits = list(map(tuple, ends.tolist())) if MODELS[datapath].side else None
-    (done,) = simulate([Job("nodes", words)], **options, native=not ICARUS, limits=limits)
+    (done,) = simulate([Job("nodes", words)], **options, native=True, limits=limits)
     assert done.bit_mismatches == 0, done.first_mismatch
     expected = answer(words, width, datapath, limits)
     assert (done.results == expected.results).all() and (done.flags == expected.flags).all()
@@ -47,10 +47,10 @@ def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) 
 
 def listed(datapath: str, width: int) -> np.ndarray:
     """Return the hardest targets; a width that is not in the list uses the longest words, truncated."""
-    own = "arm" if MODELS[datapath].side else datapath if datapath in DATAPATHS else "lean"
-    longest = max(w for d, w in GROUPS if d == own)
-    found = width if (own, width) in GROUPS else longest
-    return worst_targets.array(GROUPS[own, found]) >> max(0, found - width)
+    listed_as = "arm" if MODELS[datapath].side else datapath if datapath in DATAPATHS else "lean"
+    longest = max(w for d, w in GROUPS if d == listed_as)
+    source = width if (listed_as, width) in GROUPS else longest
+    return worst_targets.array(GROUPS[listed_as, source]) >> max(0, source - width)
 
 
 def targets(datapath: str, width: int) -> np.ndarray:

@@ -22,18 +22,13 @@ ROWS = worst_targets.read(worst_targets.LIST)
 GROUPS = worst_targets.groups(ROWS)
 
 
-def test_a_chunk_depends_on_its_number_and_seed_only():
-    first = chunk(3, 32, 1)
-    assert (first == chunk(3, 32, 1)).all() and first.shape == (20000, 6)
-    assert not np.array_equal(first, chunk(4, 32, 1)) and not np.array_equal(first, chunk(3, 32, 2))
-    assert len(np.unique(first, axis=0)) > 19000
-
-
 @pytest.mark.parametrize("width", [16, 17, 18, 24, 32])
-def test_chunks_at_other_word_lengths(width):
-    words = chunk(0, width, 1)
-    assert words.shape == (20000, 6)
-    assert (words >= -(1 << (width - 1))).all() and (words < 1 << (width - 1)).all()
+def test_a_chunk_depends_on_its_number_and_seed_only(width):
+    first = chunk(3, width, 1)
+    assert (first == chunk(3, width, 1)).all() and first.shape == (20000, 6)
+    assert not np.array_equal(first, chunk(4, width, 1)) and not np.array_equal(first, chunk(3, width, 2))
+    assert width < 32 or len(np.unique(first, axis=0)) > 19000
+    assert (first >= -(1 << (width - 1))).all() and (first < 1 << (width - 1)).all()
 
 
 @pytest.mark.parametrize("width", [16, 32])
@@ -114,8 +109,8 @@ def of_all_kinds(width: int) -> np.ndarray:
     return np.concatenate([*(region(name, 20, width, 1) for name in REGIONS), unreachable(60, width, 1)])
 
 
-def rows_of(words, width=32, datapath="lean", found="here"):
-    return [worst_targets.Row(datapath, width, tuple(row), 0.5, found) for row in words.tolist()]
+def rows_of(words, width=32, source="here"):
+    return [worst_targets.Row("lean", width, tuple(row), 0.5, source) for row in words.tolist()]
 
 
 def test_merge_keeps_the_hardest_in_any_order():
@@ -137,21 +132,10 @@ def test_merge_keeps_the_hardest_in_any_order():
 
 def test_merge_keeps_groups_apart_and_nothing_twice_or_out_of_reach():
     words = of_all_kinds(18)
-    twice = rows_of(words, 18, found="b") + rows_of(words, 18, found="a")
+    twice = rows_of(words, 18, "b") + rows_of(words, 18, "a")
     kept = worst_targets.merge([*rows_of(words[:40], 20), *twice])
     assert kept == worst_targets.merge([*twice[::-1], *rows_of(words[:40], 20)])
     assert {(row.width, row.found) for row in kept} == {(20, "here"), (18, "a")}
     assert [row.width for row in kept] == sorted(row.width for row in kept)
     assert len({(row.width, row.words) for row in kept}) == len(kept)
     assert not any(expected_flags(np.array([row.words]), row.width)[0] & UNREACHABLE for row in kept)
-
-
-def test_the_list_reads_as_it_was_written(tmp_path):
-    rows = [
-        worst_targets.Row("lean", 18, (1, -2, 3, 4, 5, 6), 1.5e-8, "a, b"),
-        worst_targets.Row("paper", 32, (0,) * 6, None, "c"),
-        worst_targets.Row("arm", 18, (7,) * 12, 0.25, "d"),
-    ]
-    path = tmp_path / "list.csv"
-    path.write_text(worst_targets.text(rows), encoding="utf-8")
-    assert worst_targets.read(path) == rows

@@ -1,20 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of stream_tests.py, one pytest case each; all cases of a parameter set share one build and simulation."""
 
-import json
-import os
 import re
 import xml.etree.ElementTree as ElementTree
 
-import cocotb
 import pytest
 
 from model.dataflow.datapaths import MODELS
 from tb.core import stream_tests
-from tb.core.pipeline import Pipeline, pause
 from tb.sim.env import simulator
 from tb.sim.runner import simulate
-from tb.sim.wrapper_top import TOP, top_of
 
 # One set per datapath; tag widths 3 and 8. At W = 23 the paper datapath takes 255 clocks, for which a FIFO of 256 slots
 # would be too short. Streams do not depend on the word length: Icarus, which is slow, runs lean at W = 18, and only the
@@ -62,54 +57,19 @@ def failures(request, tmp_path_factory):
 
 LARGE = ("paper-23", "arm-18", "fold_arm-24") if simulator() == "icarus" else ()
 SOME = (*LARGE, "fold_arm16-18")  # differs from fold_arm-24 in the fetch of steps only: test_power_up resets it
-WHOLE = [key for key in SETS if key not in SOME]
-FEW = ("one_result", "recurrences", "idle=bursts/stall=bursts", "full", "after=out")
+FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out")
+CASES = [
+    *((key, name) for key in SETS for name in TESTS if key not in SOME or any(part in name for part in FEW)),
+    *(
+        pytest.param(key, name, marks=pytest.mark.slow)
+        for key in BYTES
+        for name in TESTS
+        if "idle=bursts/stall=bursts" in name or "after=out" in name
+    ),
+]
 
 
-@pytest.mark.parametrize("name", TESTS)
-@pytest.mark.parametrize("failures", WHOLE, indirect=True)
+@pytest.mark.parametrize(("failures", "name"), CASES, indirect=["failures"])
 def test_streams(failures, name):
-    assert name not in failures, failures[name]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in TESTS if "idle=bursts/stall=bursts" in name or "after=out" in name])
-@pytest.mark.parametrize("failures", BYTES, indirect=True)
-def test_words_of_whole_bytes(failures, name):
     """``ik_axis_bytes`` ignores the padding of targets, which is random, and sign-extends results."""
     assert name not in failures, failures[name]
-
-
-@pytest.mark.parametrize("name", [name for name in TESTS if any(part in name for part in FEW)])
-@pytest.mark.parametrize("failures", SOME, indirect=True)
-def test_some_streams(failures, name):
-    assert name not in failures, failures[name]
-
-
-@cocotb.test()
-async def side_by_side(dut):
-    """All instances run at once, with gaps and stalls."""
-    benches = [Pipeline(getattr(dut, name), nodes=False) for name in json.loads(os.environ["IK_INSTANCES"])]
-    for bench in benches:
-        await bench.reset()
-    for seed, bench in enumerate(benches):
-        bench.source.set_pause_generator(pause("bursts", seed))
-        bench.sink.set_pause_generator(pause("bursts", seed + 10))
-        bench.send(bench.mixed(60 if bench.period == 1 else 12, seed=seed))
-    for bench in benches:
-        await bench.drain()
-        bench.check()
-        assert len(bench.results) == len(bench.words) > 0
-
-
-CORES = {
-    f"{path}_{width}": (MODELS[path].top, {"W": width, "TAG_W": tag, **MODELS[path].parameters})
-    for path, width, tag in (("lean", 32, 8), ("lean25", 18, 3), ("fold", 24, 5), ("paper", 16, 1), ("arm", 17, 2))
-}
-
-
-@pytest.mark.sim
-@pytest.mark.slow
-@pytest.mark.cost(60)
-def test_five_cores_in_one_top():
-    simulate(TOP, "tb.core.test_streams", top=top_of(CORES), env={"IK_INSTANCES": json.dumps(list(CORES))}, name="five")

@@ -71,8 +71,8 @@ def named(count: int) -> tuple[str, ...]:
 
 def array(rows: Iterable[Row]) -> np.ndarray:
     """Return the input words of rows, (N, 6), or (N, 12) of the whole arm."""
-    found = [row.words for row in rows]
-    return np.array(found, dtype=np.int64).reshape(len(found), -1 if found else len(FIELDS))
+    words = [row.words for row in rows]
+    return np.array(words, dtype=np.int64).reshape(len(words), -1 if words else len(FIELDS))
 
 
 def groups(rows: Iterable[Row]) -> dict[tuple[str, int], list[Row]]:

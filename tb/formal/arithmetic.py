@@ -45,11 +45,11 @@ class Question:
 
 def answer(question: Question) -> tuple[float, str]:
     """Decide a question; return the seconds, and the problem if it is not proved."""
-    found = question.ask()
-    problem = "" if found.said == "unsat" else {"sat": "counterexample"}.get(found.said, found.said)
+    claim = question.ask()
+    problem = "" if claim.said == "unsat" else {"sat": "counterexample"}.get(claim.said, claim.said)
     if not problem and question.meet and (met := question.meet().said) != "sat":
         problem = f"its assumptions cannot be met: {met}"
-    return found.seconds, problem
+    return claim.seconds, problem
 
 
 def run(questions: Iterable[Question], wrong: Iterable[Question], pool: Executor, say: Say) -> Outcome:

@@ -10,6 +10,7 @@ integers D = 2^(DW-1), X = 2^XW >= 2 D and B = 2^ROWS, at least 8 for roots, so 
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterator
 from functools import partial
@@ -22,92 +23,76 @@ from tb.sim.seeded_bugs import Bug
 DIV = "tb/formal/ik_div_digit.vh"
 ROOT_DIGIT = "tb/formal/ik_root_digit.vh"
 
-LEVELS = (("||",), ("==",), (">=", "<=", "<"), ("<<",), ("+", "-"), ("*",))
-"""Operators of an expression, lowest precedence first."""
+PYTHON = {
+    r"\{[^{}]*\{1'b0\}\}": "0",
+    r"\{(\w+)\[\w+-2:0\], (\w+)\}": r"(2 * \1 + \2)",  # a bit appended
+    r"\{(\w+), 1'b0\}": r"(2 * \1)",
+    r"1'b([01])": r"\1",
+    r"\|\|": " or ",
+    r"\?": " if ",  # the condition comes first, as in Verilog: :func:`_term` reads it so
+    r":": " else ",
+}
+"""Replacements that turn a Verilog expression into one that Python can parse; both have the same precedences."""
 
-TOKEN = re.compile(r"\s*(\{[^{}]*\{[^{}]*\}\}|\{[^{}]*\}|1'b[01]|\w+(?:\[[^\]]*\])?|\|\||==|>=|<=|<<<?|[-+*?:()<~])")
+OPERATORS = {
+    ast.Or: "or",
+    ast.Eq: "=",
+    ast.GtE: ">=",
+    ast.LtE: "<=",
+    ast.Lt: "<",
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+}
 
 
 class FormulaError(LookupError):
     """An expression of a .vh file without an equivalent over the integers."""
 
 
-class _Reader:
-    """Parser of a Verilog expression into an SMT term over integers, ignoring overflow; ``names`` maps identifiers."""
-
-    def __init__(self, text: str, names: dict[str, str]) -> None:
-        self.text, self.names, self.left = text, names, []
-        place = 0
-        while text[place:].strip():
-            found = TOKEN.match(text, place)
-            if not found:
-                raise FormulaError(f"{text!r} at {text[place:]!r}")
-            self.left.append(found[1])
-            place = found.end()
-
-    def _next(self, *wanted: str) -> str:
-        return self.left.pop(0) if self.left and self.left[0] in wanted else ""
-
-    def choice(self) -> str:
-        condition = self.level(0)
-        if not self._next("?"):
-            return condition
-        yes = self.choice()
-        if not self._next(":"):
-            raise FormulaError(self.text)
-        return f"(ite {condition} {yes} {self.choice()})"
-
-    def level(self, depth: int) -> str:
-        if depth == len(LEVELS):
-            return self.primary()
-        term = self.level(depth + 1)
-        while sign := self._next(*LEVELS[depth], *(["<<<"] if "<<" in LEVELS[depth] else [])):
-            other = self.level(depth + 1)
-            if sign.startswith("<<"):  # by a number, or by ROWS, which maps to 2^ROWS
-                term = f"(* {term} {1 << int(other) if other.isdigit() else other})"
-            else:
-                term = f"({ {'||': 'or', '==': '='}.get(sign, sign) } {term} {other})"
-        return term
-
-    def primary(self) -> str:
-        if self._next("("):
-            term = self.choice()
-            if not self._next(")"):
-                raise FormulaError(self.text)
-            return term
-        if self._next("~"):
-            return f"(- (- 1) {self.primary()})"
-        if self._next("-"):
-            return f"(- {self.primary()})"
-        if not self.left:
-            raise FormulaError(self.text)
-        word = self.left.pop(0)
-        if word in self.names:
-            return self.names[word]
-        if word.isdigit() or word.startswith("1'b"):
-            return word[-1] if "'" in word else word
-        if re.fullmatch(r"\{\(\w+ - 1\) \{1'b0\}\}|\{\w+\{1'b0\}\}|\{\w+ \{1'b0\}\}", word):
-            return "0"
-        if found := re.fullmatch(r"\{(\w+)\[\w+-2:0\], (\w+)\}", word):  # a bit appended
-            return f"(+ (* 2 {self.names[found[1]]}) {self.names[found[2]]})"
-        raise FormulaError(f"{word!r} in {self.text!r}")
-
-
 def integer(text: str, names: dict[str, str]) -> str:
-    """Return the expression as an SMT term over integers."""
-    reader = _Reader(text, names)
-    term = reader.choice()
-    if reader.left:
-        raise FormulaError(f"{text!r} at {reader.left[0]!r}")
-    return term
+    """Return a Verilog expression as an SMT term over integers, ignoring overflow; ``names`` maps identifiers."""
+    python = text
+    for verilog, replacement in PYTHON.items():
+        python = re.sub(verilog, replacement, python)
+    try:
+        return _term(ast.parse(python.strip(), mode="eval").body, names)
+    except (SyntaxError, KeyError) as error:
+        raise FormulaError(f"{text!r}: {error}") from None
 
 
-def _one(text: str, pattern: str) -> str:
-    """Return the group of a pattern's only match."""
-    found = re.findall(pattern, text)
-    if len(found) != 1:
+def _term(node: ast.expr, names: dict[str, str]) -> str:
+    term = partial(_term, names=names)
+    match node:
+        case ast.Name() | ast.Attribute() | ast.Subscript():
+            return names[ast.unparse(node)]
+        case ast.Constant(value=int(number)):
+            return str(number)
+        case ast.IfExp(body=condition, test=yes, orelse=no):
+            return f"(ite {term(condition)} {term(yes)} {term(no)})"
+        case ast.UnaryOp(op=ast.Invert(), operand=a):
+            return f"(- (- 1) {term(a)})"
+        case ast.UnaryOp(op=ast.USub(), operand=a):
+            return f"(- {term(a)})"
+        case ast.BinOp(left=a, op=ast.LShift(), right=ast.Constant(value=int(places))):
+            return f"(* {term(a)} {1 << places})"
+        case ast.BinOp(left=a, op=ast.LShift(), right=b):  # by ROWS, which maps to 2^ROWS
+            return f"(* {term(a)} {term(b)})"
+        case (
+            ast.BinOp(left=a, op=operator, right=b)
+            | ast.Compare(left=a, ops=[operator], comparators=[b])
+            | ast.BoolOp(op=operator, values=[a, b])
+        ):
+            return f"({OPERATORS[type(operator)]} {term(a)} {term(b)})"
+    raise KeyError(ast.unparse(node))
+
+
+def _read(text: str, pattern: str, names: dict[str, str]) -> str:
+    """Return the term of the expression that a pattern's only match has as its group."""
+    expressions = re.findall(pattern, text)
+    if len(expressions) != 1:
         raise FormulaError(f"not exactly one {pattern!r}")
-    return found[0]
+    return integer(expressions[0], names)
 
 
 def _asked(name: str, says: str, names: str, facts: list[str], claim: str) -> Question:
@@ -120,26 +105,15 @@ WORDS = ["(< 0 D)", "(<= (* 2 D) X)", "(< 0 B)"]
 
 
 def _divider(text: str) -> Iterator[Question]:
-    names = {"P": "P", "Q": "Q", "bit_q": "q", "dv": "d", "R": "R", "sign": "sign", "ROWS": "B"}
-    names["bit_q"] = "(= q 1)"
-    p_next = integer(_one(text, r"wire \[XW-1:0\] P_next = (.*);"), names)
-    q_next = integer(_one(text, r"wire \[ROWS-1:0\] Q_next = (.*);"), {**names, "bit_q": "q"})
-    flag = {"over_q": "false", "P_q": "P", "R": "R"}
-    held, come = _one(text, r"\.identity\(over_q \|\| (P_q \+ R) == (M_q >> \(ROWS - 1 - k\))\)")
-    if come != "M_q >> (ROWS - 1 - k)":
-        raise FormulaError(come)
-    total = integer(held, flag)
-    below = _one(text, r"\.in_range\(\(over_q \|\| \((.*?) && r_plus").replace("g_row[k].divisor_q", "d")
-    least = integer(below, {"R": "R", "d": "d"})
-    magnitude = integer(
-        _one(text, r"f_M_1 <= (n\[NW-1\] \? .*);").replace("n[NW-1]", "minus"), {"minus": "(< N 0)", "f_N": "N"}
-    )
-    over = integer(
-        _one(text, r"wire f_over_1 = f_d_1\[DW-1\] \|\| (.*);"), {"f_M_wide": "M", "f_d_wide": "d", "ROWS": "B"}
-    )
-    out = integer(
-        _one(text, r"f_over_rows, (f_sign_rows \? .*)\};"), {"f_sign_rows": "(< N 0)", "f_magnitude": "magnitude"}
-    )
+    read = partial(_read, text)
+    p_next = read(r"wire \[XW-1:0\] P_next = (.*);", {"P": "P", "bit_q": "(= q 1)", "dv": "d"})
+    q_next = read(r"wire \[ROWS-1:0\] Q_next = (.*);", {"Q": "Q", "bit_q": "q"})
+    total = read(r"\.identity\(over_q \|\| (P_q \+ R) == M_q >> \(ROWS - 1 - k\)\)", {"P_q": "P", "R": "R"})
+    least = read(r"\.in_range\(\(over_q \|\| \((.*?) && r_plus", {"R": "R", "g_row[k].divisor_q": "d"})
+    magnitude = read(r"f_M_1 <= (n\[NW-1\] \? .*);", {"n[NW - 1]": "(< N 0)", "f_N": "N"})
+    wide = {"f_M_wide": "M", "f_d_wide": "d", "ROWS": "B"}
+    over = read(r"wire f_over_1 = f_d_1\[DW-1\] \|\| (.*);", wide)
+    out = read(r"f_over_rows, (f_sign_rows \? .*)\};", {"f_sign_rows": "(< N 0)", "f_magnitude": "magnitude"})
     names = "P Q R d q bit M X D B R2 P2 Q2 M2 t"
     row = [*WORDS, "(<= 0 q 1)", BIT, "(<= 0 R)", least, "(< d D)", "(<= 0 M)", "(<= 0 Q)"]
     row += ["(= P (* Q d))", f"(= {total} M)"]
@@ -191,13 +165,12 @@ def _divider(text: str) -> Iterator[Question]:
 
 
 def _root(text: str) -> Iterator[Question]:
-    names = {"S": "S", "Q": "Q", "Q_wide": "Q", "bit_q": "(= q 1)"}
-    s_next = integer(_one(text, r"wire \[MW-1:0\] S_next = (.*);"), names)
-    q_next = integer(_one(text, r"wire \[ROWS-1:0\] Q_next = (.*);"), {**names, "bit_q": "q"})
-    held = _one(text, r"\.identity\((S_q \+ R) == M_q >> \(2 \* \(ROWS - 1 - k\)\)\)")
-    total = integer(held, {"S_q": "S", "R": "R"})
-    doubled = _one(text, r"wire \[MW:0\] Q_twice = (\{Q_q, 1'b0\});")
-    least = integer(_one(text, r"\.in_range\((.*?) && r_plus"), {"R": "R", "Q_twice": "(* 2 Q)" * bool(doubled)})
+    read = partial(_read, text)
+    s_next = read(r"wire \[MW-1:0\] S_next = (.*);", {"S": "S", "Q_wide": "Q", "bit_q": "(= q 1)"})
+    q_next = read(r"wire \[ROWS-1:0\] Q_next = (.*);", {"Q": "Q", "bit_q": "q"})
+    total = read(r"\.identity\((S_q \+ R) == M_q >> \(2 \* \(ROWS - 1 - k\)\)\)", {"S_q": "S", "R": "R"})
+    twice = read(r"wire \[MW:0\] Q_twice = (\{Q_q, 1'b0\});", {"Q_q": "Q"})
+    least = read(r"\.in_range\((.*?) && r_plus", {"R": "R", "Q_twice": twice})
     names = "S Q R q pair M B R2 S2 Q2 M2 t"
     row = ["(<= 8 B)", "(<= 0 q 1)", "(<= 0 pair 3)", "(<= 0 R)", least, "(<= 0 Q)", "(< Q B)", "(<= 0 M)"]
     row += ["(= S (* Q Q))", f"(= {total} M)"]

@@ -88,14 +88,13 @@ class Proof:
     @property
     def files(self) -> list[Path]:
         """Return modules, property files and the headers that they include."""
-        known = {path.stem: path for path in [*sources(), *FORMAL.glob("*.v")]}
-        found = [known[name] for name in [*self.others.split(), self.top]]
-        found += [FORMAL / f"{name}.vh" for name in self.appended.values()]
-        given = {path.name: path for path in [*headers(), *FORMAL.glob("*.vh")]}
-        for path in found:
+        known = {path.name: path for path in [*sources(), *headers(), *FORMAL.glob("*.v"), *FORMAL.glob("*.vh")]}
+        files = [known[f"{name}.v"] for name in [*self.others.split(), self.top]]
+        files += [FORMAL / f"{name}.vh" for name in self.appended.values()]
+        for path in files:
             named = re.findall(r'`include "(\w+\.vh)"', path.read_text())
-            found += [given[name] for name in named if name in given and given[name] not in found]
-        return found
+            files += [known[name] for name in named if name in known and known[name] not in files]
+        return files
 
 
 class Design:
@@ -143,14 +142,11 @@ class Design:
         """Return the covers that are reached, with their clocks, and the problem if there is one."""
         path = self._write("cover", (), COVER, "IK_COVER")
         _, said = call([*SMTBMC, "-c", "-t", self.proof.depth, path.relative_to(ROOT)])
-        found = [
-            (name, int(clock)) for clock, name in re.findall(r"Reached cover .* in step (\d+) at \S+: (\S+)", said)
-        ]
+        reached = re.findall(r"Reached cover .* in step (\d+) at \S+: (\S+)", said)
         wanted = len(re.findall(r"^; yosys-smt2-cover ", path.read_text(), re.M))
         missed = re.findall(r"Unreached cover statement at \S+: (\S+)", said)
-        return found, "" if found and len(
-            found
-        ) == wanted else f"covers not reached: {', '.join(missed) or said[-200:]}"
+        problem = f"covers not reached: {', '.join(missed) or said[-200:]}"
+        return [(name, int(clock)) for clock, name in reached], "" if len(reached) == wanted > 0 else problem
 
     def trace(self) -> Path:
         """Write a waveform of a clock after which a property fails, if one is found in time."""
@@ -179,8 +175,8 @@ class Steps:
     @staticmethod
     def slice(name: str) -> int:
         """Return the number of a property's slice: 16 for g_slice[16].u.rows_bound, -1 without a slice."""
-        found = re.match(r"g_slice\[(\d+)\]", name)
-        return int(found[1]) if found else -1
+        number = re.match(r"g_slice\[(\d+)\]", name)
+        return int(number[1]) if number else -1
 
     def named(self, wanted: str, of: str = "") -> list[str]:
         """Return the full names of `wanted`, as property `of` uses it."""
@@ -222,8 +218,8 @@ def survives(proof: Proof, bug: Bug) -> str:
     try:
         design = Design(proof, BUILD / proof.name / "bug", bug)
         if proof.gates:
-            found = design.gates()
-            return "" if "assertion failed" in found.lower() else f"survives ({found})"
+            error = design.gates()
+            return "" if "assertion failed" in error.lower() else f"survives ({error})"
         steps = design.formula()
     except (LookupError, ProofError) as error:
         return f"cannot be built: {error}"
@@ -238,16 +234,7 @@ def survives(proof: Proof, bug: Bug) -> str:
 
 def digest(proof: Proof) -> str:
     """Return the digest of sources and questions."""
-    asked = (
-        proof.sets,
-        proof.appended,
-        proof.defines,
-        proof.script,
-        proof.claims,
-        proof.uses,
-        proof.after,
-        proof.gates,
-    )
+    asked = proof.sets, proof.appended, proof.defines, proof.script, proof.claims, proof.uses, proof.after, proof.gates
     return digest_of(repr(asked), TACTIC, CLEAN, PREPARE, *(code(path) for path in proof.files))
 
 

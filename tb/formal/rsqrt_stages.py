@@ -10,7 +10,7 @@ use one arbitrary word of the table; the table's words are compared with the mod
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from model.dataflow.formats import WIDTHS, root_frac
@@ -51,11 +51,8 @@ class Term:
     lower: bool = False
     products: tuple[list, list] | None = None  # the registers, and the factors found
 
-    def _of(self, text: str) -> "Term":
-        return Term(text, self.lower, self.products)
-
     def _with(self, operator: str, other) -> "Term":
-        return self._of(f"({operator} {self.text} {_text(other)})")
+        return replace(self, text=f"({operator} {self.text} {_text(other)})")
 
     def __add__(self, other):
         return self._with("bvadd", other)
@@ -66,7 +63,7 @@ class Term:
         return self._with("bvsub", other)
 
     def __neg__(self):
-        return self._of(f"(bvneg {self.text})")
+        return replace(self, text=f"(bvneg {self.text})")
 
     def __and__(self, other):
         return self._with("bvand", other)
@@ -83,7 +80,7 @@ class Term:
     def __mul__(self, other):
         registers, factors = self.products
         factors.append((self, other))
-        return self._of(registers[len(factors) - 1])
+        return replace(self, text=registers[len(factors) - 1])
 
 
 def _text(value) -> str:
@@ -104,11 +101,12 @@ def model(form: Form, frac: int, row, m):
 
 @dataclass(frozen=True)
 class Product:
-    """A product's register and its factors."""
+    """A product's register, its factors in the clock before, and the clock of the register."""
 
     name: str
     register: str
     factors: tuple[str, str]
+    clock: int
 
 
 class Stages:
@@ -120,9 +118,9 @@ class Stages:
         place = BUILD / ("bug" if bug else f"{frac}_{tile}")
         copy_rtl(place, bug)
         here = place.relative_to(ROOT)
-        own = f"{here}/{RSQRT} {here}/{QUADRATIC} {here}/rtl/lib/ik_delay.v"
+        read = f"{here}/{RSQRT} {here}/{QUADRATIC} {here}/rtl/lib/ik_delay.v"
         wrong = yosys(place, "formula", [
-            f"read_verilog -formal -sv -I{here}/rtl/include {own}", f"chparam -set F {frac} -set TILE {tile} ik_rsqrt",
+            f"read_verilog -formal -sv -I{here}/rtl/include {read}", f"chparam -set F {frac} -set TILE {tile} ik_rsqrt",
             "hierarchy -check -top ik_rsqrt", "proc", "flatten", "opt_clean", "memory_collect", "opt_clean",
             "async2sync", "dffunmap", f"write_smt2 -wires {here}/formula.smt2",
         ])  # fmt: skip
@@ -180,17 +178,16 @@ class Stages:
         return Answer("sat" if wrong else "unsat", 0.0)
 
     @property
-    def products(self) -> list[tuple[Product, int]]:
-        """Return the products in the order of the model, with the clock of each register."""
-        found = []
+    def products(self) -> list[Product]:
+        """Return the products in the order of the model."""
         after = 7 if self.bent else 4
+        products = [Product("hh", "hh_2", ("slope_hi_1", "u_hi_1"), after)]
         if self.bent:
-            found.append((Product("bend", "g_bend.bend", ("g_bend.c2_in", "g_bend.u_in")), 4))
-        found.append((Product("hh", "hh_2", ("slope_hi_1", "u_hi_1")), after))
+            products.insert(0, Product("bend", "g_bend.bend", ("g_bend.c2_in", "g_bend.u_in"), 4))
         if self.form.tiles > 1:
-            found.append((Product("hl", "g_tiles.hl_2", ("slope_hi_1", "g_tiles.u_lo_1")), after))
-            found.append((Product("lh", "g_tiles.lh_2", ("g_tiles.slope_lo_1", "u_hi_1")), after))
-        return found
+            products.append(Product("hl", "g_tiles.hl_2", ("slope_hi_1", "g_tiles.u_lo_1"), after))
+            products.append(Product("lh", "g_tiles.lh_2", ("g_tiles.slope_lo_1", "u_hi_1"), after))
+        return products
 
     def _ask(self, claim: str, facts: list[str]) -> Answer:
         formula = self.whole if "bvmul" in claim else self.unrolled
@@ -208,7 +205,7 @@ class Stages:
     def _fit(self) -> Answer:
         """Check that each product fits for all factors of its widths; the first (c2, part of a slope) is >= 0."""
         widths = self.unrolled.widths
-        for product, _ in self.products:
+        for product in self.products:
             a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)
             facts = [inside("a", 0, (1 << a - 1) - 1), word("b", b)]
             answer = ask(integers("a b", facts, word("(* a b)", widths[f"u_quadratic.{product.register}"])))
@@ -219,12 +216,12 @@ class Stages:
     def _run(self, lower: bool, below: bool):
         """Run the model on the terms of the Verilog; return row, u, result and the products' factors."""
         factors: list = []
-        registers = [self.at(f"u_quadratic.{p.register}", clock) for p, clock in self.products]
+        registers = [self.at(f"u_quadratic.{p.register}", p.clock) for p in self.products]
         text = self.at("m_next", 0, signed=False)
         if below:
             text = f"(bvor {text} {_number(1 << self.frac + 1, WIDE)})"
         c0, *others = (Term(text, lower, (registers, factors)) for text in self.row)
-        form = Form(**{**self.form.__dict__, "c_frac": (self.form.sum_frac, *self.form.c_frac[1:])})
+        form = replace(self.form, c_frac=(self.form.sum_frac, *self.form.c_frac[1:]))
         return (*model(form, self.frac, (c0, *others), Term(text, lower, (registers, factors))), factors)
 
     def _cases(self, claim) -> Answer:
@@ -234,8 +231,8 @@ class Stages:
         for lower, below in ((True, True), (True, False), (False, False)):
             case = [f"(bvult {m} {half})" if lower else f"(bvuge {m} {half})"]
             case += [f"(bvult {m} {quarter})" if below else f"(bvuge {m} {quarter})"]
-            found = self._run(lower, below)
-            answer = self._ask(claim(*found) if claim else "false", [*case, self._slope(found[-1])])
+            terms = self._run(lower, below)
+            answer = self._ask(claim(*terms) if claim else "false", [*case, self._slope(terms[-1])])
             seconds += answer.seconds
             if answer.said != ("unsat" if claim else "sat"):
                 break
@@ -246,10 +243,21 @@ class Stages:
         high, bits = factors[int(self.bent)][0].text, self.unrolled.widths["u_quadratic.slope_hi_1"] - 1
         return f"(and (bvsle {_number(0, WIDE)} {high}) (bvslt {high} {_number(1 << bits, WIDE)}))"
 
+    def _factors(self, number: int, product: Product, row, u, y, factors) -> str:
+        """Return the claim that the words before a product are the model's factors."""
+        words = (self.at(f"u_quadratic.{name}", product.clock - 1) for name in product.factors)
+        equal = (f"(= {word} {_text(factor)})" for word, factor in zip(words, factors[number], strict=True))
+        return f"(and {' '.join(equal)})"
+
+    def _multiplied(self, product: Product, row, u, y, factors) -> str:
+        """Return the claim that a register holds the product of the words before it."""
+        at, widths = self.unrolled.at, self.unrolled.widths
+        names, register = [f"u_quadratic.{name}" for name in product.factors], f"u_quadratic.{product.register}"
+        terms = (f"((_ sign_extend {widths[register] - widths[name]}) {at(name, product.clock - 1)})" for name in names)
+        return f"(= {at(register, product.clock)} (bvmul {' '.join(terms)}))"
+
     def _claims(self) -> Iterator[tuple[str, str, object]]:
-        top = self.unrolled.top
-        width = self.unrolled.widths
-        address = f"|{top}_m:R0A rom@0|"
+        address = f"|{self.unrolled.top}_m:R0A rom@0|"
         longer = WIDE - self.form.index_bits
         yield (
             "address",
@@ -257,29 +265,14 @@ class Stages:
             lambda row, u, y, f: f"(= ((_ zero_extend {longer}) {address}) {_text(row)})",
         )
         yield "u", "u_1 is the model's u", lambda row, u, y, f: f"(= {self.at('u_1', 2)} {u.text})"
-        for number, (product, clock) in enumerate(self.products):
-            register, (a, b) = product.register, product.factors
-
-            def factors(row, u, y, found, number=number, a=a, b=b, clock=clock):
-                first, second = found[number]
-                one, other = (self.at(f"u_quadratic.{name}", clock - 1) for name in (a, b))
-                return f"(and (= {one} {_text(first)}) (= {other} {_text(second)}))"
-
-            def multiplied(row, u, y, found, register=register, a=a, b=b, clock=clock):
-                long = width[f"u_quadratic.{register}"]
-                terms = (
-                    f"((_ sign_extend {long - width[f'u_quadratic.{name}']}) "
-                    f"{self.unrolled.at(f'u_quadratic.{name}', clock - 1)})"
-                    for name in (a, b)
-                )
-                return f"(= {self.unrolled.at(f'u_quadratic.{register}', clock)} (bvmul {' '.join(terms)}))"
-
-            yield f"{product.name}, factors", f"{a} and {b} are the model's factors", factors
-            yield f"{product.name}, product", f"{register} is their product", multiplied
+        for number, product in enumerate(self.products):
+            factors = partial(self._factors, number, product)
+            yield f"{product.name}, factors", f"{' and '.join(product.factors)} are the model's factors", factors
+            yield f"{product.name}, product", f"{product.register} is their product", partial(self._multiplied, product)
         y, twice = self.unrolled.at("y", self.clocks), self.unrolled.at("twice", 1)
         yield (
             "y",
-            "the result is the model's, doubled where twice says so",
+            "the result is the model's, doubled where twice is 1",
             lambda row, u, result, f: (
                 f"(= {y} ((_ extract {self.frac} 0) (ite {twice} {(result << 1).text} {result.text})))"
             ),

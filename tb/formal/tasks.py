@@ -23,17 +23,14 @@ def _files(names: Iterable[str]) -> str:
     return digest_of(*(code(ROOT / name) for name in names))
 
 
-def _numbers(
-    name: str,
-    what: str,
-    digest: Callable[[], str],
-    questions: Callable[[], Iterable[Question]],
-    wrong: Callable[[], Iterable[Question]],
-) -> Task:
+Questions = Callable[[], Iterable[Question]]
+
+
+def _numbers(name: str, what: str, digest: Callable[[], str], questions: Questions, wrong: Questions) -> Task:
     return Task(name, what, "z3", digest, lambda pool, say: arithmetic.run(questions(), wrong(), pool, say))
 
 
-def _seeded(name: str, questions: Callable) -> Callable[[], Iterable[Question]]:
+def _seeded(name: str, questions: Callable) -> Questions:
     bug = BUGS[name]
     return lambda: (question for question in questions(bug) if question.name == bug.fails)
 

@@ -7,7 +7,7 @@ With constants instead of functions of a state, z3 recognizes equal expressions 
 import re
 import time
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, lru_cache
 
 from tb.formal.tools import call
 
@@ -51,10 +51,7 @@ class Unrolled:
         plain = "\n".join(line for line in lines if "set-option" not in line and f"|{self.top}_is|" not in line)
         place = plain.index(f"(define-fun |{self.top}_t| ")
         self._clock, self._step = plain[:place], plain[place:]
-
-    @cached_property
-    def _made(self) -> dict[int, str]:
-        return {}
+        self.clocks = cache(self._clocks)
 
     def _one(self, clock: int) -> str:
         text = re.sub(r"\(\|([^|]+)\| state\)", rf"|\1@{clock}|", self._clock)
@@ -66,13 +63,11 @@ class Unrolled:
         text = re.sub(r"\(\|([^|]+)\| next_state\)", rf"|\1@{clock + 1}|", text)
         return re.sub(r"\(define-fun \|[^|]+\| \(\(state \|[^|]+\|\) \(next_state \|[^|]+\|\)\) Bool", "(assert", text)
 
-    def clocks(self, steps: int) -> str:
+    def _clocks(self, steps: int) -> str:
         """Return the formula of clocks 0 to `steps`, from any state."""
-        if steps not in self._made:
-            parts = [self._one(clock) for clock in range(steps + 1)]
-            parts += [f"(assert |{self.top}_h@{c}|)\n(assert |{self.top}_u@{c}|)" for c in range(steps + 1)]
-            self._made[steps] = "\n".join(parts + [self._next(clock) for clock in range(steps)])
-        return self._made[steps]
+        parts = [self._one(clock) for clock in range(steps + 1)]
+        parts += [f"(assert |{self.top}_h@{c}|)\n(assert |{self.top}_u@{c}|)" for c in range(steps + 1)]
+        return "\n".join(parts + [self._next(clock) for clock in range(steps)])
 
     def at(self, signal: str, clock: int) -> str:
         """Return a signal of the module in a clock."""

@@ -81,13 +81,13 @@ class Board:
 
     async def heard(self, count: int, most: int = 0) -> list[tuple[int, int, list[int]]]:
         """Return received answers: until ``count`` have arrived, with a time limit, or for ``most`` clocks."""
-        found: list = []
+        answers: list = []
         for _ in range((most or (count + 1) * (ANSWER_BYTES + 3) * BYTE) // BYTE):
             await self.clocks(BYTE)
-            found += self.answers(bytes(self.sink.read_nowait()))
-            if len(found) == count and not most:
+            answers += self.answers(bytes(self.sink.read_nowait()))
+            if len(answers) == count and not most:
                 break
-        return found
+        return answers
 
     async def nothing(self) -> None:
         """Check that no byte arrives for as long as an answer would take."""
@@ -99,16 +99,13 @@ class Board:
         return "".join(name for name in "GR" if not int(getattr(self.dut, f"LED{name}_N").value))
 
 
-def targets(count: int, seed: int = 1) -> tuple[np.ndarray, list[tuple[int, int, list[int]]]]:
-    """Return words of targets of all kinds, and their answers with tags that count from 7 and wrap after 255."""
+def targets(count: int, seed: int = 1) -> tuple[list[bytes], list[tuple[int, int, list[int]]]]:
+    """Return frames of targets of all kinds, and their answers, with tags that count from 7 and wrap after 255."""
     words = (arm_targets if ARM else mixed)(count, WIDTH, seed)
     model = answer(words, WIDTH, "fold_arm16" if ARM else "fold16")
-    flags, results = np.asarray(model.flags).tolist(), model.results.tolist()
-    return words, [((k + 7) % 256, flag, result) for k, (flag, result) in enumerate(zip(flags, results, strict=True))]
-
-
-def frames(words: np.ndarray, answers: list) -> list[bytes]:
-    return [frame(tag, row) for row, (tag, _, _) in zip(words, answers, strict=True)]
+    tags = [(k + 7) % 256 for k in range(count)]
+    answers = zip(tags, np.asarray(model.flags).tolist(), model.results.tolist(), strict=True)
+    return list(map(frame, tags, words)), list(answers)
 
 
 async def board(dut, **options) -> Board:
@@ -119,8 +116,8 @@ async def board(dut, **options) -> Board:
 
 async def still_works(at: Board, seed: int = 5) -> None:
     """Check that a target is answered and that the red LED is off afterwards."""
-    words, expected = targets(1, seed)
-    await at.send(frames(words, expected)[0])
+    (sent,), expected = targets(1, seed)
+    await at.send(sent)
     assert await at.heard(1) == expected
     assert at.lit() == "G"
 
@@ -145,9 +142,9 @@ async def out_of_reset(dut):
 async def every_bit(dut, skew):
     """Targets without a pause, at two stop bits, from a sender with clock skew; answers of hand poses take longer."""
     at = await board(dut, skew=skew)
-    words, expected = targets(TARGETS, seed=int(100 * skew) + 3)
-    for one in frames(words, expected):
-        at.source.write_nowait(one)
+    sent, expected = targets(TARGETS, seed=int(100 * skew) + 3)
+    for target in sent:
+        at.source.write_nowait(target)
         if ARM:
             await at.clocks(ANSWER_BYTES * BYTE)
     assert await at.heard(TARGETS) == expected
@@ -159,8 +156,8 @@ async def every_bit(dut, skew):
 async def answer_at_once(dut):
     """A single target is answered after its last byte; the answer has no gaps."""
     at = await board(dut)
-    words, expected = targets(1)
-    cocotb.start_soon(at.source.write(frames(words, expected)[0]))
+    (sent,), expected = targets(1)
+    cocotb.start_soon(at.source.write(sent))
     await at.clocks(TARGET_BYTES * (BYTE + BIT) - 3 * BIT)
     assert at.sink.empty() and int(dut.TX.value) == 1
     await FallingEdge(dut.TX)
@@ -175,8 +172,7 @@ async def wrong_bits(dut):
     """A wrong bit in any byte gives no answer and lights the red LED, except in the first byte, which then starts no
     frame. A CRC with one matching half is rejected as well."""
     at = await board(dut)
-    words, expected = targets(22, seed=9)
-    sent = frames(words, expected)
+    sent, _ = targets(22, seed=9)
     wrong = [bytes(byte ^ (at == k) << k % 8 for at, byte in enumerate(one)) for k, one in enumerate(sent)]
     checks = [sent[0][:-2] + check.to_bytes(2, "big") for check in range(1 << 16)]
     left = [binascii.crc_hqx(one[1:], 0xFFFF) for one in checks]
@@ -193,8 +189,7 @@ async def wrong_bits(dut):
 async def cut_frames(dut):
     """A truncated frame is dropped after a pause; bytes between frames are ignored."""
     at = await board(dut)
-    words, expected = targets(1, seed=11)
-    (sent,) = frames(words, expected)
+    (sent,), expected = targets(1, seed=11)
     for length in (1, 2, 20, 21):
         await at.send(sent[:length])
         await at.clocks(QUIET - 2 * BYTE)
@@ -215,8 +210,7 @@ async def cut_frames(dut):
 async def noise(dut):
     """A low pulse shorter than half a bit is no start bit, neither when idle nor within a frame."""
     at = await board(dut)
-    words, expected = targets(1, seed=12)
-    (sent,) = frames(words, expected)
+    (sent,), expected = targets(1, seed=12)
 
     async def glitch():
         dut.RX.value = 0
@@ -237,8 +231,7 @@ async def noise(dut):
 async def no_stop_bit(dut):
     """A byte without a stop bit ends its frame at once and starts none."""
     at = await board(dut)
-    words, expected = targets(1, seed=13)
-    (sent,) = frames(words, expected)
+    (sent,), expected = targets(1, seed=13)
 
     async def cut_off(byte: int):
         for level in (0, *(byte >> k & 1 for k in range(8)), 0):
@@ -263,8 +256,7 @@ async def no_stop_bit(dut):
 async def button(dut):
     """The button aborts everything: a frame being received, a target in the core, an answer being sent, the red LED."""
     at = await board(dut)
-    words, expected = targets(2, seed=14)
-    first, second = frames(words, expected)
+    (first, second), _ = targets(2, seed=14)
     for pause in (0, 40, 6 * BYTE):  # target in the core, answer being sent
         await at.send(first)
         cocotb.start_soon(at.source.write(second[:10]))
@@ -293,12 +285,12 @@ async def more_than_it_can_take(dut):
     """Targets sent with one stop bit arrive faster than answers leave: frames without room are dropped whole, and all
     answers are right."""
     at = await board(dut, stop_bits=1)
-    words, expected = targets(50, seed=15)
-    at.source.write_nowait(b"".join(frames(words, expected)))
+    sent, expected = targets(50, seed=15)
+    at.source.write_nowait(b"".join(sent))
     red = cocotb.start_soon(lights(dut.LEDR_N))
-    found = await at.heard(0, most=51 * ANSWER_BYTES * BYTE)
-    assert 25 < len(found) < 50
-    assert found == [answer for answer in expected if answer in found]
+    answers = await at.heard(0, most=51 * ANSWER_BYTES * BYTE)
+    assert 25 < len(answers) < 50
+    assert answers == [answer for answer in expected if answer in answers]
     assert red.done()
     await still_works(at)
 

@@ -74,17 +74,17 @@ def use_environment() -> None:
     os.environ.update(env)
 
 
+def _choice(what: str, choices: tuple[str, ...], name: str | None) -> str:
+    if (name or choices[0]) not in choices:
+        raise ValueError(f"unknown {what} {name!r}: use {' or '.join(choices)}")
+    return name or choices[0]
+
+
 def simulator(name=None) -> str:
     """Return the simulator: `name`, else SIM, else icarus. Raises ValueError if it is unknown."""
-    sim = name or os.environ.get("SIM") or "icarus"
-    if sim not in SIMULATORS:
-        raise ValueError(f"unknown simulator {sim!r}: use {' or '.join(SIMULATORS)}")
-    return sim
+    return _choice("simulator", SIMULATORS, name or os.environ.get("SIM"))
 
 
 def cores(name=None) -> str:
     """Return the kind of dividers and roots: `name`, else IK_CORES, else behavioural. Raises ValueError if unknown."""
-    kind = name or os.environ.get("IK_CORES") or CORES[0]
-    if kind not in CORES:
-        raise ValueError(f"unknown cores {kind!r}: use {' or '.join(CORES)}")
-    return kind
+    return _choice("cores", CORES, name or os.environ.get("IK_CORES"))

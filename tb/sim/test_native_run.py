@@ -15,12 +15,7 @@ from tb.sim.simulate import simulate
 WIDTH = 18
 QUICK = 3  # a word length that builds quickly
 
-
-def test_what_cannot_run_natively(tmp_path):
-    jobs = [Job("some", mixed(5, WIDTH, seed=1))]
-    for wrong in ({"simulator": "icarus"}, {"simulator": "verilator", "waves": tmp_path / "waves.vcd"}):
-        with pytest.raises(ValueError, match="only Verilator runs natively"):
-            simulate(jobs, datapath="lean", width=WIDTH, native=True, **wrong)
+pytestmark = [pytest.mark.sim, pytest.mark.slow]
 
 
 if simulator() == "verilator":
@@ -44,8 +39,6 @@ if simulator() == "verilator":
         core["root"] = copy_rtl(folder, bug)
         return [simulate(jobs, **core, native=native)[0] for native in ways]
 
-    @pytest.mark.sim
-    @pytest.mark.slow
     def test_both_ways_give_the_same(monkeypatch):
         """Several jobs, one of them longer than a frame."""
         monkeypatch.setattr(native_run, "FRAME", 100)
@@ -55,8 +48,6 @@ if simulator() == "verilator":
             for ours, theirs in zip(vars(native).values(), vars(cocotb).values(), strict=True):
                 assert np.array_equal(ours, theirs)
 
-    @pytest.mark.sim
-    @pytest.mark.slow
     def test_a_difference_is_told_in_the_same_words(tmp_path):
         bug = Bug("sign", "rtl/lean/ik_lean_turn.v", "c_plus <= cc - ss;", "c_plus <= cc + ss;")
         cocotb, native = broken(tmp_path, bug)
@@ -65,8 +56,6 @@ if simulator() == "verilator":
         assert native.first_mismatch == cocotb.first_mismatch
         assert (native.results == cocotb.results).all() and (native.flags == cocotb.flags).all()
 
-    @pytest.mark.sim
-    @pytest.mark.slow
     @pytest.mark.parametrize("name", ["x_sq", "u_x", "clamp", "qs_k"])
     def test_every_bit_of_a_node_counts(program, name):
         words = mixed(100, WIDTH, seed=2)
@@ -83,8 +72,6 @@ if simulator() == "verilator":
             assert run.first_mismatch.startswith(f"first difference: {node.section}.{name} ")
             assert " of target 57 at clock " in run.first_mismatch
 
-    @pytest.mark.sim
-    @pytest.mark.slow
     def test_results_and_flags_at_the_port_count(program):
         """Wrong results or flags after right nodes, for example from the FIFO, are reported."""
 
@@ -98,8 +85,6 @@ if simulator() == "verilator":
             with pytest.raises(SimulationError, match="target 3: its nodes are right, its result or flags are not"):
                 native_run.compare(program, spoiled(mixed(100, WIDTH, seed=2), change), WIDTH, "lean")
 
-    @pytest.mark.sim
-    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("module", "right", "wrong", "message"),
         [

@@ -34,13 +34,13 @@ def top_of(instances: dict[str, tuple[str, dict[str, int]]], more: Iterable[Path
 
 def _wrapper(module: str, parameters: str, ports: str) -> str:
     kinds = {"input": "reg ", "output": "wire"}
-    found = PORT.findall(ports)
+    declared = PORT.findall(ports)
     names = re.findall(r"parameter integer (\w+)", parameters)
-    ports = [name for *_, name in found]
+    ports = [name for *_, name in declared]
     return "\n".join(
         [
             f"module {module}_wrapper #({parameters});",
-            *(f"  {kinds[way]} {form} {name};" for way, form, name in found),
+            *(f"  {kinds[way]} {form} {name};" for way, form, name in declared),
             f"  {module} #({_by_name(names, names)}) u ({_by_name(ports, ports)});",
             "endmodule",
         ]

@@ -6,12 +6,11 @@ import random
 from functools import partial
 
 import numpy as np
-from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge
 
 from model.dataflow import angles
 from model.dataflow.expressions import round_shift
 from model.dataflow.formats import Latency
+from tb.units.test_fold import Ports, check
 from tb.units.unit import (
     BIT,
     EVERY,
@@ -19,7 +18,6 @@ from tb.units.unit import (
     Tests,
     Vector,
     checks,
-    each,
     rounded,
     runs,
     sets_of,
@@ -34,8 +32,8 @@ def words(W: int, count: int = 1000) -> list[Vector]:
     """Return vectors of words in random order: all of them up to EVERY, else ``count``, a quarter along an axis."""
     if 1 << 2 * W <= EVERY:
         return random.sample(list(itertools.product(signed(W), signed(W))), 1 << 2 * W)
-    found = [(x * random.choice((0, 1, 1, 1)), y) for x, y in some(count, signed(W), signed(W))]
-    return [pair if random.random() < 0.8 else pair[::-1] for pair in found]
+    pairs = [(x * random.choice((0, 1, 1, 1)), y) for x, y in some(count, signed(W), signed(W))]
+    return [pair if random.random() < 0.8 else pair[::-1] for pair in pairs]
 
 
 def vector(W: int) -> Tests:
@@ -53,8 +51,9 @@ def vector(W: int) -> Tests:
         def model(x, y):
             return (angles.iterate(np.array(x), np.array(y), W)[which],)
 
-        found = checks(inputs, outputs, model, of_words, of_lengths, latency=latency, corners=named, good=(9, 4))
-        return {f"{name}_{port}": test for port in outputs for name, test in found.items()}
+        options = {"latency": latency, "columns": True, "corners": named, "good": (9, 4)}
+        tests = checks(inputs, outputs, model, of_words, of_lengths, **options)
+        return {f"{name}_{port}": test for port in outputs for name, test in tests.items()}
 
     exact = [((x, 0), 0) for x in (0, 8, 1 << W)] + [((x, 0), -(1 << W + 3)) for x in (-8, -(1 << W))]
     return bench(0, {"length": unsigned(W + 3)}, clocks["vector_x"], []) | bench(
@@ -128,31 +127,19 @@ def fold_angle(W: int) -> Tests:
                 show(clock + rest + 2, 2 * b)
                 clock = max(clock, clock + rest - 2 - head)
 
-        program: list[dict[str, int]] = [{} for _ in range(max(when for when, _ in events) + 1)]
-        for when, ports in events:
-            assert not program[when].keys() & ports.keys(), f"two in clock {when}"
-            program[when] |= ports
         idle = dict.fromkeys(("load_x", "load_y", "over", "again", "to_h"), 0)
-        free = {"word": W, "opposite": 1, "rounding": 2, "negative": 1, "minus": 1, "half": 1}
-        driven: dict[str, int] = {}
-        Clock(dut.clk, 10, unit="ns").start()
-        now = 0
-        while now < len(program):
-            go = random.random() < 0.8
-            await RisingEdge(dut.clk)
-            dut.go.value = int(go)
-            # Words that the program does not use have no effect; nor has any without `go`.
-            port = random.choice(list(free))
-            step = idle | program[now] if go else {strobe: random.getrandbits(1) for strobe in idle}
-            ports = dict.fromkeys(free, 0) | driven | {port: random.getrandbits(free[port])} | step
-            for port, word in ports.items() - driven.items():
-                getattr(dut, port).value = word
-            driven = ports
-            await FallingEdge(dut.clk)
-            if go and now in wanted:
-                found, right = str(dut.th.value), f"{wanted[now]:0{W}b}"
-                assert found == right, f"{dut._name}, clock {now} of the program: {found} instead of {right}"
-            now += go
+        unused = {"word": W, "opposite": 1, "rounding": 2, "negative": 1, "minus": 1, "half": 1}
+        clocks = range(max(when for when, _ in events) + 1)
+        # Words that the program does not use have no effect.
+        program = [idle | {port: random.getrandbits(bits) for port, bits in unused.items()} for _ in clocks]
+        for when, ports in events:
+            program[when] |= ports
+
+        def expected(taken: list[Ports], now: Ports) -> Ports:
+            when = len(taken)
+            return {"th": wanted[when]} if when in wanted and now is program[when] else {}
+
+        await check(dut, program, 0, expected)
 
     return {"joints": joints}
 
@@ -163,7 +150,7 @@ def double(IW: int, OW: int) -> Tests:
     return checks(
         {"a": unsigned(IW), "negate": BIT},
         {"q": q},
-        each(lambda a, negate: wrapped(rounded(-2 * a if negate else 2 * a, IW - OW), q)),
+        lambda a, negate: wrapped(rounded(-2 * a if negate else 2 * a, IW - OW), q),
         latency=1,
     )
 
@@ -174,7 +161,7 @@ def over(W: int, th: int, low: int, high: int) -> int:
 
 def limit(W: int) -> Tests:
     angle = unsigned(W)
-    return checks({"th": angle, "low": angle, "high": angle}, {"over": BIT}, each(partial(over, W)), latency=1)
+    return checks({"th": angle, "low": angle, "high": angle}, {"over": BIT}, partial(over, W), latency=1)
 
 
 def fold_limit(W: int) -> Tests:
@@ -184,11 +171,11 @@ def fold_limit(W: int) -> Tests:
         return over(W, th, *(limits >> W * n & (1 << W) - 1 for n in (2 * joint - 2, 2 * joint - 1)))
 
     def near() -> list[Vector]:
-        found = some(2000, range(1, 8), range(-1, 2), unsigned(14 * W))
-        return [(n, ((arcs >> W * (2 * n - 1 - arcs % 2)) + by) % (1 << W), arcs) for n, by, arcs in found]
+        drawn = some(2000, range(1, 8), range(-1, 2), unsigned(14 * W))
+        return [(n, ((arcs >> W * (2 * n - 1 - arcs % 2)) + by) % (1 << W), arcs) for n, by, arcs in drawn]
 
     inputs = {"joint": unsigned(3), "th": unsigned(W), "limits": unsigned(14 * W)}
-    return checks(inputs, {"over": BIT}, each(of_joint), near, latency=1, fits=lambda joint, *_: joint)
+    return checks(inputs, {"over": BIT}, of_joint, near, latency=1, fits=lambda joint, *_: joint)
 
 
 test_angles = runs(

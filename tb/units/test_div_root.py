@@ -6,7 +6,7 @@ import random
 from fractions import Fraction
 
 from model.dataflow.formats import GUARD, Latency
-from tb.units.unit import BIT, Case, Tests, checks, corners, each, runs, sets_of, signed, some
+from tb.units.unit import BIT, Case, Tests, checks, corners, runs, sets_of, signed, some
 
 
 def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: int) -> Tests:
@@ -45,7 +45,7 @@ def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: 
     return checks(
         {"n": N, "d": D},
         {"q": Q, "ovf": BIT},
-        each(reference),
+        reference,
         ends_of_the_range,
         quotients_that_fit,
         good_after_bad,
@@ -76,7 +76,7 @@ def root(NW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0) -> Tests:
     return checks(
         {"n": N},
         {"q": Q, "neg": BIT},
-        each(lambda n: (min(math.isqrt(n << SH), Q[-1]), 0) if n >= 0 else (0, 1)),
+        lambda n: (min(math.isqrt(n << SH), Q[-1]), 0) if n >= 0 else (0, 1),
         near_squares,
         good_after_bad,
         latency=LAT,

@@ -14,15 +14,17 @@ Ports = dict[str, int]  # port -> word in one clock
 
 
 async def check(dut, vectors: Iterable[Ports], clocks: int, expected: Callable[[list[Ports], Ports], Ports]) -> None:
-    """Drive one vector per clock, three in ten without ``go``: these must not be taken.
+    """Drive all vectors with ``go``, and in three of ten clocks any of them without, which must have no effect.
 
     ``expected(taken, now)`` returns the defined outputs from the inputs of the clocks with ``go``, newest last, and of
     the present clock; ``clocks`` is the number of past inputs that it needs.
     """
     Clock(dut.clk, 10, unit="ns").start()
+    vectors = list(vectors)
     taken: list[Ports] = []
-    for now in vectors:
+    while len(taken) < len(vectors):
         go = random.random() < 0.7
+        now = vectors[len(taken)] if go else random.choice(vectors)
         await RisingEdge(dut.clk)
         dut.go.value = int(go)
         for port, word in now.items():
@@ -30,9 +32,9 @@ async def check(dut, vectors: Iterable[Ports], clocks: int, expected: Callable[[
         await FallingEdge(dut.clk)
         if len(taken) >= clocks:
             wanted = expected(taken, now)
-            found = {port: str(getattr(dut, port).value) for port in wanted}
-            bits = {port: f"{word:0{len(found[port])}b}" for port, word in wanted.items()}
-            assert found == bits, f"after {taken[-clocks:]} and with {now}: {found} instead of {bits}"
+            outputs = {port: str(getattr(dut, port).value) for port in wanted}
+            bits = {port: f"{word:0{len(outputs[port])}b}" for port, word in wanted.items()}
+            assert outputs == bits, f"after {taken[-clocks:]} and with {now}: {outputs} instead of {bits}"
         if go:
             taken.append(now)
 

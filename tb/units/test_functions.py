@@ -6,9 +6,9 @@ import random
 
 import numpy as np
 
-from model.dataflow import fixed
 from model.dataflow.formats import Latency, inner_frac
 from model.dataflow.mul3 import TILE
+from model.dataflow.paper_operations import cordic, sincos_bound
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, SINE_FRACS, half_sincos, half_sincos_error, rsqrt, rsqrt_places
 from tb.units.unit import BIT, Case, Tests, checks, corners, runs, sets_of, signed, unsigned
 
@@ -30,14 +30,14 @@ def half_angles(W: int, frac: int, model, bound: float, latency: int, *streams) 
         return random.sample(angles, len(angles))
 
     ports = {"sin_h": signed(frac + 2), "cos_h": signed(frac + 2)}
-    return checks({"phi": words}, ports, model, near_corners, *streams, latency=latency, also=true)
+    return checks({"phi": words}, ports, model, near_corners, *streams, latency=latency, columns=True, also=true)
 
 
 def sincos(W: int) -> Tests:
     def model(phi):
-        return fixed.cordic(np.array(phi, dtype=np.int64), W)
+        return cordic(np.array(phi, dtype=np.int64), W)
 
-    return half_angles(W, W - 2, model, fixed.sincos_bound(W), Latency(W)["sincos"])
+    return half_angles(W, W - 2, model, sincos_bound(W), Latency(W)["sincos"])
 
 
 def trig(W: int, F: int, TILE: int = TILE) -> Tests:
@@ -95,6 +95,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
         random_mantissas,
         any_words,
         latency=INVERSE_ROOT.clocks(F, TILE),  # counted after the mantissa register, where `twice` enters
+        columns=True,
         delays={"DM": 1},
         corners=[((one // 4, 0), 1 << F), ((one - 1, 0), 1 << F - 1), ((one - 1, 1), 1 << F), ((0, 0), 1 << F)],
         good=(one // 3, 0),

@@ -7,21 +7,7 @@ import numpy as np
 
 from model.dataflow.formats import GUARD, Latency
 from model.dataflow.mul3 import TILE, mul3, unseen
-from tb.units.unit import (
-    Case,
-    Tests,
-    checks,
-    crossed,
-    each,
-    halves,
-    rounded,
-    runs,
-    sets_of,
-    signed,
-    some,
-    unsigned,
-    wrapped,
-)
+from tb.units.unit import Case, Tests, checks, crossed, halves, rounded, runs, sets_of, signed, some, unsigned, wrapped
 
 
 def exact(W: int, SQUARE: int) -> Tests:
@@ -38,7 +24,7 @@ def exact(W: int, SQUARE: int) -> Tests:
     return checks(
         {"a": words, "b": words},
         {"p": signed(2 * W)},
-        each(lambda a, b: a * (a if SQUARE else b)),
+        lambda a, b: a * (a if SQUARE else b),
         extreme_halves,
         equal_or_opposite,
         latency=Latency(32)["square" if SQUARE else "product"],
@@ -64,7 +50,7 @@ def mul(AW: int, BW: int, SH: int, OW: int, SQUARE: int = 0, **delays: int) -> T
     return checks(
         {"a": A, "b": B},
         {"q": Q},
-        each(reference),
+        reference,
         squares,
         latency=Latency(32)["mul"],
         delays=delays,
@@ -110,6 +96,7 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
         extreme_high_parts,
         halves_of_a_place,
         latency=Latency(32)["mul3"],
+        columns=True,
         delays=delays,
     )
 
@@ -124,7 +111,8 @@ def scale(COUNT: int, AW: int, BW: int, SH: int, OW: int, **delays: int) -> Test
         return (sum(product << OW * k for k, product in enumerate(products)).tolist(),)
 
     ports = {"a": unsigned(COUNT * AW), "b": signed(BW)}
-    return checks(ports, {"q": unsigned(COUNT * OW)}, reference, latency=Latency(32)["mul3"], delays=delays)
+    outputs = {"q": unsigned(COUNT * OW)}
+    return checks(ports, outputs, reference, columns=True, latency=Latency(32)["mul3"], delays=delays)
 
 
 names = "AW BW SH OW"

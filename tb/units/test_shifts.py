@@ -7,7 +7,7 @@ import numpy as np
 
 from model.dataflow.formats import Latency, inner_frac
 from model.dataflow.shifts import even
-from tb.units.unit import Case, Tests, checks, corners, crossed, each, runs, sets_of, signed, some, unsigned, wrapped
+from tb.units.unit import Case, Tests, checks, corners, crossed, runs, sets_of, signed, some, unsigned, wrapped
 
 COUNTS = unsigned(6)
 
@@ -25,7 +25,7 @@ def shift(W: int, RIGHT: int, PRODUCT: int = 0, **delays: int) -> Tests:
     return checks(
         {"d": words, "count": COUNTS},
         {"q": words},
-        each(lambda d, count: d // 2**count if RIGHT else wrapped(d * 2**count, words)),
+        lambda d, count: d // 2**count if RIGHT else wrapped(d * 2**count, words),
         every_count,
         short_counts,
         latency=Latency(32)["shift"],
@@ -55,7 +55,7 @@ def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
     return checks(
         {"d": words, "count": COUNTS},
         {"q": Q},
-        each(lambda d, count: wrapped(d * 2**count // 2**DROP, Q)),
+        lambda d, count: wrapped(d * 2**count // 2**DROP, Q),
         every_count,
         single_bits,
         normalized_words,
@@ -79,7 +79,7 @@ def evenly(VW: int, MW: int) -> Tests:
         return k, v << 2 * k + MW >> VW
 
     def reference(v):
-        k, m = map(list, each(normalized)(v))
+        k, m = map(list, zip(*map(normalized, v), strict=True))
         of_model = even(np.array(v, dtype=object), VW, MW)
         assert [k, m] == [column.tolist() for column in of_model], "the model is not the definition"
         return k, m
@@ -100,6 +100,7 @@ def evenly(VW: int, MW: int) -> Tests:
         reference,
         powers_of_two,
         any_length,
+        columns=True,
         latency=Latency(32)["even"],
         corners=[(0, (VW // 2 - 1, 0)), (1, (VW // 2 - 1, quarter)), (4, (VW // 2 - 2, quarter))],
         good=V[-1] // 9,
@@ -115,9 +116,9 @@ def zeros(W: int, N: int, norm: bool = False) -> Tests:
         return sum(word % (1 << W) << W * k for k, word in enumerate(vector))
 
     def reference(d):
-        given = [wrapped(d >> W * k, words) for k in range(N)]
-        count = max(s for s in range(W) if all(w << s in words for w in given)) if any(given) else 0
-        return (pack([w << count for w in given]) or 1 << W - 2, count) if norm else count
+        vector = [wrapped(d >> W * k, words) for k in range(N)]
+        count = max(s for s in range(W) if all(w << s in words for w in vector)) if any(vector) else 0
+        return (pack([w << count for w in vector]) or 1 << W - 2, count) if norm else count
 
     def extreme_words():
         return [pack(vector) for vector in crossed(*[words] * N)]
@@ -135,7 +136,7 @@ def zeros(W: int, N: int, norm: bool = False) -> Tests:
     return checks(
         {"d": unsigned(N * W)},
         {"q": unsigned(N * W), "count": unsigned(6)} if norm else {"count": unsigned(6)},
-        each(reference),
+        reference,
         extreme_words,
         powers_of_two,
         common_magnitude,

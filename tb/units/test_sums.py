@@ -4,21 +4,7 @@
 import itertools
 
 from model.dataflow.formats import GUARD, Latency
-from tb.units.unit import (
-    BIT,
-    Case,
-    Tests,
-    checks,
-    each,
-    halves,
-    rounded,
-    runs,
-    sets_of,
-    signed,
-    some,
-    unsigned,
-    wrapped,
-)
+from tb.units.unit import BIT, Case, Tests, checks, halves, rounded, runs, sets_of, signed, some, unsigned, wrapped
 
 
 def sums(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, SAT: int = 1, **delays: int) -> Tests:
@@ -57,7 +43,7 @@ def sums(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, SA
     return checks(
         {port: IN for port in "abc"[:operands]},
         {"q": Q, "ovf": BIT},
-        each(reference),
+        reference,
         latency=Latency(32)[f"sum{operands}"],
         delays=delays,
         corners=[(operands_of(wanted), (q, ovf)) for wanted, q, ovf in cases],
@@ -83,7 +69,7 @@ def wide(W: int, SUB: int, **delays: int) -> Tests:
     return checks(
         {"a": words, "b": words},
         {"q": words},
-        each(lambda a, b: wrapped(a - b if SUB else a + b, words)),
+        lambda a, b: wrapped(a - b if SUB else a + b, words),
         extreme_halves,
         small_results,
         latency=Latency(32)["wide"],
@@ -101,7 +87,7 @@ def half(W: int, MINUS: int) -> Tests:
     return checks(
         {"c": signed(W)},
         {"q": unsigned(W)},
-        each(lambda c: min(max(one - c if MINUS else one + c, 0), 2 * one)),
+        lambda c: min(max(one - c if MINUS else one + c, 0), 2 * one),
         around_one,
         latency=Latency(32)["mux"],
     )
@@ -115,7 +101,10 @@ def pick(W: int) -> Tests:
         return wrapped(-b if minus else b, words) if use_b else a
 
     return checks(
-        {"a": words, "b": words, "use_b": BIT, "minus": BIT}, {"q": words}, each(reference), latency=Latency(32)["mux"]
+        {"a": words, "b": words, "use_b": BIT, "minus": BIT},
+        {"q": words},
+        reference,
+        latency=Latency(32)["mux"],
     )
 
 

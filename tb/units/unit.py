@@ -6,16 +6,18 @@ A bench is a function that maps a module's parameters to the cocotb tests of an 
 and model: they use Python integers and fractions.
 """
 
+import importlib
 import itertools
 import json
 import math
 import os
 import random
-from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import partial
 from typing import NamedTuple
 
+import cocotb
 import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
@@ -48,14 +50,12 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
     """Return the arguments of :func:`tb.sim.runner.simulate` for instances of modules, all in one top."""
     from tb.sim.wrapper_top import TOP, top_of
 
-    pairs = list(pairs)
-    names = ["_".join([case.module, *(f"{k}{v}" for k, v in given.items())]) for case, given in pairs]
-    named = dict(zip(names, pairs, strict=True))
-    benches = {name: (case.bench.__module__, case.bench.__name__, given) for name, (case, given) in named.items()}
+    named = {"_".join([case.module, *(f"{k}{v}" for k, v in values.items())]): (case, values) for case, values in pairs}
+    benches = {name: (case.bench.__module__, case.bench.__name__, values) for name, (case, values) in named.items()}
     return {
         "toplevel": TOP,
-        "module": "tb.units.sets",
-        "top": top_of({name: (case.module, given) for name, (case, given) in named.items()}),
+        "module": "tb.units.unit",
+        "top": top_of({name: (case.module, values) for name, (case, values) in named.items()}),
         "env": {"IK_SETS": json.dumps(benches)},
         "name": "units",
         "seed": SEED,
@@ -72,7 +72,7 @@ def runs(*cases: Case) -> Callable:
     def test(group):
         from tb.sim.runner import simulate
 
-        simulate(**simulation((case, given) for case in cases for given in getattr(case, group)))
+        simulate(**simulation((case, values) for case in cases for values in getattr(case, group)))
 
     test.cases = cases
     return test
@@ -89,9 +89,10 @@ def sets_of(names: str, *rows: Vector, **others: int) -> list[Parameters]:
 def checks(
     inputs: dict[str, range],
     outputs: dict[str, range],
-    expected: Callable[..., Iterable[Sequence[int]]],
+    reference: Callable,
     *streams: Callable[[], Iterable[Vector | int]],
     latency: int,
+    columns: bool = False,
     delays: Parameters | None = None,
     corners: Iterable[tuple[Vector | int, Vector | int]] = (),
     good: Vector | int = 0,
@@ -100,8 +101,8 @@ def checks(
 ) -> Tests:
     """Return the tests of a module without handshake; in each, a vector enters in every clock (:func:`stream`).
 
-    ``inputs`` and ``outputs`` map ports to the range of their words; ``expected`` is the reference, from one sequence
-    of words per input to one per output. A vector of one word may be given as the word.
+    ``inputs`` and ``outputs`` map ports to the range of their words; ``reference`` is a function of the words of a
+    vector, or with ``columns`` of a sequence of words per input. A vector of one word may be written as the word.
 
     - *named*: each of ``corners``, a vector and its outputs, between ``good`` vectors; omitted if a word does not fit
       its port.
@@ -112,6 +113,9 @@ def checks(
     Vectors that do not satisfy ``fits`` are skipped; ``also`` is an additional check of vectors and outputs.
     """
     words = list(inputs.values())
+
+    def expected(*operands):
+        return reference(*operands) if columns else zip(*map(_row, map(reference, *operands)), strict=True)
 
     def every_vector():
         vectors = list(itertools.product(*words))
@@ -127,8 +131,8 @@ def checks(
     def named():
         for vector, wanted in ((_row(vector), _row(wanted)) for vector, wanted in corners):
             if _all_in(vector, words) and _all_in(wanted, outputs.values()):
-                found = [column[0] for column in map(list, expected(*([word] for word in vector)))]
-                assert found == list(wanted), f"the reference of {vector} is {found}, not {wanted}"
+                reference = [column[0] for column in map(list, expected(*([word] for word in vector)))]
+                assert reference == list(wanted), f"the reference of {vector} is {reference}, not {wanted}"
                 yield from (good, vector, good, vector, vector, good)
 
     async def run(vectors, dut) -> None:
@@ -136,8 +140,8 @@ def checks(
         also(chosen, await stream(dut, inputs, outputs, expected, chosen, latency, delays or {}))
 
     general = every_vector if math.prod(map(size, words)) <= EVERY else random_vectors
-    found = (extremes, general, *([named] if corners else []), *streams)
-    return {vectors.__name__: partial(run, vectors) for vectors in found}
+    generators = (extremes, general, *([named] if corners else []), *streams)
+    return {vectors.__name__: partial(run, vectors) for vectors in generators}
 
 
 async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency: int, delays) -> list[Vector]:
@@ -172,7 +176,7 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
         expected(*zip(*vectors, strict=True)), outputs.values(), strict=True
     )]  # fmt: skip
     wanted = list(map(list, zip(*columns, strict=True)))
-    wrong = [k for k, (found, right) in enumerate(zip(got, wanted, strict=True)) if found != right]
+    wrong = [k for k, rows in enumerate(zip(got, wanted, strict=True)) if rows[0] != rows[1]]
     assert not wrong, (
         f"{dut._name}, latency {latency}, seed {SEED}: {len(wrong)} of {len(vectors)} vectors differ; "
         f"vector {wrong[0]}, {dict(zip(inputs, vectors[wrong[0]], strict=True))}: "
@@ -263,11 +267,6 @@ def _one(words: range) -> int:
 # ---- references ------------------------------------------------------------------------------------------------------
 
 
-def each(function: Callable[..., Vector | int]) -> Callable[..., Iterator[Sequence[int]]]:
-    """Turn a reference for one vector into a reference for many."""
-    return lambda *columns: zip(*map(_row, map(function, *columns)), strict=True)
-
-
 def rounded(value: int, places: int) -> int:
     """Divide by 2^places and round half up."""
     return math.floor(Fraction(value, 1 << places) + Fraction(1, 2))
@@ -276,3 +275,20 @@ def rounded(value: int, places: int) -> int:
 def wrapped(value: int, words: range) -> int:
     """Wrap a value to the range of words."""
     return (value - words[0]) % size(words) + words[0]
+
+
+# ---- tests of a simulation's instances, whose benches IK_SETS names --------------------------------------------------
+
+
+def _on(instance: str, test: Callable):
+    """Return the test of an instance of the top, which it gets as ``dut``."""
+
+    async def narrowed(top):
+        await test(dut=getattr(top, instance))
+
+    return narrowed
+
+
+for _instance, (_file, _function, _parameters) in json.loads(os.environ.get("IK_SETS", "{}")).items():
+    for _name, _test in getattr(importlib.import_module(_file), _function)(**_parameters).items():
+        globals()[f"{_instance}.{_name}"] = cocotb.test(name=f"{_instance}.{_name}")(_on(_instance, _test))

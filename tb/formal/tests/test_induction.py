@@ -32,11 +32,11 @@ def test_definition(proof):
 
 def test_assumptions_are_on_inputs():
     """Proofs (not covers) have only these assumptions, all on inputs of ik_fifo, ik_fold and ik_axi's engines."""
-    found = {}
+    labels = {}
     for path in FORMAL.glob("*.v*"):
         proved = re.sub(r"`ifdef IK_COVER.*?`(else|endif)", "", path.read_text(), flags=re.S)
-        found[path.name] = re.findall(r"(?:(\w+) : )?assume \(", proved)
-    assert {name: labels for name, labels in found.items() if labels} == {
+        labels[path.name] = re.findall(r"(?:(\w+) : )?assume \(", proved)
+    assert {name: named for name, named in labels.items() if named} == {
         "ik_axi.vh": ["f_answered", "f_length"],
         "ik_axi_read.vh": ["f_go", "f_area", "f_leave", "f_data"],
         "ik_axi_write.vh": ["f_go", "f_area", "f_got_some", "f_ended", "f_leave", "f_answer"],
@@ -53,11 +53,11 @@ def test_every_divider_and_root_of_the_model_is_proved(op):
     nodes = fixed.nodes("paper", 32).values()
     kinds = []
     for node in (node for node in nodes if node.kind == op):
-        n, *d = (operand.format for operand in node.operands)
-        q = node.format
-        shift = q.frac - n.frac + d[0].frac if d else 2 * q.frac - n.frac
+        # A constant dividend has the divisor's format.
+        n, d, q = node.operands[0].format, node.operands[-1].format, node.format
+        shift = q.frac - n.frac + (d.frac if op == "div" else q.frac)
         kind = {"NW": n.width + (not n.signed), "SH": shift, "QW": q.width, "LAT": Latency(32)[op]}
-        kinds.append({**kind, **({"DW": d[0].width} if d else {})})
+        kinds.append(kind | ({"DW": d.width} if op == "div" else {}))
     proved = [proof.sets for proof in PROOFS if proof.top == f"ik_{op}_digit"]
     assert all(kind in proved for kind in kinds) and all(sets in kinds for sets in proved)
 

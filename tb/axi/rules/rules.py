@@ -11,8 +11,8 @@ from cocotb.types import LogicArray
 from model.io.stimuli import mixed
 from tb.axi.bench import CHANNELS as AXI_CHANNELS
 from tb.axi.bench import started
+from tb.axi.rules.traces import BASES, BREAKS, LEGAL, Trace, X, names, over
 from tb.core.pipeline import Pipeline
-from tb.rules.traces import BASES, BREAKS, LEGAL, Trace, X, names, over
 
 ADDRESS, CHANNEL = "ik_rules_address", "ik_rules_channel"
 CHANNELS = {name: CHANNEL for name in ("aw", "w", "b", "ar", "r")}
@@ -64,8 +64,8 @@ async def legal_traces(top):
     for name, base in BASES.items():
         port = Port(top, name)
         for over_it in LEGAL if name == "axi4" else [{}]:
-            found = await port.broken(over(base, over_it))
-            assert not found, f"{name} {over_it}: {found}"
+            broken = await port.broken(over(base, over_it))
+            assert not broken, f"{name} {over_it}: {broken}"
 
 
 @cocotb.test()
@@ -79,15 +79,15 @@ async def each_rule(top):
         for rule in rules.values()
     }
     wrong = []
-    for each in BREAKS:
-        unbroken -= {(each.port, rule) for rule in each.rules}
-        if not (each.known or FOUR_STATE):
+    for case in BREAKS:
+        unbroken -= {(case.port, rule) for rule in case.rules}
+        if not (case.known or FOUR_STATE):
             continue
-        last = max(each.trace)
-        base = {clock: row for clock, row in BASES[each.port].items() if clock <= last} if each.base else {}
-        found = await ports[each.port].broken(over(base, each.trace))
-        if found != each.rules:
-            wrong.append(f"{each.port} {each.trace if each.base else ''}: {found}, expected {each.rules}")
+        last = max(case.trace)
+        base = {clock: row for clock, row in BASES[case.port].items() if clock <= last} if case.base else {}
+        broken = await ports[case.port].broken(over(base, case.trace))
+        if broken != case.rules:
+            wrong.append(f"{case.port} {case.trace if case.base else ''}: {broken}, expected {case.rules}")
     assert not wrong, "\n".join(wrong)
     assert not unbroken, f"no trace for {sorted(unbroken)}"
 

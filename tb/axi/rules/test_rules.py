@@ -10,11 +10,10 @@ import re
 import pytest
 
 from tb.axi.instances import echoing
-from tb.rules.traces import names
-from tb.sim.env import ROOT, simulator
+from tb.sim.env import simulator
 from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
-from tb.sim.sources import RULES, with_rules
+from tb.sim.sources import RULES
 from tb.sim.wrapper_top import TOP, top_of
 
 PORTS = {
@@ -128,15 +127,15 @@ def said(caplog):
 def ends_with(finding: str, text: str) -> None:
     """Check that the first broken rule in the text is the expected one, with its port and a time."""
     port, rule = finding.split()
-    found = re.search(r"error: rule (\w+) \([^)]+\) is broken at (\S+), \d+ ns", text)
-    assert found, text[-3000:]
-    assert found[1] == rule and found[2].endswith(f".rules_{port}"), found[0]
+    line = re.search(r"error: rule (\w+) \([^)]+\) is broken at (\S+), \d+ ns", text)
+    assert line, text[-3000:]
+    assert line[1] == rule and line[2].endswith(f".rules_{port}"), line[0]
 
 
 @pytest.mark.sim
 def test_every_rule_fails_its_own_trace():
     env = {"COCOTB_TEST_FILTER": "legal_traces|each_rule"}
-    simulate(TOP, "tb.rules.rules", top=top_of(PORTS, [RULES / "ik_rules.v"]), env=env)
+    simulate(TOP, "tb.axi.rules.rules", top=top_of(PORTS, [RULES / "ik_rules.v"]), env=env)
 
 
 only_icarus = pytest.mark.skipif(simulator() != "icarus", reason="the same monitors; Icarus builds them in a second")
@@ -170,15 +169,5 @@ def test_a_wrong_driver_is_named(finding, test, forced, when, echo, said):
     if test == "stream":
         env.pop("IK_AXI_CORE")
     with pytest.raises(SystemExit, match=r"^FAILED \d+ tests"):
-        simulate(top, "tb.rules.rules", parameters={"W": 18}, env=env, seed=1, **options)
+        simulate(top, "tb.axi.rules.rules", parameters={"W": 18}, env=env, seed=1, **options)
     ends_with(finding, said())
-
-
-def test_rules_are_put_in_once(tmp_path):
-    """Rules are added to the modules that have ports; an unchanged copy is not rewritten."""
-    found = with_rules([ROOT / "rtl/ik_axis.v", ROOT / FIFO], tmp_path)
-    assert found[:2] == [tmp_path / "ik_axis_rules.v", ROOT / FIFO] and found[2:] == [RULES / "ik_rules.v"]
-    before = found[0].stat().st_mtime_ns
-    with_rules([ROOT / "rtl/ik_axis.v"], tmp_path)
-    assert found[0].stat().st_mtime_ns == before and found[0].read_text().count("ik_rules_channel") == 2
-    assert names("ik_rules_channel")[3] == "PAYLOAD_STAYS"

@@ -77,13 +77,17 @@ LEGAL = [
 
 @dataclass(frozen=True)
 class Break:
-    """A trace of ``port`` that breaks ``rules``; ``base``: it overlays the legal trace; ``known``: it contains no X."""
+    """A trace of ``port`` that breaks ``rules``; ``base``: it overlays the legal trace."""
 
     port: str
     rules: set[str]
     trace: Trace
     base: bool = True
-    known: bool = True
+
+    @property
+    def known(self) -> bool:
+        """Return True if the trace contains no X."""
+        return not any(X in row.values() for row in self.trace.values())
 
 
 CHANNELS = {  # port, instance of ik_rules_channel: prefix, clock of its stall, payload -> another value
@@ -116,17 +120,17 @@ def of_channel(port: str, name: str) -> list[Break]:
     """Return breaks of all rules of a channel, of the payload rules for each part of the payload."""
     prefix, stall, payload = CHANNELS[port, name]
     valid, ready = f"{prefix}valid", f"{prefix}ready"
-    found = [
+    breaks = [
         Break(port, {f"{name}LOW_AFTER_RESET"}, {1: {valid: 1}}),
         Break(port, {f"{name}VALID_STAYS"}, {stall + 1: {valid: 0}}),
-        Break(port, {f"{name}VALID_KNOWN"}, {3: {valid: X}}, known=False),
-        Break(port, {f"{name}READY_KNOWN"}, {3: {ready: X}}, known=False),
+        Break(port, {f"{name}VALID_KNOWN"}, {3: {valid: X}}),
+        Break(port, {f"{name}READY_KNOWN"}, {3: {ready: X}}),
     ]
     for part, other in payload.items():
         also = {ALSO[part]} if part in ALSO and port == "axi4" else set()
-        found.append(Break(port, {f"{name}PAYLOAD_STAYS"} | also, {stall + 1: {part: other}}))
-        found.append(Break(port, {f"{name}PAYLOAD_KNOWN"}, {stall: {part: X}}, known=False))
-    return found
+        breaks.append(Break(port, {f"{name}PAYLOAD_STAYS"} | also, {stall + 1: {part: other}}))
+        breaks.append(Break(port, {f"{name}PAYLOAD_KNOWN"}, {stall: {part: X}}))
+    return breaks
 
 
 def of_address(a: str) -> list[Break]:
