@@ -104,6 +104,16 @@ def test_unit_bench_kills_a_mutant(lean, place):
 
 @pytest.mark.release
 @pytest.mark.needs("fpga")
+@pytest.mark.sim
+def test_jobs_kill_a_mutant(place):
+    """The netlist of ik_axi passes them without it."""
+    number = [design.name for design in DESIGNS].index("memory 32")
+    mutant = next(mutant for mutant in netlist(number, 1).mutants if mutant.file.endswith("ik_axi_target.v"))
+    assert fault(DESIGNS[number].benches[0], mutant, place)
+
+
+@pytest.mark.release
+@pytest.mark.needs("fpga")
 def test_a_bit_stuck_at_its_constant_is_no_mutant(lean):
     (module,) = (name for name in lean.modules if source_name(name) == "ik_lean_guard")
     modules = {module: {"cells": {"u_x_sq": {"connections": {"b": [7, "0", "x"]}}}}}
