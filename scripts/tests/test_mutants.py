@@ -7,7 +7,8 @@ import pytest
 
 from scripts import mutants
 from tb.mutation import campaign
-from tb.mutation.campaign import KILLED, SURVIVED, Result, netlist
+from tb.mutation.benches import fault, unit_bench
+from tb.mutation.campaign import DESIGNS, KILLED, SURVIVED, Result, netlist
 from tb.mutation.equivalence import proof
 from tb.mutation.netlists import BUILD, Mutant, Netlist, source_name, unchanged
 
@@ -76,6 +77,26 @@ def test_only_an_equivalent_mutant_is_proved(lean, place):
     assert proof(square(lean, "const1", "b", 0), place, deep=True) == "ik_lean_guard"  # a square ignores b
     assert proof(square(lean, "inv", "p", 0), place, deep=False) == ""
     assert proof(square(lean, "inv", "clk", 0), place, deep=True) == ""  # ignored by the solver
+
+
+@pytest.mark.release
+@pytest.mark.needs("fpga")
+@pytest.mark.sim
+def test_unit_bench_kills_a_mutant(lean, place):
+    (module, *_) = (name for name in lean.modules if source_name(name) == "ik_mul3")
+    command = f"mutate -mode inv -module {module} -cell u_a -port q -portbit 0"
+    mutant = dataclasses.replace(lean.mutants[0], command=command)
+    assert fault(unit_bench(mutant), mutant, place)
+
+
+@pytest.mark.release
+@pytest.mark.needs("fpga")
+@pytest.mark.sim
+def test_jobs_kill_a_mutant(place):
+    """The netlist of ik_axi passes them without it."""
+    number = [design.name for design in DESIGNS].index("memory 32")
+    mutant = next(mutant for mutant in netlist(number, 1).mutants if mutant.file.endswith("ik_axi_target.v"))
+    assert fault(DESIGNS[number].benches[0], mutant, place)
 
 
 @pytest.mark.release

@@ -28,6 +28,10 @@ LEAST, TIMES = 30.0, 10.0
 """Time limit of a simulation: LEAST seconds, or TIMES its duration without a mutant if that is longer."""
 
 
+CORE = re.compile(r"^  (\S+  )\\(g_axis|g_arm)\.(\w+)(  \(\n.*?^  \);\n)", re.M | re.S)
+"""Instance of the core in the netlist of ``ik_axi``; the benches refer to it in its named block."""
+
+
 @dataclass(frozen=True)
 class Replaced:
     """cocotb tests of a module that is replaced by its netlist; `given` are the arguments of `simulate`."""
@@ -57,8 +61,8 @@ class Replaced:
         if error := yosys(place, "replace", lines, SECONDS):
             return "" if mutant else error, ""
         declared = "".join(f"  parameter {key} = {value};\n" for key, value in parameters.items())
-        head = re.compile(r"^module [^;]*;\n", re.M)
-        file.write_text(head.sub(lambda match: match[0] + declared, file.read_text(), count=1))
+        text = re.sub(r"^module [^;]*;\n", lambda head: head[0] + declared, file.read_text(), count=1, flags=re.M)
+        file.write_text(CORE.sub(r"  if (1) begin : \2\n  \1\3\4  end\n", text))
         (place / LIST).write_text(f"{file.name}\n{others.name}\n")
         options = self.given | {"env": self.given["env"] | {"COCOTB_MAX_FAILURES": "1"}}
         status, output = finished(command(**options, sim="icarus", root=place, build=place / "sim"), seconds)
