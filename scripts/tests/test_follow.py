@@ -176,9 +176,6 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
     assert ran.first_mismatch.splitlines()[0] == f"first difference: {differences[0]}"
     wrong = {(difference.node.name, difference.target) for difference in differences}
     check_aligned(Path("o/aligned.vcd"), nodes, read.admitted, wrong)
-    at, red = marker(Path("o/aligned.gtkw"))
-    assert at == (read.admitted[0] + max(node.time for node in nodes)) * 10_000 and red[0].startswith("i_1 +")
-    assert marker(Path("o/waves.gtkw"))[0] == differences[0].clock * 10_000
 
 
 @pytest.mark.sim

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the ordered map: over processes, and over a farm of real processes on loopback whose workers die."""
+"""Tests of the ordered map: over processes, and over a farm of one worker process."""
 
-import contextlib
 import functools
 import os
 import signal
@@ -61,64 +60,34 @@ def farmed(test):
 
 
 @pytest.fixture
-def scheduler():
-    """Start a scheduler; return its address."""
+def farm(tmp_path):
+    """Start a scheduler and a worker in its own process group; return the scheduler's address."""
     from distributed import LocalCluster
 
     with LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=None) as cluster:
-        yield cluster.scheduler_address
-
-
-def kill(process):
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
-
-
-@pytest.fixture
-def worker(scheduler, tmp_path):
-    """Return a function that starts a worker in its own process group."""
-    workers, env = [], environment() | {"TMPDIR": str(tmp_path)}
-    command = [sys.executable, "-m", "scripts.parallel", "--farm", scheduler, "--jobs", "1"]
-
-    def start():
+        command = [sys.executable, "-m", "scripts.parallel", "--farm", cluster.scheduler_address, "--jobs", "1"]
         streams = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-        workers.append(subprocess.Popen(command, cwd=ROOT, env=env, start_new_session=True, **streams))
-        return workers[-1]
-
-    yield start
-    for process in workers:
-        kill(process)
-
-
-@farmed
-def test_a_worker_that_dies_loses_nothing(scheduler, worker, tmp_path):
-    first = worker()
-    begun = functools.partial(noted_in, tmp_path, "begun")
-    with parallel.shared(1, scheduler) as ordered_map:
-        results = ordered_map(functools.partial(noted, tmp_path, 0.3), range(12))
-        until(lambda: len(begun()) > max(3, len(noted_in(tmp_path, "done"))))
-        kill(first)
-        worker()
-        assert list(results) == [n * n for n in range(12)]
-    assert len(begun()) > 12
+        env = environment() | {"TMPDIR": str(tmp_path)}
+        worker = subprocess.Popen(command, cwd=ROOT, env=env, start_new_session=True, **streams)
+        yield cluster.scheduler_address
+        os.killpg(worker.pid, signal.SIGKILL)
+        worker.wait()
 
 
 @farmed
-@pytest.mark.parametrize(
-    ("work", "error", "message"),
-    [
-        (fails, InputError, "3 fails"),
-        (os._exit, parallel.BrokenOffError, "several workers"),
-        (abs, InputError, r"has other sources than this checkout \(\w+, not another\)"),
-    ],
-)
-def test_errors_of_the_work_and_other_sources(scheduler, worker, monkeypatch, work, error, message):
-    worker()
-    if work is abs:
-        monkeypatch.setattr(parallel, "sources", lambda: "another")
-    with pytest.raises(error, match=message), parallel.shared(1, scheduler) as ordered_map:
-        list(ordered_map(work, [3]))
+def test_a_farm_keeps_the_order(farm):
+    with parallel.shared(1, farm) as ordered_map:
+        assert list(ordered_map(abs, range(-9, 9))) == list(map(abs, range(-9, 9)))
+
+
+@farmed
+def test_errors_of_the_work_and_other_sources(farm, monkeypatch):
+    with pytest.raises(InputError, match="3 fails"), parallel.shared(1, farm) as ordered_map:
+        list(ordered_map(fails, [3]))
+    monkeypatch.setattr(parallel, "sources", lambda: "another")
+    message = r"has other sources than this checkout \(\w+, not another\)"
+    with pytest.raises(InputError, match=message), parallel.shared(1, farm) as ordered_map:
+        list(ordered_map(abs, [3]))
 
 
 @farmed

@@ -259,9 +259,10 @@ def test_the_model_agrees_with_c(width):
 
 
 @needs_c
-def test_c_finds_a_wrong_result_by_both_sets_of_equations(simulator):
+@pytest.mark.parametrize("field", [0, 5])
+def test_c_finds_a_wrong_result_by_both_sets_of_equations(simulator, field):
     def spoil(run):
-        run.results[:, 4] += 6
+        run.results[:, field] += 6
 
     simulator.spoil = spoil
     failures = judge(CORE_24, chunk(0, 24, 3)[:500], range(500), soak.opinions)[1]
