@@ -97,7 +97,7 @@ def _check(options: SimpleNamespace) -> None:
     if options.special:
         options.seed, options.targets = None, SPECIAL - CHUNK * options.from_
         if options.targets <= 0:
-            raise InputError(f"argument --from: special words have chunks 0 to {(SPECIAL - 1) // CHUNK}")
+            raise InputError(f"argument --from: with --special, chunks are 0 to {(SPECIAL - 1) // CHUNK}")
     if options.against and (MODELS[options.datapath].equations != "lean" or MODELS[options.datapath].side):
         raise InputError(f"argument --against: the {options.datapath} datapath has no tolerance for it")
 

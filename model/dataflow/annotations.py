@@ -195,17 +195,17 @@ SUM = Growth(added=True, exact=True)
 
 
 def upto(size: Callable[[Case], float]) -> Callable[[Case], Limits]:
-    """Return limits of at most ``size`` in magnitude."""
+    """Return the range [-size, size]."""
     return lambda c: (-size(c), size(c))
 
 
 def used(limit: Callable[[Case], Limits]) -> Callable[[Case], Limits]:
-    """Return ``limit`` for a word that is unused, and may wrap, for clamped targets."""
+    """Return the range ``limit``, but any value for clamped targets: there the word is unused and may wrap."""
     return lambda c: ANYTHING if c.clamped else limit(c)
 
 
 def not_negative(c: Case) -> Limits:
-    """Return the limits of a word that rounding does not make negative."""
+    """Return the range of a word that rounding never makes negative."""
     return 0.0, math.inf
 
 

@@ -183,7 +183,7 @@ def edges(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def extremes(count: int, width: int, seed: int) -> np.ndarray:
-    """Return targets of words that are lowest, highest, around 0 or random."""
+    """Return targets (N, 6) whose words are at or next to the ends of the range, around 0, or random."""
     random = np.random.default_rng((seed, width, 3))
     low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
     edge = random.choice([low, low + 1, -1, 0, 1, top - 1, top], (count, len(FIELDS)))

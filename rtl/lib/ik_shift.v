@@ -5,7 +5,7 @@
 // Two stages: by eights, by ones. With PRODUCT = 1, left only, one or two multiplier blocks shift by 0 to 15, a product
 // with a power of two; then a shift by sixteens: one LUT per bit instead of four.
 // Throughput: one result per clock.
-// Latency: 2 clocks (LAT_SHIFT); DD more from d, DC more from count.
+// Latency: 2 clocks (LAT_SHIFT); from d, DD more; from count, DC more.
 `default_nettype none
 
 module ik_shift #(

@@ -137,5 +137,5 @@ def recorded() -> dict[str, str]:
 
 
 def present() -> dict[str, str]:
-    """Return design -> digest of the present code."""
+    """Return a dict: design -> digest of the present code."""
     return {f"RTL of {design.name}": code(design) for design in measured(load())}

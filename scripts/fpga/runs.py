@@ -58,7 +58,7 @@ SEEDS = range(1, 5)
 
 
 def commands() -> dict[str, str]:
-    """Return family or tool -> its command, without file names."""
+    """Return a dict: family or tool -> its command, without file names."""
     values = {"top": "TOP", "flatten": " -flatten"}
     synthesis = {family: text.format(family=family, **values) for family, text in SYNTHESIZE.items()}
     place = {f"{text.split()[0]} for {family}": f"{text} --seed SEED" for family, text in PLACE.items()}

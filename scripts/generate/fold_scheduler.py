@@ -101,7 +101,7 @@ class _Problem:
         return handed_over
 
     def _written(self, by: Callable[[Placed], Iterable[timing.Use]], loaded: Iterable[str]) -> dict[str, list]:
-        """Return word or register -> the clocks in which it is written. by: the writes of a step."""
+        """Return a dict: word or register -> the clocks in which it is written. by: the writes of a step."""
         clocks = {name: [self.loads[name]] for name in loaded}
         for name, placed in self.placed:
             for use in by(placed):

@@ -21,7 +21,7 @@ def masks(register: str, access: str) -> int:
 
 
 def after_reset(bench: Bench) -> dict[str, int]:
-    """Return register -> value after reset; parameter-dependent fields come from the instance."""
+    """Return a dict: register -> value after reset; parameter-dependent fields come from the instance."""
     parameters = {
         "width": bench.width,
         "data_width": bench.data_width,

@@ -98,7 +98,7 @@ def integer(text: str, names: dict[str, str]) -> str:
     reader = _Reader(text, names)
     term = reader.choice()
     if reader.left:
-        raise FormulaError(f"{text!r} at {reader.left[0]!r}")
+        raise FormulaError(f"cannot parse {text!r} from {reader.left[0]!r} on")
     return term
 
 

@@ -69,7 +69,7 @@ class Netlist:
 
     @cached_property
     def _drivers(self) -> dict[tuple[str, int], tuple[str, str, int]]:
-        """Return section and bit -> cell, output port and index."""
+        """Return a dict: (section, bit) -> (cell, output port, index) that drives it."""
         return {
             (section, bit): (name, port, index)
             for section, module in self.paths.items()
@@ -80,7 +80,7 @@ class Netlist:
 
     @cached_property
     def _inputs(self) -> dict[tuple[str, int], tuple[str, int]]:
-        """Return section and bit -> input port and index."""
+        """Return a dict: (section, bit) -> (input port, index) that it is connected to."""
         return {
             (section, bit): (name, index)
             for section, module in self.paths.items()

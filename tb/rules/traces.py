@@ -77,7 +77,10 @@ LEGAL = [
 
 @dataclass(frozen=True)
 class Break:
-    """A trace of ``port`` that breaks ``rules``; ``base``: it overlays the legal trace; ``known``: it contains no X."""
+    """A trace of ``port`` that breaks ``rules``.
+
+    ``base``: overlay it on the legal trace; ``known``: it contains no X.
+    """
 
     port: str
     rules: set[str]
@@ -187,7 +190,7 @@ BREAKS = [
 
 
 def names(module: str) -> dict[int, str]:
-    """Return number -> name of the rules in a module."""
+    """Return a dict: number -> name of the rules in a module."""
     text = (
         (RULES / "ik_rules.v").read_text(encoding="utf-8").partition(f"module {module} ")[2].partition("endmodule")[0]
     )

@@ -234,6 +234,6 @@ def test_expressions_are_read():
     ],
 )
 def test_words_are_as_long_as_the_floors_take_them_for(file, line):
-    """X = 2^XW >= 2 D = 2^DW; the radicand has 2 ROWS bits."""
+    """The floor proofs assume these word lengths in the RTL: 2^XW >= 2^(DW + 1), and 2 ROWS bits of radicand."""
     assert line in (ROOT / "rtl" / "lib" / f"{file}.v").read_text()
     assert "localparam integer MW = 2 * ROWS;" in (ROOT / ROOT_DIGIT).read_text()
