@@ -136,7 +136,7 @@ def run_chunk(core: Core, seed: int | None, end: int, against: bool, number: int
 # -- the C of table 6 --------------------------------------------------------------------------------------------------
 
 UNEQUAL = 2.0**-24
-"""Ratio of the arms below which the paper's equations, which add their squares, lose too much of 64 bits."""
+"""Ratio of the lengths below which the paper's equations, which add their squares, lose too much of 64 bits."""
 
 
 def opinions(words: np.ndarray, width: int) -> list[Opinion]:

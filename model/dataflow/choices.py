@@ -170,17 +170,17 @@ def replaced(word: Term, mask: Term, constant: int) -> Choice:
 
 
 def wrist(point: Term, off: Term) -> Free:
-    """Return a coordinate of the wrist: of the hand's point, less twice half the tool's offset; saturated."""
+    """Return a coordinate of the wrist, saturated: the hand point's, minus twice ``off``, half of the tool's offset."""
     return Free(point - 2 * off, lambda to, node: to.wrist(node, point, off))
 
 
 def rounded_sum(a: Term, b: Term, sign: int) -> Choice:
-    """Return a result that is the sum of two products: -a, plus or minus b."""
+    """Return a result -a + b or -a - b, where a and b are products."""
     return Choice(Sum((sign, b), (-1, a)), lambda to, node: to.rounded_sum(node, a, b, sign), operands=(a, b))
 
 
 def joint(s: Term, d: Term, sign: int, turned: tuple[Term, ...]) -> Free:
-    """Return the sum or difference of two angles, with half a turn more where an odd number of the masks is set."""
+    """Return the sum or difference of two angles; add half a turn where an odd number of the masks is set."""
     total = Sum((1, s), (sign, d), (1, Select(Xor(*turned), Constant(-1), 0)))
     return Free(total, lambda to, node: to.joint(node, s, d, sign, turned))
 
@@ -192,13 +192,13 @@ def twice(half: Term, negated: Term) -> Free:
 
 
 def outside(angle, low: int, high: int, width: int):
-    """Return whether angles, words of a turn, are not on the arc from one word to another."""
+    """Return whether angles, as words of one turn, lie off the arc from ``low`` to ``high``."""
     turn = (1 << width) - 1
     return (angle - low & turn) > (high - low & turn)
 
 
 class Outside(Operation):
-    """Mask of angles that are not on the arc from one word to another."""
+    """Mask of angles off the arc from ``low`` to ``high``."""
 
     def __init__(self, angle: Term, low: int, high: int) -> None:
         super().__init__(angle)

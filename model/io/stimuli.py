@@ -19,9 +19,9 @@ from .words import FIELDS
 
 
 def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
-    """Return targets without any flag: directions and swivel angles uniform, arms of all sizes.
+    """Return targets without any flag: directions and swivel angles uniform, lengths of all sizes.
 
-    Half of the arms fill their words; the sizes of the others are spread evenly over the bits.
+    Half of the lengths fill their words; the sizes of the others are spread evenly over the bits.
     """
     random = np.random.default_rng((seed, width, 1))
     rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
@@ -237,8 +237,8 @@ REGIONS = {
 def region(name: str, count: int, width: int, seed: int) -> np.ndarray:
     """Return reachable targets of one of the ``REGIONS``.
 
-    Unless stated otherwise, arms are of all sizes, up to 1:20. A quarter of the swivel angles lies within 2 lsb of a
-    multiple of an eighth of a turn.
+    Unless stated otherwise, lengths are of all sizes, d1 : d2 up to 1:20. A quarter of the swivel angles
+    lies within 2 lsb of a multiple of an eighth of a turn.
     """
     random = np.random.default_rng((seed, width, 10, list(REGIONS).index(name)))
     rows = np.zeros((0, len(FIELDS)), dtype=np.int64)

@@ -247,7 +247,7 @@ class Motion:
 
     @property
     def arm_length(self) -> float:
-        """Median length of the arm, or for a leg the length of an arm in proportion."""
+        """Median length of the arm; for a leg, the length of an arm of the same body."""
         return float(np.median(self.d1 + self.d2)) * (1.0 if self.limb.kind == "arm" else 0.65)
 
     @property
@@ -258,7 +258,7 @@ class Motion:
 
 
 def outward_and_up(clip: Clip, limb: Limb) -> np.ndarray:
-    """Return the direction (3,) between the limb's side and up, of the body at rest, in the torso's frame."""
+    """Return the direction (3,) halfway between sideways and up for this limb, in the torso's frame, at rest."""
     up = rest_up(clip)
     out = clip.rest[limb.upper] - clip.rest[limb.opposite]
     out = out - (out @ up) * up

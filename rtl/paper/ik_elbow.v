@@ -3,7 +3,7 @@
 //
 // Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, root and quotients floor.
 // The point pair is homogeneous: it is scaled by 2 as in (19) and by the ratio of the two units of length; the elbow
-// point is in the arms' unit.
+// point is in the unit of d1 and d2.
 //
 // Names: pp_i, pp_j, pp_k are PP_i, PP_j, PP_k; pp_1_m is PP_1^- = PP_15 - PP_14, pp_1_p is PP_1^+ = PP_15 + PP_14;
 // 2 and 3 likewise. Each port is valid at its clock T_<NODE>.

@@ -188,7 +188,7 @@ def pack_registers(module: dict) -> dict:
 
     clock = {pin(name, "CLK") for name in plain}
     if len(clock) > 1:
-        raise ToolError("registers of several clocks are not packed")
+        raise ToolError("cannot pack registers: the netlist has more than one clock")
 
     def absorb(nets: dict, ports: list[str]) -> bool:
         """Replace the flip-flops behind ports by their nets. Return False, without a change, if a port has another

@@ -179,7 +179,7 @@ def test_scale_does_not_matter(datapath, width):
     words = np.concatenate([region(name, 200, width, 9) for name in REGIONS])
     words[:, lengths] &= ~3
     words = words[(words[:, 4:] > 0).all(axis=1)]
-    if datapath == "paper":  # paper drops a bit of long arms
+    if datapath == "paper":  # paper drops a bit of long d1 and d2
         words = words[(words[:, 4:].sum(axis=1) < 1 << (width - 1)) & (expected_flags(words, width) == 0)]
     assert len(words) > 100
     quarter = words.copy()
@@ -317,5 +317,5 @@ def test_every_node_is_shown_before_the_result_leaves(name, flow):
     assert max(of.time for of in found.values()) == last + 1
     assert fixed.latency(name, 24) == last + 1 - max(made.loads.values())
     without = replace(made, steps=[placed for placed in made.steps if placed.step.name != "az_tilt_sq"])
-    with pytest.raises(LookupError, match="shows no az_tilt_sq"):
+    with pytest.raises(LookupError, match="no location in the fold datapath for az_tilt_sq"):
         shown(lowering, without)

@@ -97,7 +97,7 @@ OPERATORS = {
 
 
 def truth_of(formula: str, values: dict, close: float) -> np.ndarray:
-    """Return whether a formula holds for arrays of values, up to ``close``."""
+    """Return whether a formula holds for arrays of values, within a relative tolerance ``close``."""
     relations = {"<": lambda a, b: a < b, "<=": lambda a, b: a <= b + close}
     operators = OPERATORS | relations | {"=": lambda a, b: np.isclose(1.0 * a, 1.0 * b, rtol=close, atol=close * 1e-6)}
     stack: list[list] = [[]]
