@@ -59,14 +59,14 @@ class Choice(Operation):
 
 
 class Free(Choice):
-    """A choice whose words saturate or wrap by design: no formula states it."""
+    """A choice whose words saturate or wrap by design, and which has no formula for proofs."""
 
     def facts(self, node, domain):
         return []
 
 
 class AtMost(Operation):
-    """A term, at most the largest word of the node's format, which real values do not reach."""
+    """A term limited to the largest word of the node's format; exact values stay below the limit."""
 
     def __init__(self, term: Term, lower: Callable) -> None:
         super().__init__(term)
@@ -86,12 +86,12 @@ class AtMost(Operation):
 
 
 def limited(raw: Term) -> AtMost:
-    """Return a word, limited."""
+    """Return a word limited to its format."""
     return AtMost(raw, lambda to, node: to.limit(node, raw))
 
 
 def mantissa(value: Term, low: Term) -> AtMost:
-    """Return a word, times 4 where the mask is set, limited."""
+    """Return a word, times 4 where the mask is set, limited to its format."""
     return AtMost(Select(low, 4 * value, value), lambda to, node: to.mantissa(node, value, low))
 
 
@@ -101,7 +101,7 @@ def signed(value: Term, negative: Term) -> Choice:
 
 
 def elbow(value: Term, sign: int, clamp: Term, closed: Term, ends: tuple[int, int]) -> Choice:
-    """Return a word times a sign; of a clamped elbow the first of the ends if it is closed, else the second."""
+    """Return a word times a sign; for a clamped target, the first of ``ends`` if the arm is closed, else the second."""
     part = Select(clamp, Select(closed, *ends), value if sign > 0 else -value)
     return Choice(part, lambda to, node: to.elbow(node, value, sign))
 

@@ -275,7 +275,7 @@ def elbow(d: Dataflow) -> None:
     d.node("pp_pm", Total(n["pp_1_pm"] + n["pp_2_pm"] + n["pp_3_pm"]), d.wide(5), within=ORTHOGONAL_ARM)
     tmp1 = d.node("tmp1", Total(n["pp_pm"] - n["pp_sq"]), d.word(3), within=HEIGHT_SQ)
     tmp_sqr = d.node("tmp_sqr", Root(tmp1), d.word(2), within=HEIGHT)
-    # Straight or folded within an ulp: the target lies on the line of the arm and gives no side in (17).
+    # Straight or closed within an ulp: the target lies on the line of the arm and gives no side in (17).
     d.mask("flat", n["clamp"] | (tmp1 <= 0))
     d.mask("back", Select(n["clamp"], n["away"], k_e < 0))
 

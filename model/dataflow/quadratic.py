@@ -81,7 +81,7 @@ class Form:
 
 @dataclass(frozen=True)
 class Table:
-    """Function with its segments and three forms, of which the word length and the multipliers select one."""
+    """Function with its segments and three forms; the word length and the multipliers select one form."""
 
     function: Function
     segment: Callable[[Form, int], Segment]  # of a row

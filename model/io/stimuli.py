@@ -208,7 +208,7 @@ def of_special(first: int, count: int, width: int) -> np.ndarray:
 
 
 def mixed(count: int, width: int, seed: int) -> np.ndarray:
-    """Return a shuffled mix: all corners, and of the rest half reachable, a quarter clamped, a quarter extreme."""
+    """Return a shuffled mix: all corners; the rest is half reachable, a quarter clamped, a quarter extreme."""
     random = np.random.default_rng((seed, width, 4))
     rows = np.array(list(corners(width).values()), dtype=np.int64)
     rest = max(0, count - len(rows))
@@ -406,7 +406,7 @@ def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
 def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
     """Return words and branches (N, 12) of hand poses with wrists at targets (N, 6).
 
-    One in eight has an arbitrary, non-unit quaternion; of many poses the first are the corners.
+    One in eight has an arbitrary, non-unit quaternion. Where there are many poses, the corners come first.
     """
     random, named = np.random.default_rng((seed, width, 7)), arm_corners(width)
     reachable = np.flatnonzero((expected_flags(words, width) & UNREACHABLE) == 0)

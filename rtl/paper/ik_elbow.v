@@ -204,7 +204,7 @@ module ik_elbow #(
       .clk(clk), .n(tmp1), .q(tmp_sqr), .neg()
   );
 
-  // ---- side of the shoulder on which a straight or folded arm lies, for (17) ----
+  // ---- side of the shoulder on which a straight or closed arm lies, for (17) ----
 
   wire clamp_at_tmp1, clamp_at_k_e, away_at_k_e;
   ik_delay #(.W(2), .N(T_K_E-T_CLAMP)) u_clamp_at_k_e (.clk(clk), .d({away, clamp}), .q({away_at_k_e, clamp_at_k_e}));

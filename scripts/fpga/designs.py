@@ -132,7 +132,7 @@ def code(design: Design) -> str:
 
 
 def recorded() -> dict[str, str]:
-    """Return design, such as lean-32 -> digest of the code behind the checked-in figures."""
+    """Return a dict: design, such as lean-32 -> digest of the code behind the checked-in figures."""
     return {f"RTL of {name}": design["rtl"] for name, design in load()["designs"].items()}
 
 

@@ -52,7 +52,7 @@ class _Problem:
         return clock
 
     def _one_each(self, uses: Iterable[tuple[str, int]]) -> None:
-        """Allow one of these clocks, counted from a load or start, in each place of the lap."""
+        """Allow at most one of these uses in each clock of the lap; clocks are counted from a load or start."""
         uses = list(uses)
         for n in range(self.period):
             self.model.add_at_most_one(self.at_place[name][(n - clock) % self.period] for name, clock in uses)

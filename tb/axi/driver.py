@@ -197,7 +197,7 @@ class Platform:
 
 
 class Linux(Platform):
-    """A file as memories of the uio device, and once it is open, a socket as its descriptor: the test is the kernel."""
+    """The test in the role of the kernel: a file is the uio device's memory; once open, its descriptor is a socket."""
 
     def __init__(self, bench: Bench, folder: Path) -> None:
         super().__init__(bench, interrupt=True)
@@ -219,7 +219,7 @@ class Linux(Platform):
             os.dup2(descriptor.fileno(), self.uio.file)  # the memories stay mapped
 
     def wait(self) -> bool:
-        """Let the kernel count an interrupt, if one comes; every other call one of no cause. Let the driver wait."""
+        """Send an interrupt count to the driver, in every other call without an interrupt as cause; run its wait."""
         self.waits += 1
         if self.waits % 2 or self._interrupted():
             self.kernel.send(self.waits.to_bytes(4, sys.byteorder))

@@ -63,8 +63,10 @@ async def after_a_reset(dut):
 
 @cocotb.test()
 async def every_field(dut):
-    """Write all ones, all zeros and a random word: only writable bits change, of no other register; read-only ones
-    return SLVERR."""
+    """Write all ones, all zeros and a random word to each register.
+
+    Only its writable bits change, and no other register. Read-only registers return SLVERR.
+    """
     bench = await started(dut)
     values = after_reset(bench)
     for register in bench.registers:

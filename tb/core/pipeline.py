@@ -186,7 +186,7 @@ class Pipeline:
         self.scoreboard.expect(expected)
 
     def send(self, words: np.ndarray) -> None:
-        """Queue targets, (N, words of a target), of the whole arm with their branch, with incrementing tags."""
+        """Queue targets (N, words per target) with incrementing tags; those of the whole arm include the branch."""
         self.announce(words)
         count = len(MODELS[self.datapath].inputs)
         words, branches = words[:, :count], words[:, count:].sum(axis=1)

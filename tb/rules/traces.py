@@ -116,7 +116,7 @@ AR, as the trace ends before its data."""
 
 
 def of_channel(port: str, name: str) -> list[Break]:
-    """Return breaks of all rules of a channel, of the payload rules for each part of the payload."""
+    """Return breaks of all rules of a channel; payload rules are broken once for each part of the payload."""
     prefix, stall, payload = CHANNELS[port, name]
     valid, ready = f"{prefix}valid", f"{prefix}ready"
     found = [

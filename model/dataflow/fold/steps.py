@@ -144,7 +144,7 @@ class Step:
 
     @property
     def selectors(self) -> list[Selector]:
-        """Its selectors, of which some may be :data:`NEVER`."""
+        """Its selectors; some may be :data:`NEVER`."""
         picks = [o.flag for o in (self.write and self.write.to, self.a, self.b) if isinstance(o, Pick)]
         return [self.minus, *picks, self.addend_by]
 

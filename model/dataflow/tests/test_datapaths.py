@@ -2,7 +2,7 @@
 """Bit-true datapaths: accuracy over the reachable workspace, unit quaternions and exact flags for any words, numbers
 and names in table, model and RTL, and the program of the fold datapath.
 
-Bars are in ulps of a result, 2^(2 - W), in radians and relative to the reach.
+Tolerances are in ulps of a result, 2^(2 - W), in radians and relative to the reach.
 """
 
 import re
@@ -70,7 +70,7 @@ class Run:
         return [np.linalg.norm(point - aim, axis=1) / reach for point, aim in zip(found, aims, strict=True)]
 
     def below(self, error: np.ndarray, bar, what: str) -> None:
-        """Assert that no error exceeds its bar; name the worst target."""
+        """Assert that no error exceeds its tolerance; name the worst target."""
         n = int(np.argmax(error / bar))
         assert error[n] <= np.broadcast_to(bar, error.shape)[n], f"{what} {error[n]:.3g} at {self.words[n].tolist()}"
 

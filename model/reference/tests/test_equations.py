@@ -60,7 +60,7 @@ def directions(rng, size):
 
 
 def workspace(size, seed):
-    """Return reachable targets of all poses: any direction, any distance between fold and stretch, any swivel."""
+    """Return reachable targets of all poses: any direction, distance and swivel."""
     rng = np.random.default_rng(seed)
     d1, d2 = rng.uniform(0.2, 1, (2, size))
     distance = rng.uniform(np.abs(d1 - d2), d1 + d2)
@@ -327,7 +327,7 @@ CLAMPED = {
         for d1, d2 in ((0, 0.3), (0.3, 0), (-0.1, 0.3), (0.3, -1), (0, 0), (-1, -1))
     },
 }
-"""Case -> positions, lengths, flags, elbow and wrist along the direction of the target, folded or straight."""
+"""Case -> positions, lengths, flags, elbow and wrist along the direction of the target, closed or straight."""
 
 
 @pytest.mark.parametrize("case", CLAMPED)
