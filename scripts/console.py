@@ -329,7 +329,7 @@ class Meter(Progress):
 
 @contextlib.contextmanager
 def progress(name: str, total: int) -> Iterator[Meter]:
-    """Yield a `Meter`, which also prints while nothing is reported, during a compilation for example."""
+    """Yield a `Meter`. Without a terminal it prints a line every few seconds, also while no item completes."""
     over = threading.Event()
 
     def repeat() -> None:

@@ -31,12 +31,12 @@ say = partial(print, flush=True)
 
 
 def digests() -> dict[str, str]:
-    """Return proof -> digest of the present code."""
+    """Return a dict: proof -> digest of the present code."""
     return {task.name: task.digest() for task in TASKS}
 
 
 def rows() -> dict[str, list[str]]:
-    """Return proof -> row of the page."""
+    """Return a dict: proof -> row of the page."""
     return {row[0]: row for row in read_table(PAGE, "proof")}
 
 

@@ -87,7 +87,7 @@ def _check(options: SimpleNamespace) -> None:
     if options.special:
         options.seed, options.targets = None, SPECIAL - CHUNK * options.from_
         if options.targets <= 0:
-            raise InputError(f"argument --from: special words have chunks 0 to {(SPECIAL - 1) // CHUNK}")
+            raise InputError(f"argument --from: with --special, chunks are 0 to {(SPECIAL - 1) // CHUNK}")
     if options.against and (MODELS[options.datapath].equations != "lean" or MODELS[options.datapath].side):
         raise InputError(f"argument --against: the {options.datapath} datapath has no tolerance for it")
 
@@ -126,7 +126,7 @@ def messages(failure: Failure, words: np.ndarray, start: int) -> list[str]:
 # -- the C of table 6 --------------------------------------------------------------------------------------------------
 
 UNEQUAL = 2.0**-24
-"""Ratio of the arms below which the paper's equations, which add their squares, lose too much of 64 bits."""
+"""Ratio of the lengths below which the paper's equations, which add their squares, lose too much of 64 bits."""
 
 
 def opinions(words: np.ndarray, width: int) -> list[Opinion]:

@@ -52,7 +52,7 @@ class Prepared:
     limits: Limits | None = None
 
     def core_words(self, width: int) -> np.ndarray:
-        """Return the words (N, 6) of the wrist targets; of hand poses those that the hand's section computes."""
+        """Return the words (N, 6) of the wrist targets; for hand poses, the wrist targets that the core computes."""
         return self.words if self.targets.hand is None else fixed.of_hands(self.words[:, :-1], width)[0]
 
 

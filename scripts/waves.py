@@ -284,8 +284,8 @@ def write_aligned(path: Path, recording: Recording, datapath: str, nodes: Nodes,
     """Write a VCD with every node delayed to the clock of the last one, so that all words of a clock belong to one
     target.
 
-    Names, scopes and times match the VCD of the run. A clock without a target is X. `target` is the number of a
-    target, `differs` is 1 for those in `wrong`, with a node that differs from the model.
+    Names, scopes and times match the VCD of the run. A clock without a target is X. The signal
+    `target` is the target's number; `differs` is 1 for targets in `wrong`, which differ from the model in some node.
     """
     top = MODELS[datapath].top
     with open(path, "w", encoding="ascii", newline="\n") as stream:

@@ -53,7 +53,7 @@ orientation in rad.  Below the limits 3e-8 and 2e-8 at W = 32, 3e-6 and 5e-6 at 
 
 WRIST_ULPS = 3**0.5 * 0.9
 """Further error of the hand's point in ulps of a length: each coordinate of the wrist is rounded to a word, half its
-offset to an inner word, which at W = 32 has three bits more.  Searches find 1.4 there, for arms of a few ulps."""
+offset to an inner word, which at W = 32 has three bits more.  Searches find 1.4 there, for lengths of a few ulps."""
 
 
 def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:

@@ -45,16 +45,16 @@ class Bound:
 
 @dataclass(frozen=True)
 class Case:
-    """Part of the input domain: bounds of the arms and of j in their own unit, and of |p_w| and |b|."""
+    """Part of the input domain: bounds of d1 and d2, of j in its unit, and of |p_w| and |b|."""
 
     name: str
     clamped: bool
-    d_high: float  # either arm
+    d_high: float  # of d1 and d2
     j: tuple[int, int]
-    long: bool = False  # halving may round the arms
+    long: bool = False  # halving may round d1 and d2
     p: tuple[float, float] = (0.5, SQRT3)
     b: tuple[float, float] = (0.5, SQRT2)
-    ulp: float = 0.0  # of the arms
+    ulp: float = 0.0  # of d1 and d2
     elbow: float = 0.0  # an ulp of p_e
     tilt: float = 0.0  # sine of the angle between p_w and the plane of the words pi_swivel
     straight: float = 0.0  # distance of the words of p_e from a + t m of the words (model.dataflow.paper.off_length)
@@ -67,12 +67,12 @@ class Case:
 
     @property
     def excess(self) -> float:
-        """Increase of |k_e| by rounded arms: the rounding of d1 + d2, times |d1 - d2|."""
+        """Increase of |k_e| by rounded lengths: the rounding of d1 + d2, times |d1 - d2|."""
         return 4 * self.ulp if self.long else 0.0
 
     @property
     def k_e(self) -> float:
-        """|k_e| <= 2 d1 |p_w|, and <= s_j + (d1 + d2) |d_dif_j| where arms are rounded."""
+        """|k_e| <= 2 d1 |p_w|, and <= s_j + (d1 + d2) |d_dif_j| where d1 and d2 are rounded."""
         limit = 2 * self.d_high * self.p[1] + self.excess
         return min(limit, self.p[1] ** 2 * 2.0 ** -self.j[0] + 2) if self.long else limit
 
@@ -88,7 +88,7 @@ class Case:
 
     @property
     def tmp1(self) -> tuple[float, float]:
-        """(d1 sin a)^2 |PP^-|^2: |pi|^2 ((2 d1 |p_w|)^2 - k_e^2), where the arms are rounded."""
+        """(d1 sin a)^2 |PP^-|^2: |pi|^2 ((2 d1 |p_w|)^2 - k_e^2), where d1 and d2 are rounded."""
         most = (min(self.d_high, 0.5) * self.pp[1]) ** 2
         tilted = (self.pp[1] * self.p_e * self.tilt) ** 2
         if not self.long:
@@ -195,17 +195,17 @@ SUM = Growth(added=True, exact=True)
 
 
 def upto(size: Callable[[Case], float]) -> Callable[[Case], Limits]:
-    """Return limits of at most ``size`` in magnitude."""
+    """Return the range [-size, size]."""
     return lambda c: (-size(c), size(c))
 
 
 def used(limit: Callable[[Case], Limits]) -> Callable[[Case], Limits]:
-    """Return ``limit`` for a word that is unused, and may wrap, for clamped targets."""
+    """Return the range ``limit``, but any value for clamped targets: there the word is unused and may wrap."""
     return lambda c: ANYTHING if c.clamped else limit(c)
 
 
 def not_negative(c: Case) -> Limits:
-    """Return the limits of a word that rounding does not make negative."""
+    """Return the range of a word that rounding never makes negative."""
     return 0.0, math.inf
 
 

@@ -185,7 +185,7 @@ def frame_lemmas(d: Dataflow, turned: list[str]) -> None:
 
 
 def joints(d: Dataflow) -> None:
-    """Build the seven angles, and which of them are outside their limits."""
+    """Build the seven angles and, for each, the mask of targets outside its joint's limits."""
     d.at("joints")
     _ball(d, "qs", JOINTS[:3])
     _twice(d, "th4", angle(d, "qe_e", Angle(d.nodes["qe_i"], d.nodes["qe_w"], -1)))

@@ -59,14 +59,14 @@ class Choice(Operation):
 
 
 class Free(Choice):
-    """A choice whose words saturate or wrap by design: no formula states it."""
+    """A choice whose words saturate or wrap by design, and which has no formula for proofs."""
 
     def facts(self, node, domain):
         return []
 
 
 class AtMost(Operation):
-    """A term, at most the largest word of the node's format, which real values do not reach."""
+    """A term limited to the largest word of the node's format; exact values stay below the limit."""
 
     def __init__(self, term: Term, lower: Callable) -> None:
         super().__init__(term)
@@ -86,12 +86,12 @@ class AtMost(Operation):
 
 
 def limited(raw: Term) -> AtMost:
-    """Return a word, limited."""
+    """Return a word limited to its format."""
     return AtMost(raw, lambda to, node: to.limit(node, raw))
 
 
 def mantissa(value: Term, low: Term) -> AtMost:
-    """Return a word, times 4 where the mask is set, limited."""
+    """Return a word, times 4 where the mask is set, limited to its format."""
     return AtMost(Select(low, 4 * value, value), lambda to, node: to.mantissa(node, value, low))
 
 
@@ -101,7 +101,7 @@ def signed(value: Term, negative: Term) -> Choice:
 
 
 def elbow(value: Term, sign: int, clamp: Term, closed: Term, ends: tuple[int, int]) -> Choice:
-    """Return a word times a sign; of a clamped elbow the first of the ends if it is closed, else the second."""
+    """Return a word times a sign; for a clamped target, the first of ``ends`` if the arm is closed, else the second."""
     part = Select(clamp, Select(closed, *ends), value if sign > 0 else -value)
     return Choice(part, lambda to, node: to.elbow(node, value, sign))
 
@@ -170,17 +170,17 @@ def replaced(word: Term, mask: Term, constant: int) -> Choice:
 
 
 def wrist(point: Term, off: Term) -> Free:
-    """Return a coordinate of the wrist: of the hand's point, less twice half the tool's offset; saturated."""
+    """Return a coordinate of the wrist, saturated: the hand point's, minus twice ``off``, half of the tool's offset."""
     return Free(point - 2 * off, lambda to, node: to.wrist(node, point, off))
 
 
 def rounded_sum(a: Term, b: Term, sign: int) -> Choice:
-    """Return a result that is the sum of two products: -a, plus or minus b."""
+    """Return a result -a + b or -a - b, where a and b are products."""
     return Choice(Sum((sign, b), (-1, a)), lambda to, node: to.rounded_sum(node, a, b, sign), operands=(a, b))
 
 
 def joint(s: Term, d: Term, sign: int, turned: tuple[Term, ...]) -> Free:
-    """Return the sum or difference of two angles, with half a turn more where an odd number of the masks is set."""
+    """Return the sum or difference of two angles; add half a turn where an odd number of the masks is set."""
     total = Sum((1, s), (sign, d), (1, Select(Xor(*turned), Constant(-1), 0)))
     return Free(total, lambda to, node: to.joint(node, s, d, sign, turned))
 
@@ -192,13 +192,13 @@ def twice(half: Term, negated: Term) -> Free:
 
 
 def outside(angle, low: int, high: int, width: int):
-    """Return whether angles, words of a turn, are not on the arc from one word to another."""
+    """Return whether angles, as words of one turn, lie off the arc from ``low`` to ``high``."""
     turn = (1 << width) - 1
     return (angle - low & turn) > (high - low & turn)
 
 
 class Outside(Operation):
-    """Mask of angles that are not on the arc from one word to another."""
+    """Mask of angles off the arc from ``low`` to ``high``."""
 
     def __init__(self, angle: Term, low: int, high: int) -> None:
         super().__init__(angle)

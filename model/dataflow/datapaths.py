@@ -110,7 +110,7 @@ TILED = replace(LEAN, name="lean25", tile=25), replace(LEAN, name="lean16", tile
 
 CONFIGURATIONS = {path.name: path for path in (LEAN, PAPER, *TILED, FOLD, FOLD16)}
 """Everything that can be run, by its ``DATAPATH=`` name: the dataflows, the lean one with products cut for multipliers
-of 25x18 or 16x16 bits, the latter with small tables, and the lean one as a program for a single multiplier, with
+of 25x18 or 16x16 bits, the 16x16 ones with small tables, and the lean one as a program for a single multiplier, with
 tiles of 18x18 or 16x16 bits."""
 
 ARM = replace(

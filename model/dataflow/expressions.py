@@ -58,7 +58,7 @@ def integral(words) -> bool:
 
 
 def magnitude(words):
-    """Return |c|; of a negative integer |c| - 1, its one's complement."""
+    """Return |c|, but for a negative integer its one's complement, |c| - 1."""
     return np.where(words < 0, ~words, words) if integral(words) else np.abs(words)
 
 
@@ -281,7 +281,7 @@ class Scaled(Operation):
 
 
 class Magnitude(Operation):
-    """|c|; of a negative word the one's complement, one ulp less."""
+    """|c|, but for a negative word its one's complement, one ulp less."""
 
     def __init__(self, term: Term) -> None:
         super().__init__(term)

@@ -65,7 +65,7 @@ def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tupl
 
 
 class Mul3(Operation):
-    """a * b * 2^scale from three tiles; bits beyond the node's format are dropped, of clamped targets only."""
+    """a * b * 2^scale from three tiles; bits beyond the node's format, set for clamped targets only, are dropped."""
 
     kind, latency, level, adds_rounding = "mul3", "mul3", SCALED, True
 

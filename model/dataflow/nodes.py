@@ -235,7 +235,7 @@ class Dataflow:
         self.learned[len(self.nodes)] = fact
 
     def restart(self, *names: str) -> None:
-        """Treat the words of these nodes, a plane, as exact: everything after them holds for any plane."""
+        """Treat the words of these nodes, which define a plane, as exact: later nodes are correct for any plane."""
         self.restarts[len(self.nodes)] = names
 
     def words(self, *names: str) -> None:
@@ -248,5 +248,5 @@ class Dataflow:
         self.definitions[name] = value
 
     def lemma(self, name: str, statement: str, *facts: str) -> None:
-        """State what proofs of ranges use, with the facts that prove it; without facts it is assumed."""
+        """Add a statement for proofs of ranges, with the facts that prove it; without facts it is assumed."""
         self.lemmas[name] = statement, facts

@@ -212,15 +212,18 @@ ELBOW_NUM = Rule(
     "the numerators of (13) are the components of p_e times |PP^-|^2", upto(lambda c: c.p_e * c.pp[1] ** 2)
 )
 ELBOW = Rule(
-    "the elbow is d1 away from the shoulder (with rounded arms at most |k_e| / 2|p_w|)",
+    "the elbow is d1 away from the shoulder (with rounded lengths at most |k_e| / 2|p_w|)",
     upto(lambda c: c.p_e),
     upto(lambda c: c.p_e_words + c.elbow),
 )
 
 
 def off_length(c: Case, nodes: dict[str, Node], bounds: dict[str, Bound]) -> Case:
-    """Bound the error of p_e.  The root of (13), and p_e with it, may lose half of its digits; the square in
-    |p_e|^2 = |a|^2 + t^2 |m|^2 (a along p_w, t = tmp_sqr, m = PP^- / |PP^-|^2 perpendicular) undoes the root."""
+    """Bound the error of |p_e|.
+
+    The root t = tmp_sqr in (13) may lose half of its digits, and so may p_e. But |p_e|^2 = |a|^2 + t^2 |m|^2, with a
+    along p_w and m = PP^- / |PP^-|^2 perpendicular to it, contains only t^2, which is precise.
+    """
     root, inf, worst = bounds["tmp_sqr"], bounds["inf_pp"], 0.0
     if min(inf.low, inf.word[0]) <= 0:
         return c  # the division gives the bound
@@ -238,8 +241,8 @@ def off_length(c: Case, nodes: dict[str, Node], bounds: dict[str, Bound]) -> Cas
 def elbow(d: Dataflow) -> None:
     """Section 3.2: the point pair (12), in the form (19), and the elbow point (13).
 
-    PP is homogeneous.  As in (19) it is scaled by 2 throughout; the target's own unit of length (2^j finer than the
-    arms') is another common factor; p_e is in the arms' unit.
+    PP is homogeneous.  As in (19) it is scaled by 2 throughout; the target's own unit of length (2^j finer than
+    that of d1 and d2) is another common factor; p_e is in the unit of d1 and d2.
     """
     n = d.nodes
     d.at("elbow", "(12)")
@@ -272,7 +275,7 @@ def elbow(d: Dataflow) -> None:
     d.node("pp_pm", Total(n["pp_1_pm"] + n["pp_2_pm"] + n["pp_3_pm"]), d.wide(5), within=ORTHOGONAL_ARM)
     tmp1 = d.node("tmp1", Total(n["pp_pm"] - n["pp_sq"]), d.word(3), within=HEIGHT_SQ)
     tmp_sqr = d.node("tmp_sqr", Root(tmp1), d.word(2), within=HEIGHT)
-    # Straight or folded within an ulp: the target lies on the line of the arm and gives no side in (17).
+    # Straight or closed within an ulp: the target lies on the line of the arm and gives no side in (17).
     d.mask("flat", n["clamp"] | (tmp1 <= 0))
     d.mask("back", Select(n["clamp"], n["away"], k_e < 0))
 

@@ -11,7 +11,7 @@ from .paper_operations import Div, Mul, Root, Total, normalize
 
 
 def forearm(c: Case) -> float:
-    """Return |p_e - p_w|^2 = d2^2, or d2^2 + |p_e|^2 - d1^2 where rounded arms do not reach."""
+    """Return |p_e - p_w|^2 = d2^2, or d2^2 + |p_e|^2 - d1^2 where rounded lengths do not reach."""
     return math.sqrt((c.p_e + c.elbow) ** 2 + c.square) + 2 * c.ulp
 
 

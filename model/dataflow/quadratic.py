@@ -81,7 +81,7 @@ class Form:
 
 @dataclass(frozen=True)
 class Table:
-    """Function with its segments and three forms, of which the word length and the multipliers select one."""
+    """Function with its segments and three forms; the word length and the multipliers select one form."""
 
     function: Function
     segment: Callable[[Form, int], Segment]  # of a row
@@ -206,8 +206,8 @@ def row_error(table: Table, form: Form, row: int, rises: bool) -> Interval:
 
 
 def _root_segment(form: Form, row: int) -> Segment:
-    """Return a segment: half of them lie in [1/4, 1/2), the others in [1/2, 1); the former are half as wide, as the
-    root is steeper there."""
+    """Return the segment of a table row. The first half of the rows covers [1/4, 1/2) with segments half as wide as
+    the rest in [1/2, 1), because the function is steeper there."""
     half, width = form.rows // 2, mpmath.mpf(1) / form.rows
     return ((half + row) * width / 2, width / 2) if row < half else (row * width, width)
 

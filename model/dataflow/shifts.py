@@ -147,7 +147,7 @@ class Count(Operation):
 
 
 class ShiftUp(Operation):
-    """v 2^(power + n), truncated; bits above the format are dropped, of clamped targets only."""
+    """v 2^(power + n), truncated; bits above the format, set for clamped targets only, are dropped."""
 
     def __init__(self, value: Node, count: Node, power: int = 0) -> None:
         super().__init__(value, count)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scores of a trajectory run through the core: errors, and whether they meet the tolerances.
 
-* the hand: the wrist by forward kinematics of the core's quaternions, or of hand poses the point and orientation by
+* the hand: the wrist by forward kinematics of the core's quaternions, or for hand poses the point and orientation by
   forward kinematics of the joints, against the user's target; so quantisation of the target counts as an error
 * angles and elbow point: against double precision at the core's input words
 * an unreachable target: the hand against the clamped pose's, apart from the reachable targets
@@ -34,7 +34,7 @@ from .words import FIELDS, JOINTS, RESULT_FIELDS, WRIST_FIELDS, Targets, from_wo
 
 
 def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
-    """Return singularity of equations (10)-(18) -> distance (rad) of each target's pose from it; shapes (N,).
+    """Return a dict: singularity of equations (10)-(18) -> distance (rad) of each target's pose from it, (N,).
 
     The singularities are: wrist and elbow on the z axis (either pole; the distance is the angle to it), and the half
     angles theta_3/2 and theta_4/2 at 0 or pi/2, where a square root in (14) or (17) ends at 0; theta_4 is the elbow's.
@@ -187,10 +187,10 @@ def score(
     * targets: N of them, in the user's units; words, exponent: output of `words.to_words`
     * run: the core's output, with the attributes of `tb.sim.job.Run`
     * predicted (N,): hand error / reach that rounding can cause; None if not computed
-    * bar: hand error / reach requested by the user, in place of the table of tolerances
-    * placed: elbows and wrists (N, 3) to score, from the shoulder, in the user's units, and orientations (N, 4) of
-      hands without a tool; by default from forward kinematics
-    * limits: words, of the joints of hand poses; none by default
+    * bar: tolerance of hand error / reach requested by the user; by default from the table of tolerances
+    * placed: the elbows and wrists (N, 3) to score, from the shoulder, in the user's units, and for hands without a
+      tool their orientations (N, 4); by default from forward kinematics
+    * limits: joint limits of hand poses, in words; none by default
 
     Raises ValueError for arrays whose shapes do not match, and for a prediction that is not positive and finite.
     """

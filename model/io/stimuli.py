@@ -19,9 +19,9 @@ from .words import FIELDS
 
 
 def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
-    """Return targets without any flag: directions and swivel angles uniform, arms of all sizes.
+    """Return targets without any flag: directions and swivel angles uniform, lengths of all sizes.
 
-    Half of the arms fill their words; the sizes of the others are spread evenly over the bits.
+    Half of the lengths fill their words; the sizes of the others are spread evenly over the bits.
     """
     random = np.random.default_rng((seed, width, 1))
     rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
@@ -183,7 +183,7 @@ def edges(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def extremes(count: int, width: int, seed: int) -> np.ndarray:
-    """Return targets of words that are lowest, highest, around 0 or random."""
+    """Return targets (N, 6) whose words are at or next to the ends of the range, around 0, or random."""
     random = np.random.default_rng((seed, width, 3))
     low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
     edge = random.choice([low, low + 1, -1, 0, 1, top - 1, top], (count, len(FIELDS)))
@@ -208,7 +208,7 @@ def of_special(first: int, count: int, width: int) -> np.ndarray:
 
 
 def mixed(count: int, width: int, seed: int) -> np.ndarray:
-    """Return a shuffled mix: all corners, and of the rest half reachable, a quarter clamped, a quarter extreme."""
+    """Return a shuffled mix: all corners; the rest is half reachable, a quarter clamped, a quarter extreme."""
     random = np.random.default_rng((seed, width, 4))
     rows = np.array(list(corners(width).values()), dtype=np.int64)
     rest = max(0, count - len(rows))
@@ -237,8 +237,8 @@ REGIONS = {
 def region(name: str, count: int, width: int, seed: int) -> np.ndarray:
     """Return reachable targets of one of the ``REGIONS``.
 
-    Unless stated otherwise, arms are of all sizes, up to 1:20. A quarter of the swivel angles lies within 2 lsb of a
-    multiple of an eighth of a turn.
+    Unless stated otherwise, lengths are of all sizes, d1 : d2 up to 1:20. A quarter of the swivel angles
+    lies within 2 lsb of a multiple of an eighth of a turn.
     """
     random = np.random.default_rng((seed, width, 10, list(REGIONS).index(name)))
     rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
@@ -406,7 +406,7 @@ def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
 def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
     """Return words and branches (N, 12) of hand poses with wrists at targets (N, 6).
 
-    One in eight has an arbitrary, non-unit quaternion; of many poses the first are the corners.
+    One in eight has an arbitrary, non-unit quaternion. Where there are many poses, the corners come first.
     """
     random, named = np.random.default_rng((seed, width, 7)), arm_corners(width)
     reachable = np.flatnonzero((expected_flags(words, width) & UNREACHABLE) == 0)

@@ -166,8 +166,8 @@ class Clip:
 
 
 def _angles(turn: np.ndarray, axes: list[int], near: np.ndarray) -> np.ndarray:
-    """Return angles (F, 3), rad, of rotations about three different axes whose product is a matrix (F, 3, 3); of all
-    such angles those nearest to ``near`` (F, 3)."""
+    """Return angles (F, 3), rad, of rotations about three different axes whose product is a matrix (F, 3, 3);
+    the solution nearest to ``near`` (F, 3)."""
     i, j, k = axes
     sign = 1.0 if (j - i) % 3 == 1 else -1.0
     locked = np.hypot(turn[:, j, k], turn[:, k, k]) < 1e-7

@@ -149,7 +149,7 @@ def named(clip: Clip, name: str) -> list[int]:
 
 
 def _chosen(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]]) -> tuple[int, int, int]:
-    """Return the joints of a limb by their names; of several with one name, those that are not among ``others``."""
+    """Return the joints of a limb by their names; where a name is ambiguous, the first limb not in ``others``."""
     for upper, fore, hand in product(*(named(clip, name) for name in joints)):
         if upper in clip.ancestors(fore) and fore in clip.ancestors(hand) and (upper, fore, hand) not in others:
             return upper, fore, hand
@@ -247,7 +247,7 @@ class Motion:
 
     @property
     def arm_length(self) -> float:
-        """Median length of the arm, or for a leg the length of an arm in proportion."""
+        """Median length of the arm; for a leg, the length of an arm in proportion to it."""
         return float(np.median(self.d1 + self.d2)) * (1.0 if self.limb.kind == "arm" else 0.65)
 
     @property
@@ -258,7 +258,7 @@ class Motion:
 
 
 def outward_and_up(clip: Clip, limb: Limb) -> np.ndarray:
-    """Return the direction (3,) between the limb's side and up, of the body at rest, in the torso's frame."""
+    """Return the direction (3,) halfway between sideways and up for this limb, in the torso's frame, at rest."""
     up = rest_up(clip)
     out = clip.rest[limb.upper] - clip.rest[limb.opposite]
     out = out - (out @ up) * up

@@ -2,8 +2,8 @@
 """Poses of an arm from Python: the public functions of `cga_ik`.
 
 Frame: the shoulder at the origin, x forward, y to the left, z up.  Lengths are in any one unit, angles in radians.
-Quaternions are Hamilton's and give the right-handed rotation; at rest the upper arm points along z and the forearm is
-folded back on it:
+Quaternions are Hamilton's and give the right-handed rotation; at rest the upper arm points along z and the forearm lies
+back on it:
 
     elbow = Qs (d1 e3) Qs~          wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~
 
@@ -256,7 +256,7 @@ def forward(
 def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis = "z") -> Floats:
     """Return the swivel angle (N,), rad in [-pi, pi], of arms with joints at these points, (N, 3) or (3,).
 
-    Passed to :func:`solve` as phi, it reproduces the elbow.  It is arbitrary where the arm is straight or folded, and
+    Passed to :func:`solve` as phi, it reproduces the elbow.  It is arbitrary where the arm is straight or closed, and
     less accurate near those poses.
     """
     shoulder = np.asarray(shoulder, dtype=np.float64)

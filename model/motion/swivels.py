@@ -105,8 +105,8 @@ def feasible_swivel(
 ) -> Swivels:
     """Return all swivel angles for which the seven joints of hand poses are within their limits.
 
-    Arguments as for :func:`solve`; ``bent`` is upper and fore of an :class:`Arm`.  Without limits every angle is
-    feasible.  Isolated angles are intervals of length 0.  Raises ValueError as :func:`solve` does.
+    Arguments as for :func:`solve`; ``bent`` is (upper, fore) of an :class:`Arm` with bent links.  Without
+    limits every angle is feasible.  Isolated angles are intervals of length 0.  Raises ValueError like :func:`solve`.
     """
     hands = Hands.checked(hand, tool, branch, order)
     wrists = np.asarray(points, dtype=np.float64) - hands.offset.T

@@ -87,7 +87,7 @@ REACH_TOLERANCE = 1e-9
 """Distance out of reach, relative to d1+d2, that `solve` accepts."""
 
 _FUNCTIONS = {
-    "sqrt": lambda v: np.sqrt(np.maximum(v, 0.0)),  # tmp1 is 0 for a straight and for a folded arm
+    "sqrt": lambda v: np.sqrt(np.maximum(v, 0.0)),  # tmp1 is 0 for a straight and for a closed arm
     "cos": np.cos,
     "sin": np.sin,
     "Abs": np.abs,
@@ -124,7 +124,7 @@ CORRECTIONS = {
     },
     "(17)": {
         "c3": f"clip({TEXT['(17)']['c3']})",
-        # A straight or folded arm has P_w in pi_yz2 for every theta_3. Then p_e x pi_swivel takes its place in
+        # A straight or closed arm has P_w in pi_yz2 for every theta_3. Then p_e x pi_swivel takes its place in
         # the same formula. Elsewhere an inner product of 0 means Q_3 = 1 or +-k: either sign is right.
         "side_x": "p_e_y*pi_swivel_z - p_e_z*pi_swivel_y",
         "side_y": "p_e_z*pi_swivel_x - p_e_x*pi_swivel_z",
@@ -140,7 +140,7 @@ CORRECTIONS = {
 CONVENTIONS = {
     # (11) has length rho and vanishes on the z axis. A plane is homogeneous, so the unit normal is used there.
     **{f"pi_swivel_{axis}": f"on_axis, normal_{axis}" for axis in "xyz"},
-    # With the wrist at the shoulder any elbow is right; the arm is folded, and points up.
+    # With the wrist at the shoulder any elbow is right; the arm is closed, and points up.
     "p_e_x": "at_shoulder, 0.0",
     "p_e_y": "at_shoulder, 0.0",
     "p_e_z": "at_shoulder, d1",
@@ -224,8 +224,8 @@ def solve(x, y, z, phi, d1, d2):
     """Solve equations (10)-(18) for N reachable targets.
 
     Arguments are numbers or arrays that broadcast to (N,). Returns a dict of arrays (N,): every line of `TEXT` and
-    `CORRECTIONS`; qs_k is >= 0. Never nan, but near poses where a half angle is 0 or pi (arm straight or folded,
-    theta_3 = 0 or pi) the roots of (14) and (17) lose digits, as printed, at the pose half of them.
+    `CORRECTIONS`; qs_k is >= 0. Never nan, but near poses where a half angle is 0 or pi (arm straight or closed,
+    theta_3 = 0 or pi) the roots of (14) and (17) lose digits, as they do in print; at the pose itself, half of them.
 
     Raises ValueError for inputs that are not finite or do not broadcast, for arm lengths outside LENGTH_RANGE, and for
     targets out of reach by more than REACH_TOLERANCE.
@@ -275,8 +275,9 @@ def solve_clamped(x, y, z, phi, d1, d2):
     Returns a dict of arrays (N,): qs_w, qs_i, qs_j, qs_k (k >= 0), qe_w, qe_i, p_e_x, p_e_y, p_e_z, flags. Raises
     ValueError for inputs that are not finite or do not broadcast, and for positive lengths outside LENGTH_RANGE.
 
-    The arm is straight toward a target too far, and with bad lengths; it is folded (Qe = 1) for one too near or at the
-    shoulder, with the longer bone toward the target; from the shoulder that is +z. The swivel plane is the target's.
+    For a target too far, or bad lengths, the arm is straight and points to the target. For a target too near or at the
+    shoulder it is closed (Qe = 1), and the longer bone points to the target, or along +z for a target at the shoulder.
+    The swivel plane is the target's.
     """
     targets = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     flags = pose_flags(*targets[:3], *targets[4:])

@@ -88,7 +88,7 @@ def wrist_rotation(Q_12, pi_swivel, P_w):
 def solve(x, y, z, phi, d1, d2):
     """Return results, elbow and scalars as arrays (N,) and all multivectors, by name.
 
-    The targets are reachable and off the z axis, with the elbow off the z axis and the arm neither straight nor folded;
+    The targets are reachable and off the z axis, with the elbow off the z axis and the arm neither straight nor closed;
     elsewhere a plane or line of the text vanishes, and results may be nan.
     """
     inputs = np.broadcast_arrays(*np.atleast_1d(x, y, z, phi, d1, d2))

@@ -18,8 +18,8 @@ module ik_fold_arm_joints #(
     input  wire         to_h,
     input  wire [W-1:0] answer,     // word of the result
     // Branch
-    input  wire         elbow_in,   // bit of the elbow, of the target taken last
-    input  wire [  2:0] branch,     // shoulder, elbow, wrist, lowest bit first, of the results
+    input  wire         elbow_in,   // elbow bit of the target taken last
+    input  wire [  2:0] branch,     // branch of the results: shoulder, elbow, wrist, lowest bit first
     // Joint, with `result` TH1 to TH7
     output wire [W-1:0] th,
     // For waves and testbenches, see ik_fold_angle

@@ -3,7 +3,7 @@
 //
 // No rounding; unsigned integers modulo 64.
 // Throughput: one step per clock with go high.
-// Latency: 1 clock to n, one more to none and unscaled.
+// Latency: 1 clock to n, 2 clocks to the outputs `none` and `unscaled`.
 `default_nettype none
 
 module ik_fold_count #(

@@ -1,4 +1,4 @@
-// Selects the word to write from one of two windows of T, saturated on request, and the result word.
+// Selects two words from T: the word for the memory, from either window and optionally saturated, and the result.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Rounds down: a word is a window of T, truncated at its LSB; T has XW bits, the word D, the result W.

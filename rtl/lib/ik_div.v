@@ -6,7 +6,7 @@
 // saturated. DIGIT selects the behavioural reference or ik_div_digit, a digit recurrence for synthesis; both give the
 // same bits with the same latency.
 // Throughput: one quotient per clock.
-// Latency: LAT clocks, DD more from d. ik_div_digit limits LAT; the behavioural core accepts any.
+// Latency: LAT clocks, plus DD from d. ik_div_digit limits LAT; the behavioural divider accepts any.
 `default_nettype none
 
 module ik_div #(

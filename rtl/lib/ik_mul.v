@@ -7,7 +7,7 @@
 // SQUARE = 1 computes a * a and ignores b: both mixed products are one tile, and their sum is a shift.
 // Does not saturate: the format of q must hold the rounded product.
 // Throughput: one result per clock.
-// Latency: 4 clocks (LAT_MUL): operands, tile products, tile sums, rounding; DA more from a, DB more from b.
+// Latency: 4 clocks (LAT_MUL): operands, tile products, tile sums, rounding; plus DA from a or DB from b.
 `default_nettype none
 
 module ik_mul #(

@@ -11,7 +11,7 @@
 // Does not saturate: q holds the low OW bits.
 // Operands come from registers, which synthesis moves into the multipliers.
 // Throughput: one result per clock.
-// Latency: 3 clocks (LAT_MUL3): tile products, middle sum, rounded sum; DA more from a, DB more from b.
+// Latency: 3 clocks (LAT_MUL3): tile products, middle sum, rounded sum; plus DA from a or DB from b.
 `default_nettype none
 
 module ik_mul3 #(

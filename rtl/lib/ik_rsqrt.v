@@ -4,7 +4,7 @@
 // Faithful rounding; m unsigned with F+3 fraction bits in [1/4, 1), y with F fraction bits.
 // The error is below one LSB of y (1.1 with small tables and F = 29), even if m is a truncated longer mantissa; proof
 // in model/dataflow/quadratic.py.
-// The second bit of m is taken as set if m < 1/4, so m = 0 gives y = 1. A doubled y has a 0 as its LSB.
+// The second bit of m is taken as set if m < 1/4, so m = 0 gives y = 1. Where y is doubled, its LSB is 0.
 // Half of the table's segments lie in [1/4, 1/2), half in [1/2, 1). Interpolation is linear up to F = 22, else
 // quadratic; likewise for TILE < 18, which has the smallest table.
 // The table's address is needed one clock before m is valid: m_next is m before its register.

@@ -3,7 +3,7 @@
 //
 // Rounds half up after truncation; signed words.
 // Throughput: one set of products per clock.
-// Latency: 3 clocks (LAT_MUL3); DA more from a, DB more from b.
+// Latency: 3 clocks (LAT_MUL3), plus DA from a or DB from b.
 `default_nettype none
 
 module ik_scale #(

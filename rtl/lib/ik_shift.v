@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Left exact modulo 2^W, right rounded down (floor); signed words of W bits.
-// Two stages: by eights, by ones. With PRODUCT = 1, left only, one or two multiplier blocks shift by 0 to 15, a product
-// with a power of two; then a shift by sixteens: one LUT per bit instead of four.
+// Two stages: by eights, by ones. With PRODUCT = 1 (left shifts only), one or two multiplier blocks shift by 0 to 15 as
+// a product with a power of two, and LUTs shift by sixteens; that takes one LUT per bit instead of four.
 // Throughput: one result per clock.
-// Latency: 2 clocks (LAT_SHIFT); DD more from d, DC more from count.
+// Latency: 2 clocks (LAT_SHIFT), plus DD from d or DC from count.
 `default_nettype none
 
 module ik_shift #(

@@ -3,7 +3,7 @@
 //
 // Rounds down (floor); d signed IW bits, q the low OW bits.
 // Throughput: one result per clock.
-// Latency: 3 clocks (LAT_SHIFT3): by sixteens, by fours, by ones; DD more from d.
+// Latency: 3 clocks (LAT_SHIFT3): shift by sixteens, by fours, by ones; plus DD from d.
 `default_nettype none
 
 module ik_shift3 #(

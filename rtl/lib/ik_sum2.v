@@ -5,7 +5,7 @@
 // ovf is valid with q and set if q is saturated. SAT = 0 is for sums proved to fit their format
 // (docs/generated/wordlengths.md): no check, ovf is 0.
 // Throughput: one result per clock.
-// Latency: 2 clocks (LAT_SUM2); DA more from a, DB more from b.
+// Latency: 2 clocks (LAT_SUM2), plus DA from a or DB from b.
 `default_nettype none
 
 module ik_sum2 #(

@@ -40,7 +40,7 @@ module ik_vector #(
     y_0 <= ({y[W+3], y} ^ {YW{left}}) + {{(YW - 1) {1'b0}}, left};
   end
 
-  // ---- iterations; z and t: sums of angles, of the first HEAD iterations and of the others ----
+  // ---- iterations; z and t: sums of the angles of the first HEAD iterations and of the others ----
 
   localparam integer TW = ZW - HEAD;  // twice an angle below 2^-HEAD rad, and the sign
   genvar i;

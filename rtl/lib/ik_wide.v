@@ -3,7 +3,7 @@
 //
 // Exact modulo 2^W; words of W bits.
 // Throughput: one result per clock.
-// Latency: 1 clock (LAT_WIDE); DA more from a, DB more from b.
+// Latency: 1 clock (LAT_WIDE), plus DA from a or DB from b.
 `default_nettype none
 
 module ik_wide #(

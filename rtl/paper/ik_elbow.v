@@ -3,7 +3,7 @@
 //
 // Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, root and quotients floor.
 // The point pair is homogeneous: it is scaled by 2 as in (19) and by the ratio of the two units of length; the elbow
-// point is in the arms' unit.
+// point is in the unit of d1 and d2.
 //
 // Names: pp_i, pp_j, pp_k are PP_i, PP_j, PP_k; pp_1_m is PP_1^- = PP_15 - PP_14, pp_1_p is PP_1^+ = PP_15 + PP_14;
 // 2 and 3 likewise. Each port is valid at its clock T_<NODE>.
@@ -204,7 +204,7 @@ module ik_elbow #(
       .clk(clk), .n(tmp1), .q(tmp_sqr), .neg()
   );
 
-  // ---- side of the shoulder on which a straight or folded arm lies, for (17) ----
+  // ---- side of the shoulder on which a straight or closed arm lies, for (17) ----
 
   wire clamp_at_tmp1, clamp_at_k_e, away_at_k_e;
   ik_delay #(.W(2), .N(T_K_E-T_CLAMP)) u_clamp_at_k_e (.clk(clk), .d({away, clamp}), .q({away_at_k_e, clamp_at_k_e}));

@@ -16,7 +16,7 @@ module ik_elbow_q #(
     // From guard
     input  wire signed [W-1:0] d_1,         // T_D_1
     input  wire signed [W-1:0] d_2,
-    input  wire signed [W-1:0] p_a_x,       // the target in the arms' unit, T_P_A_X
+    input  wire signed [W-1:0] p_a_x,       // the target in the unit of d1 and d2, T_P_A_X
     input  wire signed [W-1:0] p_a_y,
     input  wire signed [W-1:0] p_a_z,
     input  wire                clamp,       // T_CLAMP

@@ -3,9 +3,9 @@
 //
 // Comparisons exact; scaling drops at most one bit: ORed into the LSB, floor for d_dif_j; Q2.(W-2) to Q1.(W-1).
 // This section:
-// - detects targets without an elbow: too far, too near, at the shoulder, arms without length. These are clamped: the
+// - detects targets without an elbow: too far, too near, at the shoulder, or no length. These are clamped: the
 //   datapath sees an ordinary arm, and three later nodes (p_e, c4 and the side for (17)) are overridden;
-// - scales lengths to full words. Kinematics is scale-free: the arms are scaled to 1/2 <= d1 + d2 < 1; the target has
+// - scales lengths to full words. Kinematics is scale-free: d1 and d2 are scaled to 1/2 <= d1 + d2 < 1; the target has
 //   its own unit, 2^scale_j finer, and so has its horizontal direction (b).
 //
 // Inputs at clock 0; output OUT at clock T_OUT of ik_paper_nodes.vh.
@@ -29,7 +29,7 @@ module ik_guard #(
     output wire signed [W-1:0] p_w_z,
     output wire signed [W-1:0] b_x,
     output wire signed [W-1:0] b_y,
-    // Arms and target in the arms' unit, Q1.(W-1)
+    // Lengths and target in the unit of d1 and d2, Q1.(W-1)
     output reg  signed [W-1:0] d_1,
     output reg  signed [W-1:0] d_2,
     output reg  signed [W-1:0] p_a_x,
@@ -140,7 +140,7 @@ module ik_guard #(
   // b_y = y << lz_b
   ik_norm #(.W(W), .N(2)) u_norm_b (.clk(clk), .d({y, x}), .q({b_y, b_x}), .count(lz_b));
 
-  // ---- the arms scaled to d1 + d2 in [1/2, 1), and the target in the same unit ----
+  // ---- d1 and d2 scaled to d1 + d2 in [1/2, 1), and the target in the same unit ----
 
   wire [5:0] lz_r;
   wire r_empty;
@@ -172,7 +172,7 @@ module ik_guard #(
     p_a_z <= clamp ? {W{1'b0}} : {p_a_z_sh_at_clamp[W:2], p_a_z_sh_at_clamp[1] | p_a_z_sh_at_clamp[0]};
   end
 
-  // ---- d1 - d2 in the target's unit, from the exact difference: rounded arms could put a target close to the shoulder
+  // ---- d1 - d2 in the target's unit, from the exact difference: rounded lengths could put a target close to the shoulder
   // out of reach ----
 
   wire signed [W:0] d_dif_sh, d_dif_sh_at_clamp;
@@ -180,7 +180,7 @@ module ik_guard #(
   ik_delay #(.W(W+1), .N(T_CLAMP - T_D_DIF_SH)) u_d_dif_sh_at_clamp (.clk(clk), .d(d_dif_sh), .q(d_dif_sh_at_clamp));
   always @(posedge clk) d_dif_j <= clamp ? {W{1'b0}} : d_dif_sh_at_clamp[W:1];
 
-  // ---- ratio of the target's unit to the arms' unit ----
+  // ---- ratio of the target's unit to the unit of d1 and d2 ----
 
   wire [5:0] lz_p_at_clamp, lz_r_at_clamp;
   ik_delay #(.W(6), .N(T_CLAMP - T_LZ_P)) u_lz_p_at_clamp (.clk(clk), .d(lz_p), .q(lz_p_at_clamp));

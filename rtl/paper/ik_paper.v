@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Results Q2.(W-2); inputs Q2.(W-2) and a binary angle; rounding and format of each node: ik_paper_nodes.vh.
-// The pipeline has no enable, and only the valid bits and the
-// pointers of ik_ring are reset; valid and tag travel with the data.
+// The pipeline has no enable. Only the valid bits and the pointers of ik_ring are reset; valid and tag travel with the
+// data.
 //
 // A signal named like a node holds it in the node's clock, T_<NODE>. Operators delay their own operands (DA, DB, ..:
-// clocks). Operands that several operators share, or that inline logic needs, are delayed outside: x_at_y is x in the
+// clocks). Operands that several operators share, or that inline logic needs, are delayed here: x_at_y is x in the
 // clock of node y, or of the first node whose name begins with y.
 // Throughput: one target per clock.
 // Latency: T_OUT clocks.

@@ -46,8 +46,8 @@ def fits(family: str, cells: dict) -> bool:
 
 
 def describe(design: Design) -> dict:
-    """Return commit and digest of the code; of a core, latency and the largest wrist error of the model, or hand error
-    of the whole arm."""
+    """Return commit and digest of the code; for a core also its latency and the model's largest wrist error (for the
+    whole arm, hand error)."""
     facts = {"rtl": designs.code(design), "commit": commit()}
     if design.datapath not in MODELS:
         return facts

@@ -132,10 +132,10 @@ def code(design: Design) -> str:
 
 
 def recorded() -> dict[str, str]:
-    """Return design, such as lean-32 -> digest of the code behind the checked-in figures."""
+    """Return a dict: design, such as lean-32 -> digest of the code behind the checked-in figures."""
     return {f"RTL of {name}": design["rtl"] for name, design in load()["designs"].items()}
 
 
 def present() -> dict[str, str]:
-    """Return design -> digest of the present code."""
+    """Return a dict: design -> digest of the present code."""
     return {f"RTL of {design.name}": code(design) for design in measured(load())}

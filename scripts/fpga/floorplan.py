@@ -26,8 +26,8 @@ VERSION = digest([Path(__file__)])
 
 
 def floorplan(module: dict, seed: int) -> None:
-    """Give each MULT18X18D of a module (of write_json) the attribute of a site, such that multipliers with much logic
-    between them are close. Does nothing if there are more than sites.
+    """Assign a site to each MULT18X18D of a module (of write_json), so that multipliers with much logic between them
+    are close. Does nothing if there are more multipliers than sites.
     """
     names = [name for name, cell in module["cells"].items() if cell["type"] == "MULT18X18D"]
     if 1 < len(names) <= len(SITES):

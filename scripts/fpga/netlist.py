@@ -44,13 +44,13 @@ class ToolError(InputError):
 
 
 def counted(stat: dict, family: str) -> dict[str, int]:
-    """Return kind -> number for the whole design of a `stat -json`. Raises ToolError for an unknown cell."""
+    """Return a dict: kind -> number for the whole design of a `stat -json`. Raises ToolError for an unknown cell."""
     modules = _modules(stat)
     return _kinds(_inside(modules, _top(modules)), family)
 
 
 def by_section(stat: dict, family: str) -> dict[str, dict]:
-    """Return module that the top instantiates -> all cells inside, summed over its instances."""
+    """Return a dict: module instantiated by the top -> its cells at all levels, summed over its instances."""
     modules = _modules(stat)
     sections, rest = defaultdict(Counter), Counter()
     for name, count in modules[_top(modules)].items():  # ik_delay, $paramod$1a2b\ik_delay or $paramod\ik_delay\W=s32'0
@@ -63,7 +63,7 @@ def by_section(stat: dict, family: str) -> dict[str, dict]:
 
 
 def _modules(stat: dict) -> dict[str, dict[str, int]]:
-    """Return module -> cell or module in it -> number."""
+    """Return a dict: module -> (cell or module inside -> number)."""
     return {
         name.lstrip("\\"): {cell.lstrip("\\"): n for cell, n in module["num_cells_by_type"].items()}
         for name, module in stat["modules"].items()
@@ -86,7 +86,7 @@ def _inside(modules: dict[str, dict[str, int]], top: str) -> Counter:
 
 
 def _kinds(cells: Counter, family: str) -> dict[str, int]:
-    """Return kind -> number of cells by weight."""
+    """Return a dict: kind -> number of cells by weight."""
     memories = LUT4_MEMORIES if family == "xc2vp" else LUT6_MEMORIES
     rules = [*CELLS, *(("LUT", pattern, luts) for pattern, luts in memories)]
     kinds, strange = Counter(dict.fromkeys(KINDS, 0)), []
@@ -100,7 +100,7 @@ def _kinds(cells: Counter, family: str) -> dict[str, int]:
 
 
 def used(report: dict) -> dict[str, int]:
-    """Return kind of cell -> number used."""
+    """Return a dict: kind of cell -> number used."""
     kinds = (*HOLDS, "ICESTORM_LC", "ICESTORM_DSP", "ICESTORM_RAM")
     return {k: report["utilization"][k]["used"] for k in kinds if k in report["utilization"]}
 
@@ -188,7 +188,7 @@ def pack_registers(module: dict) -> dict:
 
     clock = {pin(name, "CLK") for name in plain}
     if len(clock) > 1:
-        raise ToolError("registers of several clocks are not packed")
+        raise ToolError("cannot pack registers: the netlist has more than one clock")
 
     def absorb(nets: dict, ports: list[str]) -> bool:
         """Replace the flip-flops behind ports by their nets. Return False, without a change, if a port has another

@@ -30,7 +30,7 @@ TEMPLATES.filters |= {"form": form, "clocks": clocks}
 
 
 def page(data: dict) -> TemplateModule:
-    """Return the page; its macros `comparison` and `folded` are tables by themselves."""
+    """Return the page; its macros `comparison` and `folded` render single tables."""
     dates = sorted(run["date"] for run in data["runs"].values())
 
     def run(design: Design, family: str, kind: str = "synth") -> dict:

@@ -58,7 +58,7 @@ SEEDS = range(1, 5)
 
 
 def commands() -> dict[str, str]:
-    """Return family or tool -> its command, without file names."""
+    """Return a dict: family or tool -> its command, without file names."""
     values = {"top": "TOP", "flatten": " -flatten"}
     synthesis = {family: text.format(family=family, **values) for family, text in SYNTHESIZE.items()}
     place = {f"{text.split()[0]} for {family}": f"{text} --seed SEED" for family, text in PLACE.items()}
@@ -86,7 +86,7 @@ class Run:
         return "-".join([*parts, self.family, *[self.kind] * (self.kind != "synth")])
 
     def files(self) -> list[Path]:
-        """Return the source files, the module's own first; of the datapaths only the one that is instantiated."""
+        """Return the source files, the module's own first, with only the datapath that is instantiated."""
         known = DATAPATHS.get(self.top, DATAPATHS[""]).items()
         others = {name for number, name in known if number != self.values.get("DATAPATH", 1)}
         others = {*others, "ik_arm"} - {self.top}
@@ -111,7 +111,7 @@ class Run:
         return "\n".join([*lines, "write_json netlist.json", "tee -o stat.json stat -json", ""])
 
     def extra(self) -> dict[str, str]:
-        """Return the files to add to the sources: name -> content."""
+        """Return the files to add to the sources, as a dict: name -> content."""
         if self.kind == "place":
             return {"fpga_top.v": self.ports().wrapper(self.values, "fpga_top")}
         return {SRL16_MAP.name: SRL16_MAP.read_text()} if self.family == "xc2vp" else {}

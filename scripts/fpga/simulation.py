@@ -165,8 +165,8 @@ SETTLE = 2048
 """Clocks before the comparison: the pipeline and the shift registers around it are then filled."""
 
 CLOCKS, FOLDED_CLOCKS, JOBS_CLOCKS = 12_000, 800_000, 20_000
-"""Clocks compared; folded, a result takes 88, of a hand pose 140 or more. Every eighth target of random words is
-reachable, so 1000 are; half of 800 hand poses."""
+"""Clocks compared. In the fold datapath a result takes 88 clocks, or 140 and more for a hand pose. One target of random
+words in eight is reachable, which makes 1000; of 800 hand poses, half are."""
 
 JOB_CLOCKS, JOB_RECORDS = 2500, 160
 """Clocks from one job of ``ik_axi`` to the next, and its records, a multiple of a burst's."""

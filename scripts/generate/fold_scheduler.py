@@ -42,7 +42,7 @@ class _Problem:
         self._resources(vectors)
 
     def _clock(self, name: str, first: int, last: int):
-        """Return a clock, with a mask of each place in the lap."""
+        """Return a variable for a clock; ``at_place`` gets a mask for each of its possible places in the lap."""
         clock, place = self.model.new_int_var(first, last, name), self.model.new_int_var(0, self.period - 1, name)
         lap = self.model.new_int_var(0, last // self.period, name)
         self.model.add(clock == lap * self.period + place)
@@ -52,7 +52,7 @@ class _Problem:
         return clock
 
     def _one_each(self, uses: Iterable[tuple[str, int]]) -> None:
-        """Allow one of these clocks, counted from a load or start, in each place of the lap."""
+        """Allow at most one of these uses in each clock of the lap; clocks are counted from a load or start."""
         uses = list(uses)
         for n in range(self.period):
             self.model.add_at_most_one(self.at_place[name][(n - clock) % self.period] for name, clock in uses)
@@ -101,7 +101,7 @@ class _Problem:
         return handed_over
 
     def _written(self, by: Callable[[Placed], Iterable[timing.Use]], loaded: Iterable[str]) -> dict[str, list]:
-        """Return word or register -> the clocks in which it is written. by: the writes of a step."""
+        """Return a dict: word or register -> the clocks in which it is written. ``by`` returns the writes of a step."""
         clocks = {name: [self.loads[name]] for name in loaded}
         for name, placed in self.placed:
             for use in by(placed):
@@ -135,9 +135,12 @@ class _Problem:
             self.model.add(clock <= at + self.period)
 
     def _results(self, registers: dict[str, list], vectors: dict[str, tuple[str, int]]) -> None:
-        """Flags and tag leave with the first result. The last result precedes the next target's first one and stays
-        clear of the last clocks of a lap, in which the core would begin another lap.  A joint's limit is compared
-        after its angle."""
+        """Constrain the results of a target.
+
+        Flags and tag leave with the first result. The last result precedes the next target's first one. It is not in
+        the last clocks of a lap, because these already fetch steps of the next lap. A joint's limit is compared after
+        its angle.
+        """
         results_written = [(of.step.result, self.starts[name] + of.at + timing.WRITE) for name, of in self.placed]
         written = {result: clock for result, clock in results_written if result}
         over = {angle: self.starts[name] + clock for angle, (name, clock) in vectors.items()}

@@ -229,7 +229,7 @@ def _range(node: Node) -> str:
 
 
 def texts() -> dict[Path, str]:
-    """Return file -> its text."""
+    """Return a dict: file -> its text."""
     rounding = "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2"
     found = {
         "paper_nodes": (node_formats("paper"), "paper.py"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages of scores, latency and clocks memory to memory, pictures of the pipelines (make docs).
+"""Pages of scores, latency and memory-to-memory clocks, and pictures of the pipelines (make docs).
 
     python -m scripts.generate.pages [--sim icarus|verilator]
 

@@ -27,7 +27,7 @@ TEMPLATES.filters |= {
 
 
 def texts() -> dict[Path, str]:
-    """Return file -> its text."""
+    """Return a dict: file -> its text."""
     codes = [(code.name, code.value, code.rdl_desc) for code in ENCODED]
     values = {"top": TOP, "registers": REGISTERS, "codes": codes}
     return {path: TEMPLATES.get_template(name).render(values) for path, name in FILES.items()}

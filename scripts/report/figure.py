@@ -193,7 +193,7 @@ def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
         upper[n :: len(item.moves)] = _from_torso(item.clip, move.limb, upper[n :: len(item.moves)])
     azimuth = np.arctan2(upper[:, 1], upper[:, 0])
     elevation = np.arcsin(np.clip(upper[:, 2], -1, 1))
-    # Qe rotates by 0 if the forearm is folded onto the upper arm and by pi if the arm is straight.
+    # Qe rotates by 0 if the arm is closed and by pi if the arm is straight.
     flexion = np.pi - 2 * np.arctan2(np.abs(qe[:, 1]), qe[:, 0])
     return np.degrees(np.column_stack((azimuth, elevation, item.targets.phi, flexion)))
 

@@ -121,7 +121,7 @@ def digest(name):
 
 
 def key():
-    """Return what a stamp must hold of the present environment."""
+    """Return the stamp entries that identify the present environment."""
     return {"lock": digest("run"), "python": os.path.realpath(PYTHON), "venv": os.path.abspath(".venv")}
 
 

@@ -136,7 +136,7 @@ def turned(answer, words, width):
 
 
 def stretched(answer, words, width):
-    """Change Qe of a clamped target, of which the hand shows no norm."""
+    """Change Qe of a clamped target: its norm is wrong, but its hand error is not judged."""
     answer.results[np.flatnonzero(expected_flags(words, width) & UNREACHABLE)[2], [4, 5]] += 60
 
 

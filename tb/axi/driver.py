@@ -221,7 +221,7 @@ async def ik_init(dut):
 @MODES
 @cocotb.parametrize(stalled=[False, True])
 async def solves(dut, interrupt, stalled):
-    """Calls shorter than a buffer, of exactly one and of several buffers."""
+    """Calls for one target, exactly one buffer, and several buffers."""
     platform = await ready(dut, interrupt)
     if stalled:
         platform.bench.stall(*CHANNELS)

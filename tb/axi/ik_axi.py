@@ -109,7 +109,7 @@ async def many_jobs(dut, stalled):
 
 
 async def limits(dut):
-    """over_limit follows the limit registers: of a word all bits that the core has."""
+    """over_limit follows the limit registers, in all bits of the core's word length."""
     bench = await started(dut, seed=11)
     numbers, low = bench.random, 32 - bench.width
     half = 1 << bench.width - 1

@@ -20,7 +20,7 @@ def masks(register: str, access: str) -> int:
 
 
 def after_reset(bench: Bench) -> dict[str, int]:
-    """Return register -> value after reset; parameter-dependent fields come from the instance."""
+    """Return a dict: register -> value after reset; parameter-dependent fields come from the instance."""
     parameters = {
         "width": bench.width,
         "data_width": bench.data_width,
@@ -60,8 +60,10 @@ async def after_a_reset(bench):
 
 @bench_test()
 async def every_field(bench):
-    """Write all ones, all zeros and a random word: only writable bits change, of no other register; read-only ones
-    return SLVERR."""
+    """Write all ones, all zeros and a random word to each register.
+
+    Only its writable bits change, and no other register. Read-only registers return SLVERR.
+    """
     values = after_reset(bench)
     for register in bench.registers:
         if register == "CONTROL":

@@ -67,7 +67,7 @@ class RegisterModel:
 
 
 def random_targets(random: np.random.Generator, count: int, decades: int) -> dict[str, np.ndarray]:
-    """Return arms in any unit, coordinates up to and beyond the scaling limit, and phi of any size."""
+    """Return lengths in any unit, coordinates up to and beyond the scaling limit, and phi of any size."""
     unit = 10.0 ** random.uniform(-decades, decades)
     spread = 10.0 ** random.uniform(-3, 1.3)
     columns = dict(zip("xyz", unit * spread * random.normal(0, 1, (3, count)), strict=True))

@@ -33,7 +33,7 @@ def run(modules: str, parameters: dict[str, int], jobs: int, tests: str = "", **
     ids=named,
 )
 def test_around_the_core(tmp_path, parameters):
-    """All tests with an echo instead of the datapath; Icarus runs the short ones on one instance."""
+    """Tests with the datapath replaced by an echo; Icarus runs only the short tests, on one instance."""
     left_out = LONG if ICARUS else SAME if parameters not in (ECHO[0], ECHO[3]) else ""
     tests = f"^(?!.*({left_out}))" if left_out else ""
     jobs = 80 if parameters == ECHO[0] else 30
@@ -46,6 +46,6 @@ def test_around_the_core(tmp_path, parameters):
     "parameters", [CORE[0], *(pytest.param(one, marks=pytest.mark.slow) for one in CORE[1:])], ids=named
 )
 def test_with_the_core(parameters):
-    """A few tests with the datapaths themselves; at 32 bits Icarus takes minutes for all of them on the whole arm."""
+    """A few tests with the real datapaths; Icarus would take minutes for the whole arm at 32 bits."""
     few = "one_record|limits" if parameters == CORE[-1] else FEW
     run("tb.axi.ik_axi", parameters, 20, few if ICARUS else f"{FEW}|latency=2$")

@@ -84,7 +84,7 @@ def kinds_of(target: Sequence[int], results: Sequence[int], flags: int, width: i
 
 
 def regions(target: Sequence[int]) -> list[str]:
-    """Return the regions of a target: z axis, shoulder, full stretch or beyond, full fold or inside."""
+    """Return the regions of a target: near the z axis or the shoulder, stretched or beyond, closed or too near."""
     x, y, z, _, d1, d2 = (int(word) for word in target)
     reach, nearest = abs(d1) + abs(d2), abs(abs(d1) - abs(d2))
     off, far = isqrt(x * x + y * y), isqrt(x * x + y * y + z * z)

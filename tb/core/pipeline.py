@@ -165,7 +165,7 @@ class Pipeline:
         return np.column_stack([words, hands]) if path.side else words
 
     def send(self, words: np.ndarray) -> None:
-        """Queue targets, (N, words of a target), of the whole arm with their branch, with incrementing tags."""
+        """Queue targets (N, words per target) with incrementing tags; those of the whole arm include the branch."""
         model = answer(words, self.width, self.datapath, self.limits)
         self.words = np.concatenate([self.words, words])
         self.scoreboard.expect(model)

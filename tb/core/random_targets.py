@@ -104,8 +104,13 @@ class Hard:
 
 @dataclass
 class Found:
-    """Totals of a set of targets: counts of all, reachable and above prediction; largest errors; hardest targets by
-    either measure; for each second solution the number compared and largest difference; targets with each flag."""
+    """Totals of a set of targets.
+
+    * `above`: number of targets whose hand error exceeds the tolerance or prediction
+    * `by_hand`, `by_norm`: hardest targets by hand error over tolerance, and by norm error
+    * `apart`: second solution -> number of targets compared and largest difference
+    * `flags`: number of targets with each flag
+    """
 
     targets: int = 0
     reachable: int = 0

@@ -131,7 +131,7 @@ def test_elaborates(top, parameters):
 
 
 PARTS = ("ik_axis", "ik_axi", "ik_arm", "ik_credit_fifo", "ik_lean", "ik_lean_arm", "ik_paper")
-"""Modules that define T_OUT and LOG2; of the others only the header is compiled."""
+"""Modules that define T_OUT and LOG2; for other modules, only the header is compiled."""
 
 
 def test_fifo_has_a_slot_for_each_clock_and_not_twice_as_many(tmp_path):

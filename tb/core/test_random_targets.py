@@ -43,7 +43,7 @@ def test_special_words_are_all_that_there_are(width):
 
 
 def test_a_chunk_has_all_kinds():
-    """The first tenth of a chunk, as in a short soak, already has clamped targets, unequal arms and every decade of
+    """The first tenth of a chunk, as in a short soak, already has clamped targets, unequal lengths and every decade of
     distance to the singular poses; the whole chunk has every corner."""
     whole = chunk(0, 32, 1)
     assert set(corners(32).values()) <= set(map(tuple, whole.tolist()))

@@ -47,8 +47,10 @@ class Row:
 def errors(
     words: np.ndarray, results: np.ndarray, width: int, flags: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return hand error / reach (N,), nan out of reach, and abs(norm^2 - 1) (N,), the larger of Qs and Qe; of the whole
-    arm, whose ``flags`` are needed, the larger of :func:`tolerances.pose_errors` instead of the former."""
+    """Return hand error / reach (N,), nan out of reach, and abs(norm^2 - 1) (N,), the larger of Qs and Qe.
+
+    For the whole arm, which needs ``flags``, the larger of :func:`tolerances.pose_errors` replaces hand error / reach.
+    """
     if words.shape[1] > len(FIELDS):
         quaternions = result_values(results[:, 7:13], width)
         norm = (np.abs((quaternions[:, part] ** 2).sum(axis=1) - 1) for part in (slice(4), slice(4, 6)))

@@ -82,7 +82,7 @@ class Proof:
 
     @property
     def appended(self) -> dict[str, str]:
-        """Return module -> property file."""
+        """Return a dict: module -> property file."""
         return {} if self.gates else {self.top: self.top} if self.properties is None else self.properties
 
     @property

@@ -134,7 +134,7 @@ class Rules(Questions):
 
 
 class Rounded(Questions):
-    """Questions about the errors of the words.
+    """Questions that bound the errors of the words.
 
     A word is the node's operation applied to its operands' words, plus rounding (:meth:`rounding`). Each operand's word
     is within its own error of its exact value, which lies in its range (:class:`Rules`). The node's error of

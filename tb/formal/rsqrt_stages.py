@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proof by z3 that ik_rsqrt equals its model, register by register, for every mantissa.
 
-The model's own functions :func:`place` and :func:`polynomial` of :mod:`model.dataflow.quadratic` run on terms, integers
-of :data:`WIDE` bits in which nothing overflows; the Verilog is Yosys' formula of ik_rsqrt with its ik_quadratic,
-unrolled from any state over its latency. A product is cut at its register: separate questions prove that the register
-holds the product of the words before it, that these are the model's factors, and that the product fits. The questions
-use one arbitrary word of the table; the table's words are compared with the model one by one.
+The model's side: :func:`place` and :func:`polynomial` of :mod:`model.dataflow.quadratic`, called with z3 terms of
+:data:`WIDE` bits, enough never to overflow. The Verilog's side: Yosys' formula of ik_rsqrt with its ik_quadratic,
+unrolled over the latency from any state. The formula is cut at the register of each product. Separate questions prove
+that the register holds the product of its operands, that the operands equal the model's, and that the product fits. The
+questions use one arbitrary table word; each word of the table is compared with the model.
 """
 
 import re

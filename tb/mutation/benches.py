@@ -74,7 +74,7 @@ class Replaced:
 
 @functools.cache
 def unit_benches() -> dict[str, Case]:
-    """Return module of rtl/ -> its bench in tb/units."""
+    """Return a dict: module of rtl/ -> its bench in tb/units."""
     benches = {}
     for file in sorted((ROOT / "tb" / "units").glob("test_*.py")):
         for test in vars(importlib.import_module(f"tb.units.{file.stem}")).values():

@@ -124,7 +124,7 @@ class Netlist:
 
     @functools.cached_property
     def modules(self) -> dict[str, dict]:
-        """Module of the netlist -> its parents and parameters."""
+        """Dict: module of the netlist -> its parents and parameters."""
         return json.loads((self.folder / "modules.json").read_text())
 
     @functools.cached_property

@@ -70,7 +70,7 @@ class NodeBench:
         return ("", output) if last.startswith(RIGHT) else (last[-200:], output)
 
     def words(self) -> np.ndarray:
-        """Return the targets as words, of the whole arm with their branch."""
+        """Return the targets as words; those of the whole arm include the branch."""
         if self.path.side:
             return arm_targets(self.targets, self.width, 4)
         words = mixed(self.targets, self.width, 4)

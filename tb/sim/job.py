@@ -22,14 +22,17 @@ class SimulationError(Exception):
 
 @dataclass
 class Job:
-    """Targets to run in order: ``words`` (N, 6) are signed input words, of the whole arm (N, 12) with the branch."""
+    """Targets to run in order.
+
+    ``words`` are signed input words: (N, 6), or for the whole arm (N, 12) with the branch.
+    """
 
     name: str
     words: np.ndarray
 
 
 def answer(words: np.ndarray, width: int, datapath: str, limits: Limits | None = None) -> fixed.Answer:
-    """Return the model's answer to the targets of a bench, whose joints have limits, by default :func:`arm_limits`."""
+    """Return the model's answer to a bench's targets. Joints have limits, by default :func:`arm_limits`."""
     count = len(MODELS[datapath].inputs)
     branch = words[:, count] if MODELS[datapath].side else 0
     return fixed.run(words[:, :count], width, datapath, branch, limits or arm_limits(width))

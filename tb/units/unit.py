@@ -63,7 +63,7 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
 
 
 def runs(*cases: Case) -> Callable:
-    """Return a pytest test: one simulation of all cases with their `few` sets, and another with their `more` sets."""
+    """Return a pytest test that simulates all cases with their `few` parameter sets, then (slow) with `more`."""
 
     groups = ["few", *([pytest.param("more", marks=pytest.mark.slow)] if any(case.more for case in cases) else [])]
 

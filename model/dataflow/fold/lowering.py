@@ -166,7 +166,7 @@ class Lowering:
             self.sums[first].append(Sum(name, second, ALWAYS if less else NEVER, write=None if exact else Write(name)))
 
     def _chain_of(self, node: Node, terms: tuple[tuple[int, Any], ...]) -> None:
-        """Add three or more terms, of which the first may be a half."""
+        """Add three or more terms; the first may be a half."""
         name, self.weight[node.name] = node.name, self._weight(node)
         if isinstance(terms[0][1], Constant):
             self.terms[HALF_ROW] = Step(HALF_ROW, ONE, HALF)

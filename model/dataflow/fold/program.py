@@ -52,7 +52,7 @@ BASES = ("count", "1", "2", "4", "-2")
 
 @cache
 def codes(name: str = "fold") -> dict[str, tuple]:
-    """Return field -> its codes; selectors, signs and counts in the order of the dataflow, inputs first.
+    """Return a dict: field -> its codes; selectors, signs and counts in the order of the dataflow, inputs first.
 
     The whole arm's selectors and signs follow the core's, so that both programs' units share the codes.
     """
@@ -102,7 +102,7 @@ ANGLE_BITS = {"over": 1, "to_h": 1}
 
 @cache
 def fields(name: str = "fold") -> dict[str, int]:
-    """Return field -> bits."""
+    """Return a dict: field -> bits."""
     coded = {name: max(1, (len(codes) - 1).bit_length()) for name, codes in codes(name).items()}
     return coded | PLAIN_BITS | (ANGLE_BITS if "again_by" in coded else {})
 
@@ -136,7 +136,7 @@ class ConflictError(ValueError):
 
 
 def lives(steps: list[Placed], loads: dict[str, int]) -> dict[str, tuple[int, int]]:
-    """Return variable -> the first clock in which it is written and the last one in which it is read."""
+    """Return a dict: variable -> the first clock in which it is written and the last one in which it is read."""
     first: dict[str, int] = dict(loads)
     last: dict[str, int] = {}
     for placed in steps:
@@ -153,7 +153,7 @@ CONSTANTS = {ONE: range(1, 2), ZERO: range(48, PLACES)}
 
 
 def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[str, int]:
-    """Return variable -> its place; a pair takes an even place and the next.  Pairs are not shared."""
+    """Return a dict: variable -> its place; a pair takes an even place and the next.  Pairs are not shared."""
     operands = (o for p in steps for o in (p.step.a, p.step.b, p.step.write and p.step.write.to))
     picks = {of.pair: of.constant for of in operands if isinstance(of, Pick)}
     doubles = {name for name, constant in picks.items() if not constant}

@@ -136,7 +136,7 @@ class _Finder:
 
 
 def shown(lowering: Lowering, program: Program) -> dict[str, Shown]:
-    """Return each node's location, in the order of the dataflow.  Raise LookupError for a missing node."""
+    """Return each node's location, in the order of the dataflow.  Raises LookupError if one has none."""
     finder = _Finder(lowering, program)
     for name, clock in program.loads.items():
         finder.add(name, clock, "in")
@@ -149,7 +149,7 @@ def shown(lowering: Lowering, program: Program) -> dict[str, Shown]:
         finder.step(placed)
     missing = [name for name in lowering.nodes if name not in finder.found]
     if missing:
-        raise LookupError(f"the machine shows no {', '.join(missing)}")
+        raise LookupError(f"no location in the fold datapath for {', '.join(missing)}")
     return {name: finder.found[name] for name in lowering.nodes}
 
 

@@ -78,7 +78,7 @@ Operand = str | Pick
 
 @dataclass(frozen=True)
 class Write:
-    """Write of T, from one of its windows, to the memory."""
+    """Memory write of one of T's windows."""
 
     to: Operand
     window: int = PLAIN
@@ -90,7 +90,7 @@ class Write:
 
 @dataclass(frozen=True)
 class Normal:
-    """Write of the normalized T to the memory, and of its shift count to a register."""
+    """Normalization: the normalized T goes to the memory, its shift count to a register."""
 
     kind: str
     to: str
@@ -99,7 +99,7 @@ class Normal:
 
 @dataclass(frozen=True)
 class Row:
-    """Row of a table, addressed by a word: the ``function``, and its words for the slope (and bend) or the value."""
+    """Row of a function's table, addressed by the word ``of``. ``value``: read the value, not the slope and bend."""
 
     function: str  # root, sine or cosine
     of: str
@@ -144,7 +144,7 @@ class Step:
 
     @property
     def selectors(self) -> list[Selector]:
-        """Its selectors, of which some may be :data:`NEVER`."""
+        """Its selectors; some may be :data:`NEVER`."""
         picks = [o.flag for o in (self.write and self.write.to, self.a, self.b) if isinstance(o, Pick)]
         return [self.minus, *picks, self.addend_by]
 

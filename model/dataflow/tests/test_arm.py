@@ -99,7 +99,7 @@ def test_every_input_has_an_answer(width):
 
 @every_width
 def test_poses_with_exact_angles(width):
-    """Straight up with any turn of the hand: th2, th4 and th6 are exactly 0.  Folded: th4 is half a turn."""
+    """Straight up with any turn of the hand: th2, th4 and th6 are exactly 0.  Closed: th4 is half a turn."""
     one, half = 1 << width - 2, 1 << width - 1
     arm = 0, one // 2, one // 2, 0  # phi, d1, d2, tool
     hands = np.array([(one, 0, 0, 0), (-one, 0, 0, 0), (0, 0, 0, one), (one, 0, 0, 0), (0, one, 0, 0)])

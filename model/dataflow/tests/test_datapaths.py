@@ -2,7 +2,7 @@
 """Bit-true datapaths: accuracy over the reachable workspace, unit quaternions and exact flags for any words, numbers
 and names in table, model and RTL, and the program of the fold datapath.
 
-Bars are in ulps of a result, 2^(2 - W), in radians and relative to the reach.
+Tolerances are in ulps of a result, 2^(2 - W), in radians and relative to the reach.
 """
 
 import re
@@ -70,7 +70,7 @@ class Run:
         return [np.linalg.norm(point - aim, axis=1) / reach for point, aim in zip(found, aims, strict=True)]
 
     def below(self, error: np.ndarray, bar, what: str) -> None:
-        """Assert that no error exceeds its bar; name the worst target."""
+        """Assert that no error exceeds its tolerance; name the worst target."""
         n = int(np.argmax(error / bar))
         assert error[n] <= np.broadcast_to(bar, error.shape)[n], f"{what} {error[n]:.3g} at {self.words[n].tolist()}"
 
@@ -179,7 +179,7 @@ def test_scale_does_not_matter(datapath, width):
     words = np.concatenate([region(name, 200, width, 9) for name in REGIONS])
     words[:, lengths] &= ~3
     words = words[(words[:, 4:] > 0).all(axis=1)]
-    if datapath == "paper":  # paper drops a bit of long arms
+    if datapath == "paper":  # paper drops a bit of long d1 and d2
         words = words[(words[:, 4:].sum(axis=1) < 1 << (width - 1)) & (expected_flags(words, width) == 0)]
     assert len(words) > 100
     quarter = words.copy()
@@ -317,5 +317,5 @@ def test_every_node_is_shown_before_the_result_leaves(name, flow):
     assert max(of.time for of in found.values()) == last + 1
     assert fixed.latency(name, 24) == last + 1 - max(made.loads.values())
     without = replace(made, steps=[placed for placed in made.steps if placed.step.name != "az_tilt_sq"])
-    with pytest.raises(LookupError, match="shows no az_tilt_sq"):
+    with pytest.raises(LookupError, match="no location in the fold datapath for az_tilt_sq"):
         shown(lowering, without)

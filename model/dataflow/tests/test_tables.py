@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tables of reciprocal root, sine and cosine, and the vectoring CORDIC: words, errors within their bounds, symmetry.
 
-model/bounds/tests/test_figures.py compares results of the former with measured and proved errors.
+model/bounds/tests/test_figures.py compares results of the tables with measured and proved errors.
 """
 
 import mpmath

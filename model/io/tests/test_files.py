@@ -250,7 +250,7 @@ NAMES = list(trajectories.TRAJECTORIES)
 
 @pytest.mark.parametrize("name", NAMES)
 def test_trajectory(name):
-    """Targets are in reach, and off singular poses where the fixed bar holds; hands move at most 5 cm (8 % of the
+    """Targets are in reach, and off singular poses where the fixed tolerance holds; hands move at most 5 cm (8 % of the
     reach) per step and change their step by less than 2 cm."""
     targets = trajectories.make(name)
     assert targets.name == name and len(targets) == 100

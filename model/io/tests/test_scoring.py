@@ -165,7 +165,7 @@ def test_each_fault_fails_and_is_named(case, fault):
 
 
 def test_bars_by_regularity_word_length_and_request(case):
-    """The table has a bar for regular targets at W = 32 only; a bar given by the user replaces it."""
+    """The table has a tolerance for regular targets at W = 32 only; the user's tolerance replaces it."""
     near = Case(make("punch"), predicted=1e-12)
     assert case.score().hand_error_bar == REGULAR
     for other in (near, Case(make("reach"), width=31)):
@@ -177,7 +177,7 @@ def test_bars_by_regularity_word_length_and_request(case):
 
 
 def test_the_fixed_bar_and_the_worst_target():
-    """The fixed bar begins at a fifth of a radian; the target with the largest error is named with its pose."""
+    """The fixed tolerance applies from 0.2 rad on; the target with the largest error is named with its pose."""
     for distance, bar in ((0.19, None), (0.21, REGULAR)):
         polar = np.array([1.0, distance])
         result = Case(arm(0.4 * np.sin(polar), z=0.4 * np.cos(polar))).score()

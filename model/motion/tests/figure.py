@@ -120,7 +120,9 @@ def kinematics(clip):
 
 
 def compare(path, again, free=(), positions=1e-6, angles=1e-6, frames=slice(None)):
-    """Check that a written clip has the original's nodes, positions (in sizes of the body) and orientations (rad).
+    """Check that a written clip has the original's nodes, positions and orientations.
+
+    Tolerances: `positions` relative to the body's size, `angles` in rad.
 
     `free` joints, by number, may move and turn.
     """

@@ -169,7 +169,7 @@ def test_up_does_not_depend_on_the_first_frame(tmp_path, first, head):
     ("head", "foot"), [("Head", "Leg"), ("Neck", "Bob_LeftFoot"), ("Head", "ankle_r"), ("DEF-spine.006", "Leg")]
 )
 def test_up_of_a_body_whose_rest_pose_lies(tmp_path, head, foot):
-    """The torso's axis is from its own rest pose."""
+    """The rest pose lies and the frames stand: the torso's axis comes from the rest pose."""
     path = figure.write(tmp_path / "clip.bvh", up="z")
     path.write_text(path.read_text().replace("Head", head).replace("Leg", foot))
 

@@ -89,7 +89,7 @@ def test_joints_lead_to_the_hand(axis, tool):
 
 @pytest.mark.parametrize(("shoulder", "elbow", "wrist"), [*product((0.0, np.pi, 0.7), repeat=3)])
 def test_singular_poses(shoulder, elbow, wrist):
-    """Rounding puts some straight or folded arms out of reach, or too near: their flags do not matter."""
+    """Rounding puts some straight or closed arms out of reach or too near, so flags are not checked."""
     v = np.linspace(-3, 3, 12)
     th = np.array([v, 0 * v + shoulder, v[::-1], 0 * v + elbow, v**2, 0 * v + wrist, v]).T
     q = multiply(multiply(turned(*th.T[:3]).T, turned(0 * v, th[:, 3], 0 * v).T), turned(*th.T[4:]).T)
@@ -311,7 +311,7 @@ def test_path_without_jumps():
 
 @pytest.mark.parametrize(("first", "tilt"), [(4, 0.0), (4, np.pi), (0, 0.0), (0, np.pi)])
 def test_singular_stretch_keeps_the_first_joint(first, tilt):
-    """The third joint makes up for it, so the hand stays."""
+    """Where only the sum of the first and third angles matters, the first stays constant and the third makes up."""
     smooth, rows = path(), slice(1000, 2000)
     smooth[rows, first + 1], smooth[rows, first] = tilt, smooth[999, first]
     split, share = smooth.copy(), np.random.default_rng(1).uniform(-9, 9, 1000)

@@ -138,7 +138,7 @@ def test_continuous():
 
 @pytest.mark.parametrize("width", [None, 24])
 def test_rows_of_nan_pass_and_none_is_solved(reachable, width, monkeypatch):
-    """The other rows have the bits that they have alone, in chunks of any size."""
+    """The other rows have the same bits as without the rows of nan, in chunks of any size."""
     points, phi = reachable[0].copy(), reachable[1].copy()
     points[[3, 70]], phi[9], there = np.nan, np.nan, np.delete(np.arange(COUNT), [3, 9, 70])
     settings = {"width": width, "order": "xyzw", "axis": (0, -1, 1)}

@@ -60,7 +60,7 @@ def directions(rng, size):
 
 
 def workspace(size, seed):
-    """Return reachable targets of all poses: any direction, any distance between fold and stretch, any swivel."""
+    """Return reachable targets of all poses: any direction, distance and swivel."""
     rng = np.random.default_rng(seed)
     d1, d2 = rng.uniform(0.2, 1, (2, size))
     distance = rng.uniform(np.abs(d1 - d2), d1 + d2)
@@ -263,7 +263,7 @@ def test_defined_at_the_ends_of_the_number_range(solver):
 
 
 def test_lean_equations_at_extreme_lengths():
-    """Clamped targets of any size; links up to 10^30 apart keep the digits of the elbow's angle at the shoulder."""
+    """Targets of extreme size are clamped; length ratios up to 10^30 cost no precision in Qs and Qe."""
     big = [-4e307, -1.0, 0.0, 5e-324, 1e-300, 4e307]
     x, y, z, d1, d2 = np.array(np.meshgrid(big, big, big, big, big)).reshape(5, -1)
     size, longer, shorter = np.max(np.abs((x, y, z)), axis=0), np.maximum(d1, d2), np.minimum(d1, d2)
@@ -327,7 +327,7 @@ CLAMPED = {
         for d1, d2 in ((0, 0.3), (0.3, 0), (-0.1, 0.3), (0.3, -1), (0, 0), (-1, -1))
     },
 }
-"""Case -> positions, lengths, flags, elbow and wrist along the direction of the target, folded or straight."""
+"""Case -> positions, lengths, flags, elbow and wrist along the direction of the target, closed or straight."""
 
 
 @pytest.mark.parametrize("case", CLAMPED)

@@ -97,7 +97,7 @@ def test_registers_that_start_with_1_or_have_two_clocks_are_not_packed():
     """Other cases are in a netlist of Yosys (test_netlists.py), which is simulated."""
     assert packed() == {"multipliers": 1, "input": 0, "output": 1, "flip_flops": 1}
     assert packed(start="SET") == {"multipliers": 1, "input": 0, "output": 0, "flip_flops": 0}
-    with pytest.raises(netlist.ToolError, match="several clocks"):
+    with pytest.raises(netlist.ToolError, match="more than one clock"):
         packed(clock=3)
 
 

@@ -79,7 +79,7 @@ def test_regions_are_in_reach_and_where_they_claim(name, width):
     if "the z axis" in name and "elbow" not in name:
         assert (np.hypot(x, y) <= (0.11 + lsb) * np.maximum(np.abs(z), 1) + 1).all()
         assert (z > 0).any() and (z < 0).any()
-    if "stretch" in name:  # targets of short arms are at least an LSB away
+    if "stretch" in name:  # targets of short lengths are at least an LSB away
         assert ((d1 + d2 - distance) / (d1 + d2) <= 0.12 + 3 / (d1 + d2)).all()
     if "fold" in name:
         assert (distance - np.abs(d1 - d2) <= 0.12 * distance + 2).all()

@@ -148,8 +148,8 @@ def _hand_poses(targets: Targets) -> np.ndarray:
 
 
 def _bind_eaik(targets: Targets) -> Bound:
-    """Scale targets and arms to a reach of 1, since EAIK has tolerances in units of length, and make the robots, one an
-    arm, before the timing starts."""
+    """Scale targets and lengths to a reach of 1, because EAIK's tolerances are lengths. Make one robot per arm before
+    the timing starts."""
     targets = replace(targets, **{name: getattr(targets, name) / targets.reach for name in LENGTHS})
     x, y, z = np.eye(3)
     none, robot_of = np.zeros(3), found("eaik.IK_HP").HPRobot

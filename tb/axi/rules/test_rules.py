@@ -96,7 +96,7 @@ QUICK = ("m_axis PAYLOAD_STAYS", "m_axi.aw VALID_STAYS", "m_axi.write BID")
 
 
 def cases(rows):
-    """Mark all cases slow except one per port and side, and those without a rule for a release."""
+    """Mark cases: QUICK ones run always, other rules are slow, and cases without a rule run for a release only."""
     slow = [pytest.mark.slow, pytest.mark.cost(4)]
     return [
         pytest.param(

@@ -77,7 +77,7 @@ LEGAL = [
 
 @dataclass(frozen=True)
 class Break:
-    """A trace of ``port`` that breaks ``rules``; ``base``: it overlays the legal trace."""
+    """A trace of ``port`` that breaks ``rules``; ``base``: overlay it on the legal trace."""
 
     port: str
     rules: set[str]
@@ -117,7 +117,7 @@ AR, as the trace ends before its data."""
 
 
 def of_channel(port: str, name: str) -> list[Break]:
-    """Return breaks of all rules of a channel, of the payload rules for each part of the payload."""
+    """Return breaks of all rules of a channel; payload rules are broken once for each part of the payload."""
     prefix, stall, payload = CHANNELS[port, name]
     valid, ready = f"{prefix}valid", f"{prefix}ready"
     breaks = [
@@ -191,7 +191,7 @@ BREAKS = [
 
 
 def names(module: str) -> dict[int, str]:
-    """Return number -> name of the rules in a module."""
+    """Return a dict: number -> name of the rules in a module."""
     text = (
         (RULES / "ik_rules.v").read_text(encoding="utf-8").partition(f"module {module} ")[2].partition("endmodule")[0]
     )

@@ -97,7 +97,7 @@ OPERATORS = {
 
 
 def truth_of(formula: str, values: dict, close: float) -> np.ndarray:
-    """Return whether a formula holds for arrays of values, up to ``close``."""
+    """Return whether a formula holds for arrays of values, within a relative tolerance ``close``."""
     relations = {"<": lambda a, b: a < b, "<=": lambda a, b: a <= b + close}
     operators = OPERATORS | relations | {"=": lambda a, b: np.isclose(1.0 * a, 1.0 * b, rtol=close, atol=close * 1e-6)}
     stack: list[list] = [[]]
@@ -234,6 +234,6 @@ def test_expressions_are_read():
     ],
 )
 def test_words_are_as_long_as_the_floors_take_them_for(file, line):
-    """X = 2^XW >= 2 D = 2^DW; the radicand has 2 ROWS bits."""
+    """The floor proofs assume these word lengths in the RTL: 2^XW >= 2^(DW + 1), and 2 ROWS bits of radicand."""
     assert line in (ROOT / "rtl" / "lib" / f"{file}.v").read_text()
     assert "localparam integer MW = 2 * ROWS;" in (ROOT / ROOT_DIGIT).read_text()
