@@ -119,10 +119,21 @@ def test_a_wrong_bit(send):
     assert err[0] == "icebreaker: few fails: 2 bits differ from the bit-true model; first: target 1"
 
 
-def test_a_board_that_does_not_answer(send, files):
+def noise(n, answer):
+    return answer[:9] + b"?" + answer[10:]
+
+
+def unplugged(n, answer):
+    raise OSError(5, "Input/output error")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [(noise, "PORT does not answer target 0, sent 4 times"), (unplugged, "lost PORT: Input/output error")],
+)
+def test_a_board_that_does_not_answer(send, files, spoil, message):
     before = files()
-    answers = send(lambda n, answer: answer[:9] + b"?" + answer[10:])
-    assert answers == (1, [], ["icebreaker: PORT does not answer target 0, sent 4 times"])
+    assert send(spoil) == (1, [], [f"icebreaker: {message}"])
     assert files() == before
 
 

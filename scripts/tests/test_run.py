@@ -249,6 +249,7 @@ def test_arm_and_leg(clip_cli):
     assert clip_cli("--limb", "all", "--arm", "left")[0] == 0
     assert {row["arm"] for row in rows()} == {"left", "left leg"}
     assert max(float(row["elbow_error"]) for row in rows()) < 1e-6
+    assert "choose one limb" in clip_cli("--limb", "all", "--arm", "left", "--joints", "LeftArm,Hips,Spine")[2][0]
 
 
 def test_the_score_of_a_clip_is_that_of_the_written_file(clip_cli, monkeypatch):
@@ -365,10 +366,11 @@ if simulator_of_tests() == "icarus":
 else:
 
     @pytest.mark.sim
-    def test_icarus_and_the_native_harness_write_the_same_files(tmp_path, monkeypatch):
+    @pytest.mark.parametrize("datapath", ["lean", PAPER])
+    def test_icarus_and_the_native_harness_write_the_same_files(datapath, tmp_path, monkeypatch):
         """Verilator's native harness runs long files."""
         monkeypatch.setattr(simulate, "LONG", 0)
-        score, other = (run_in("lean", tmp_path / sim, sim, "out_of_reach") for sim in ("icarus", "verilator"))
+        score, other = (run_in(datapath, tmp_path / sim, sim, "out_of_reach") for sim in ("icarus", "verilator"))
         assert score["out_of_reach"] == other["out_of_reach"] | {"simulator": "icarus"}
         one, other = ((tmp_path / sim / "results.csv").read_bytes() for sim in ("icarus", "verilator"))
         assert one == other
