@@ -90,7 +90,7 @@ class Uio(ctypes.Structure):
 
 
 def uio_device(folder: Path, page: int, size: int, offset: int, arm: bool = False) -> tuple[bytes, bytes]:
-    """Write a file as the device, a page per map, and the files of sysfs that describe its maps: registers, all 0 except
+    """Write a file as the device, a page per map, and the files of sysfs that describe its maps: registers, 0 except
     CONFIG.arm, and the buffer. Return the paths of both."""
     registers = np.zeros(2 * os.sysconf("SC_PAGESIZE") // 4, "<u4")
     registers[OFFSETS["CONFIG"] // 4] = arm << FIELDS_OF["CONFIG"]["arm"].low
