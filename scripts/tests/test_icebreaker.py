@@ -154,7 +154,7 @@ def test_a_board_that_talks(command, few):
 
     port = Talking().port
     status, _, err = command(host.main, port, "--trajectory", few, "--timeout", "0.2")
-    assert (status, err) == (1, [f"icebreaker: {port} sends without being asked: is the right board there?"])
+    assert (status, err) == (1, [f"icebreaker: {port} sends unrequested data: is it the right board?"])
 
 
 FEW = "out_of_reset|skew=0.0|answer_at_once|noise|no_stop_bit|button"

@@ -52,7 +52,7 @@ def test_processes_keep_the_order_and_end_with_the_block(tmp_path):
         until(lambda: len(noted_in(tmp_path, "begun")) == 2)
         raise KeyboardInterrupt
     assert len(noted_in(tmp_path, "begun")) == 2 and not noted_in(tmp_path, "done")
-    with pytest.raises(parallel.BrokenOffError, match="a process broke off"), parallel.shared(2) as each:
+    with pytest.raises(parallel.BrokenOffError, match="a worker process died"), parallel.shared(2) as each:
         list(each(os._exit, [3]))
 
 
@@ -128,7 +128,7 @@ def test_errors_of_the_work_and_other_sources(farm, monkeypatch, work, error, me
 @farmed
 def test_a_scheduler_that_dies(farm, tmp_path):
     worker = farm.worker()
-    with pytest.raises(parallel.BrokenOffError, match=f"^the scheduler {farm.address} is gone$"):
+    with pytest.raises(parallel.BrokenOffError, match=f"^lost the scheduler {farm.address}$"):
         with parallel.shared(1, farm.address) as each:
             results = each(functools.partial(noted, tmp_path, 20), range(2))
             until(lambda: noted_in(tmp_path, "begun"))

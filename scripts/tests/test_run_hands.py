@@ -87,7 +87,7 @@ SLIPS = [
     ("--robot iiwa14 --base l1", "argument --robot: --base and --tip need a URDF file"),
     ("--robot t.urdf --tip x", "argument --robot: t.urdf: no chain of joints leads from base to x"),
     ("--robot bent.urdf", "argument --robot: links are bent: the joints of ik_arm are along or across its bones"),
-    ("--robot fork.urdf", "argument --robot: fork.urdf: no link stands out as tip: other, tip"),
+    ("--robot fork.urdf", "argument --robot: fork.urdf: no unique link for tip: other, tip"),
     ("--robot iiwa14 --d1 2", "--robot and --d1 exclude each other"),
     (
         "--robot iiwa14 --trajectory circle",

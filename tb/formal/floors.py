@@ -41,7 +41,7 @@ class _Reader:
         while text[place:].strip():
             found = TOKEN.match(text, place)
             if not found:
-                raise FormulaError(f"{text!r} at {text[place:]!r}")
+                raise FormulaError(f"cannot parse {text!r} from {text[place:]!r} on")
             self.left.append(found[1])
             place = found.end()
 
@@ -90,7 +90,7 @@ class _Reader:
             return "0"
         if found := re.fullmatch(r"\{(\w+)\[\w+-2:0\], (\w+)\}", word):  # a bit appended
             return f"(+ (* 2 {self.names[found[1]]}) {self.names[found[2]]})"
-        raise FormulaError(f"{word!r} in {self.text!r}")
+        raise FormulaError(f"no integer for {word!r} in {self.text!r}")
 
 
 def integer(text: str, names: dict[str, str]) -> str:
@@ -106,7 +106,7 @@ def _one(text: str, pattern: str) -> str:
     """Return the group of a pattern's only match."""
     found = re.findall(pattern, text)
     if len(found) != 1:
-        raise FormulaError(f"not exactly one {pattern!r}")
+        raise FormulaError(f"not exactly one match of {pattern!r}")
     return found[0]
 
 

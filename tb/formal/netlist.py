@@ -55,7 +55,7 @@ class Netlist:
         return int(module["parameter_default_values"]["N"], 2)
 
     def _ports(self, cell: dict, direction: str) -> set[str]:
-        """Return the ports of a cell with a direction; an output of Yosys' own cells is Y or Q."""
+        """Return a cell's inputs or outputs, as ``direction`` selects. Outputs of Yosys' own cells are Y and Q."""
         if cell["type"] not in self.modules:
             return {"Y", "Q"} if direction == "output" else set()
         return {name for name, port in self.modules[cell["type"]]["ports"].items() if port["direction"] == direction}

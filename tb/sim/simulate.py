@@ -43,7 +43,7 @@ def simulate(
     :class:`SimulationError`.
     """
     if datapath not in MODELS:
-        raise ValueError(f"datapath {datapath}: there is {', '.join(MODELS)}")
+        raise ValueError(f"unknown datapath {datapath}; valid: {', '.join(MODELS)}")
     total = sum(len(job.words) for job in jobs)
     if native is None:
         native = simulator == "verilator" and not waves and total >= LONG

@@ -94,7 +94,7 @@ def _bound(path: Path, folder: Path) -> Path:
         return path
     text = path.read_text(encoding="utf-8")
     if text.count(END) != 1:
-        raise LookupError(f"{path} has not exactly one end of a module")
+        raise LookupError(f"{path} does not contain exactly one endmodule")
     text = text.replace(END, f"\n/* verilator coverage_off */\n{added.read_text(encoding='utf-8')}{END}")
     copy = folder / f"{path.stem}_rules.v"
     if not (copy.exists() and copy.read_text(encoding="utf-8") == text):
