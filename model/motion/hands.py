@@ -89,7 +89,7 @@ class Hands:
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Number of hands, tools and branches, by argument."""
+        """Dict: argument name -> number of its rows."""
         return {"hand": len(self.q.T), "tool": self.tool.size, "branch": self.branch.size}
 
     @property

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""File lists of the Verilog, ``rtl/ik_axis.f``, ``ik_axi.f`` and ``ik_arm.f``, AXI rules in it, and digests of sources.
+"""File lists of the Verilog (``rtl/ik_axis.f``, ``ik_axi.f``, ``ik_arm.f``), copies with AXI rules, and digests.
 
 The lists use the simulators' format (``verilator -F``): one file per line, relative to the list's folder, or
 ``+incdir+`` and a header folder. Lists do not nest, because Icarus 11 cannot read that. ``root`` is the checkout or a
