@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // No rounding here. Words as in ik_axis, each in the lowest bits of the next multiple of 8 bits.
-// tdata has 6*B bits, B = 8*ceil(W/8), 144 at
-// W = 18. The padding of a target is ignored; results are sign-extended. All else is as in ik_axis; if W is a multiple
-// of 8, so are the streams.
+// tdata has 6*B bits, B = 8*ceil(W/8), which is 144 at W = 18. The padding of a target is ignored; results are
+// sign-extended. Everything else is as in ik_axis; if W is a multiple of 8, the streams are the same too.
 `default_nettype none
 
 module ik_axis_bytes #(

@@ -202,7 +202,7 @@ def some_of(valid: Sequence[str], most: int) -> Callable[[str], list[str]]:
     def check(text: str) -> list[str]:
         found = [one(word) for word in text.split(",")]
         if len(found) > most or len(set(found)) < len(found):
-            raise click.BadParameter(f"{text!r} is not up to {most} different ones")
+            raise click.BadParameter(f"{text!r} is not a list of up to {most} different names")
         return found
 
     return check

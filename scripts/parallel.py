@@ -87,7 +87,7 @@ def shared(jobs: int, farm: str | None = None) -> Iterator[Callable]:
             for process in multiprocessing.active_children():
                 process.terminate()
             if isinstance(error, BrokenProcessPool):
-                raise BrokenOffError("a process broke off") from None
+                raise BrokenOffError("a worker process died") from None
             raise
         finally:
             pool.shutdown(cancel_futures=True)
@@ -116,9 +116,9 @@ def _farm(farm: str) -> Iterator[Callable]:
     try:
         yield each
     except distributed.KilledWorker:
-        raise BrokenOffError("the same piece of work has ended several workers of the farm") from None
+        raise BrokenOffError("several workers of the farm died on the same work item") from None
     except CancelledError:
-        raise BrokenOffError(f"the scheduler {farm} is gone") from None
+        raise BrokenOffError(f"lost the scheduler {farm}") from None
     finally:
         client.close(timeout=1)  # cancels outstanding work
 

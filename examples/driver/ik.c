@@ -343,7 +343,7 @@ const char *ik_error_text(ik_code code) {
         [IK_NOT_FINITE] = "A target is not finite.",
         [IK_NOT_AN_ARM] = "An arm length is not positive.",
         [IK_TOO_FAR_OUT] = "A target is too far out for the longest arm, or an arm is beyond double.",
-        [IK_TOO_SHORT] = "An arm length is too short beside the longest arm.",
+        [IK_TOO_SHORT] = "An arm length is too short compared with the longest arm.",
         [IK_NOT_A_HAND] = "A hand's quaternion is not of length 1.",
         [IK_OTHER_CORE] = "The core solves targets of wrists, or only hand poses: ARM.",
         [IK_BAD_LIMITS] = "No angle is within the limits of a joint.",

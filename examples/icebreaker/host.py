@@ -60,7 +60,7 @@ class Board:
         end = time.monotonic() + self.timeout
         while self.port.read(4096):
             if time.monotonic() > end:
-                raise SimulationError(f"{self.name} sends without being asked: is the right board there?")
+                raise SimulationError(f"{self.name} sends unrequested data: is it the right board?")
 
     def solve(self, words: np.ndarray, done: Callable[[int], None]) -> tuple[np.ndarray, np.ndarray]:
         """Return the results (N, 6) and flags (N,) of targets (N, 6); report the number answered by ``done(n)``.

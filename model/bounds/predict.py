@@ -58,7 +58,7 @@ class Real:
 
 
 CORNERS = 32
-"""Number of random combinations of rounding ends that :func:`hand_bar` tries besides the first-order worst case."""
+"""Number of random combinations of rounding ends that :func:`hand_bar` adds to the first-order worst case."""
 
 
 def hand_bar(words: np.ndarray, width: int, datapath: str = DEFAULT) -> np.ndarray:

@@ -7,7 +7,7 @@ bits, one turn = 2^(W+ANGLE).  Rotation i turns by atan(2^-i); y is held as Y = 
     X += |Y| / 4^i   (i < M: afterwards X changes by less than its last bits)
     Y = 2 (Y - X) or, below the x axis, 2 (Y + X)
 
-The length is K = 1.6468 times the vector's, in all vectors alike.
+The computed length is K = 1.6468 times the true one, for every vector.
 """
 
 from __future__ import annotations

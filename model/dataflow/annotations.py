@@ -109,7 +109,7 @@ class Case:
 
     @property
     def p_e_words(self) -> float:
-        """|p_e| of the words."""
+        """Largest |p_e|, computed from the rounded words of p_e."""
         return math.sqrt(self.p_e**2 + self.square)
 
 

@@ -166,8 +166,11 @@ def _aligned(values: Values, *terms: Term) -> list:
 class Operation(Term):
     """An operation of the dataflow.  ``parts``: the terms that it is made of.
 
-    Further readings are of the node that the operation makes, its rounding and format included: ``result(node,
-    values)``, its words, ``real_result(node, values)``, in real ulps, and ``facts(node, domain)``, formulas.
+    An operation has more readings than a term. They include the rounding and the format of its node:
+
+    * ``result(node, values)``: the node's words
+    * ``real_result(node, values)``: the node's value in ulps, not rounded
+    * ``facts(node, domain)``: formulas that the node's value meets
     """
 
     level = ATOM

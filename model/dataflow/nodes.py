@@ -207,7 +207,7 @@ class Dataflow:
         """Record a node that is ready ``latency``, by default its operation's, after the last of its operands (and of
         ``after``).  ``record``: further fields of :class:`Node`."""
         if name in self.nodes:
-            raise ValueError(f"node {name} is made twice")
+            raise ValueError(f"node {name} is defined twice")
         latency = op.latency if latency == "" else latency
         after = after or self._since
         start = max((node.time for node in (*op.operands, after) if node), default=0)

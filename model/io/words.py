@@ -202,7 +202,7 @@ def scale_exponent(targets: Targets, width: int) -> int:
     for column in ARMS:
         words = _quantise(_ldexp(getattr(targets, column), exponent), width)
         if not words.all():
-            arm = f"beside the longest arm, {reach[longest]:.6g}{targets.arm_note}"
+            arm = f"compared with the longest arm, {reach[longest]:.6g}{targets.arm_note}"
             reason = f"is too short: {arm}, its word of {width} bits is 0"
             raise targets.error(int(np.argmin(words != 0)), column, reason)
     tools = np.zeros(1) if targets.hand is None else np.abs(targets.tool[:, 2])

@@ -232,7 +232,7 @@ def _chain(robot: ElementTree.Element, base: str, tip: str) -> _Chain:
 
 def _only(what: str, links: set[str]) -> str:
     if len(links) != 1:
-        raise ValueError(f"no link stands out as {what}: {', '.join(sorted(links)) or 'there are no joints'}")
+        raise ValueError(f"no unique link for {what}: {', '.join(sorted(links)) or 'there are no joints'}")
     return links.pop()
 
 

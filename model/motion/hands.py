@@ -76,7 +76,7 @@ class Hands:
         refuse("hand", wrong, f"length {length[wrong.argmax()]:.6g}, not 1," if wrong.any() else "")
         tools, branches = np.asarray(tool, dtype=np.float64), np.asarray(branch)
         if branches.dtype.kind not in "iu" or ((branches < 0) | (branches >= 2 ** len(joints.Branch))).any():
-            raise ValueError(f"branch {branch!r} is no combination of {', '.join(joints.Branch.__members__)}")
+            raise ValueError(f"branch {branch!r} is not a combination of {', '.join(joints.Branch.__members__)}")
         if np.isinf(tools).any():
             raise ValueError("tool: not finite")
         missing = np.isnan(length) | np.isnan(tools)
@@ -89,7 +89,7 @@ class Hands:
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Number of hands, tools and branches, by argument."""
+        """Dict: argument name -> number of its rows."""
         return {"hand": len(self.q.T), "tool": self.tool.size, "branch": self.branch.size}
 
     @property
@@ -150,5 +150,5 @@ def checked_limits(limits: ArrayLike) -> Floats:
         raise ValueError(f"limits have the shape {ends.shape}, not (7, 2)")
     for joint, (low, high) in enumerate(ends.tolist(), 1):
         if not low <= high:
-            raise ValueError(f"limits of joint {joint}: {low:.6g} to {high:.6g}")
+            raise ValueError(f"limits of joint {joint}: {low:.6g} to {high:.6g} is not an interval")
     return ends

@@ -6,8 +6,8 @@ bones is A sin(phi) + B cos(phi) + C. A ball joint Rz(a) Rx(b) Rz(c) has
 
     tan a = M02 / -M12,  cos b = M22,  tan c = M20 / M21
 
-and reaches a limit where such a form is 0, at most at two phi (Shimizu et al., IEEE T-RO 24(5), 2008).  The arc
-between neighbouring ones is feasible or infeasible as a whole.
+so an angle is at a limit where an expression of that form is 0, which holds for at most two phi (Shimizu et al., IEEE
+T-RO 24(5), 2008).  The arc between neighbouring phi of this kind is feasible or infeasible as a whole.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-// Checks the hand's quaternion and saturates the wrist of the whole arm, folded.
+// Checks the hand's quaternion and saturates the wrist, in the folded whole arm.
 // SPDX-License-Identifier: Apache-2.0
 //
 // No rounding; a sum T holds |Qh|^2 or half a coordinate of the wrist.

@@ -1,4 +1,4 @@
-// Joint angles of the whole arm, folded: passes the words of a result to the CORDIC of ik_fold_angle as they are made.
+// Joint angles of the folded whole arm: passes the words of a result to the CORDIC of ik_fold_angle as they arrive.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Binary angles, one turn = 2^W, rounded half up.

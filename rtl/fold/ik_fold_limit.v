@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // No rounding; binary angles, one turn = 2^W.
-// over: th lies outside the closed arc from low upwards to high. The turns from low to th and from th to high, each
-// less than one turn, are together a whole turn or more.
+// over: th lies outside the closed arc from low upwards to high. This is so if (th - low) mod 2^W + (high - th) mod 2^W
+// is a whole turn or more: on the arc, the sum is (high - low) mod 2^W.
 // Throughput: one angle per clock.
 // Latency: 1 clock.
 `default_nettype none

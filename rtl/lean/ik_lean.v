@@ -8,7 +8,7 @@
 // Throughput: one target per clock.
 //
 // A signal named like a node holds it in the node's clock, T_<NODE>. Operators delay their own operands (DA, DB, ..:
-// clocks). Operands that several operators share, or that inline logic needs, are delayed outside: x_at_y is x in clock
+// clocks). Operands that several operators share, or that inline logic needs, are delayed here: x_at_y is x in clock
 // T_<Y>.
 // Latency: T_OUT clocks.
 `default_nettype none

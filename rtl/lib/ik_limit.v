@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // No rounding; binary angles, one turn = 2^W.
-// over: th lies outside the closed arc from low upwards to high, (th - low) mod 2^W > (high - low) mod 2^W. As unsigned
-// comparisons, without a subtractor; each changes where its arc passes 0. high = low - 1: no limit.
+// over: th lies outside the closed arc from low upwards to high, (th - low) mod 2^W > (high - low) mod 2^W. It is
+// computed by unsigned comparisons, without a subtractor. high = low - 1: no limit.
 // Throughput: one angle per clock.
 // Latency: 1 clock.
 `default_nettype none

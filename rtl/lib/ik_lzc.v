@@ -1,4 +1,4 @@
-// Common left shift of N words without overflow; 0 if all are 0.
+// Largest common left shift of N words without overflow; 0 if all are 0.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Exact; signed words of W bits.

@@ -39,7 +39,8 @@ def floorplan(module: dict, seed: int) -> None:
 
 
 def coupling(module: dict, names: list[str]) -> np.ndarray:
-    """Return the symmetric coupling of the named cells: the flow of random walks from one to another through others."""
+    """Return the symmetric coupling of the named cells: how often random walks through other cells lead from one to
+    another."""
     order = {name: k for k, name in enumerate(dict.fromkeys([*names, *module["cells"]]))}
     drivers: dict[int, int] = {}
     readers = defaultdict(list)

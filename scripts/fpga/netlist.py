@@ -63,7 +63,7 @@ def by_section(stat: dict, family: str) -> dict[str, dict]:
 
 
 def _modules(stat: dict) -> dict[str, dict[str, int]]:
-    """Return a dict: module -> (cell or module inside -> number)."""
+    """Return a dict of dicts: module -> cell or module inside -> number of instances."""
     return {
         name.lstrip("\\"): {cell.lstrip("\\"): n for cell, n in module["num_cells_by_type"].items()}
         for name, module in stat["modules"].items()

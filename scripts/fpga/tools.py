@@ -37,7 +37,7 @@ def call(command: list[str], folder: Path, label: str, limit: float = LIMIT) -> 
     try:
         done = compiled(["env", "-C", folder, "nice", *command], limit)
     except subprocess.TimeoutExpired:
-        raise TimeOutError(f"{label}: not done after {limit / 60:.0f} min, left out") from None
+        raise TimeOutError(f"{label}: stopped after {limit / 60:.0f} min, left out") from None
     if done.returncode:
         raise ToolError(f"{label}: failed: {(done.stderr or done.stdout)[-4000:].strip()}")
     return round(time.monotonic() - start)

@@ -32,8 +32,8 @@ def table(head: Sequence[Any], rows: Iterable[Iterable[Any]], left: int = 1) -> 
 
 
 def read_table(page: Path, heading: str) -> list[list[str]]:
-    """Return the rows of the table whose first column is headed ``heading``, if there is one; a code cell loses its
-    marks."""
+    """Return the rows of the table whose first column is headed ``heading``; none without such a table. Backquotes
+    around a cell are removed."""
     lines = page.read_text(encoding="utf-8").splitlines() if page.exists() else []
     start = next((i for i, line in enumerate(lines) if line.startswith(f"| {heading} |")), len(lines))
     rows = itertools.takewhile(lambda line: line.startswith("|"), lines[start + 2 :])

@@ -68,7 +68,7 @@ def chosen(datapaths: list[str] | None, width: int | None) -> list[Machine]:
     named = [machine for machine in MACHINES if machine.datapath in (datapaths or [machine.datapath])]
     machines = [machine for machine in named if machine.width == (width or machine.width)]
     if not machines:
-        raise InputError(f"no such core; there are {', '.join(machine.name for machine in MACHINES)}")
+        raise InputError(f"unknown core; valid: {', '.join(machine.name for machine in MACHINES)}")
     return machines
 
 

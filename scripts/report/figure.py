@@ -114,7 +114,7 @@ def place(up: str) -> np.ndarray:
 
 
 def _parts(clip: Clip, moves: tuple[Motion, ...]) -> list[int]:
-    """Return the body part of the bone that ends at each node; an end site below a joint named head is HEAD."""
+    """Return for each node the body part of the bone that ends there; an end site below a joint named head is HEAD."""
     parts = [HEAD if node.end and "head" in clip.names[node.parent].lower() else BODY for node in clip.nodes]
     for move in moves:
         arm = move.limb

@@ -50,7 +50,7 @@ def test_processes_keep_the_order_and_end_with_the_block(tmp_path):
         until(lambda: len(noted_in(tmp_path, "begun")) == 2)
         raise KeyboardInterrupt
     assert len(noted_in(tmp_path, "begun")) == 2 and not noted_in(tmp_path, "done")
-    with pytest.raises(parallel.BrokenOffError, match="a process broke off"), parallel.shared(2) as ordered_map:
+    with pytest.raises(parallel.BrokenOffError, match="a worker process died"), parallel.shared(2) as ordered_map:
         list(ordered_map(os._exit, [3]))
 
 

@@ -247,7 +247,7 @@ def run(
 
 
 def _run(said: str, back: np.ndarray, sizes: list[int], nodes: list[Node], width: int, count: int) -> Run:
-    """Parse the program's output and its results ``back``, ``count`` words of each target."""
+    """Return the run from the program's output ``said`` and its results ``back``, ``count`` words per target."""
     done, *differs = said.splitlines()
     targets, latency, clocks, bits = map(int, done.split()[1:])
     if targets != sum(sizes) or len(back) != count * targets:

@@ -21,7 +21,7 @@ class Bug:
     def seeded(self, text: str) -> str:
         """Return the file's text with the bug in it. Raises LookupError unless `old` occurs exactly once."""
         if text.count(self.old) != 1:
-            raise LookupError(f"{self.file} has not exactly one {self.old!r}")
+            raise LookupError(f"{self.file} does not contain {self.old!r} exactly once")
         return text.replace(self.old, self.new)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""File lists of the Verilog, ``rtl/ik_axis.f``, ``ik_axi.f`` and ``ik_arm.f``, AXI rules in it, and digests of sources.
+"""File lists of the Verilog (``rtl/ik_axis.f``, ``ik_axi.f``, ``ik_arm.f``), copies with AXI rules, and digests.
 
 The lists use the simulators' format (``verilator -F``): one file per line, relative to the list's folder, or
 ``+incdir+`` and a header folder. Lists do not nest, because Icarus 11 cannot read that. ``root`` is the checkout or a
@@ -93,7 +93,7 @@ def _bound(path: Path, folder: Path) -> Path:
         return path
     text = path.read_text(encoding="utf-8")
     if text.count(END) != 1:
-        raise LookupError(f"{path} has not exactly one end of a module")
+        raise LookupError(f"{path} does not contain exactly one endmodule")
     text = text.replace(END, f"\n/* verilator coverage_off */\n{added.read_text(encoding='utf-8')}{END}")
     copy = folder / f"{path.stem}_rules.v"
     if not (copy.exists() and copy.read_text(encoding="utf-8") == text):

@@ -41,7 +41,7 @@ def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
         return [(d, count) for d in corners(words) for count in COUNTS]
 
     def single_bits():
-        """Bits shifted to and next to either end of the result, and the words just below them, at every count."""
+        """Single bits that each count shifts to or next to an end of the result, and the words one less."""
         places = (0, DROP - 1, DROP, DROP + 1, top - 2, top - 1, top)
         bits = [(1 << place - count, count) for place in places for count in COUNTS if place >= count]
         return [(d, count) for bit, count in bits for d in (bit, bit - 1, -bit, -bit - 1) if d in words]

@@ -141,7 +141,7 @@ INNER = ("w_q", "i_q", "j_q", "k_q", "elbow_w", "elbow_i")
 
 
 class Local(Real):
-    """Every node from the words of its operands, in double precision: ``off`` is the error of its own rounding."""
+    """Every node in double precision from its operands' words; ``off`` is the error of the node's own rounding."""
 
     def __init__(self, bits: fixed.Bits) -> None:
         self.off: dict[str, np.ndarray] = {}
@@ -159,7 +159,7 @@ NOISE = 1e-14  # noise of double precision, where most words are exact
 
 
 def nodes(width: int, datapath: str) -> Figures:
-    """Return the rms rounding error of every node, not in ulps, so that a shortened word is detected."""
+    """Return the rms rounding error of every node. It is absolute: in ulps, a shortened word would go undetected."""
     words = everywhere(width)
     reached = expected_flags(words, width) & UNREACHABLE == 0
     off = Local(fixed.run(words, width, datapath).bits).off

@@ -163,7 +163,7 @@ def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[st
     for name in sorted(life, key=lambda n: (not picks.get(n), n not in doubles, life[n])):
         first, last = life[name]
         if last - first >= period:
-            raise ConflictError(f"{name} lives {last - first} clocks of a lap of {period}")
+            raise ConflictError(f"{name} lives {last - first} clocks, too long for a lap of {period}")
         wanted = {clock % period for clock in range(first, last + 1)}
         if name in doubles:
             wanted = set(range(period))  # its second word may be a constant

@@ -158,8 +158,12 @@ ELBOW = ("elbow_w", "elbow_i")  # steps whose results are constants where there 
 
 
 class AngleClocks(NamedTuple):
-    """Clocks of ``ik_fold_angle``: from loading y to the second stage; from there to the angle; from there until the
-    vector of two lengths enters the second stage."""
+    """Latencies of ``ik_fold_angle``, in clocks.
+
+    * ``iterated``: from loading y to the second stage
+    * ``shown``: from the second stage to the angle
+    * ``again``: from the second stage until the vector of two lengths enters it
+    """
 
     iterated: int
     shown: int
@@ -173,7 +177,7 @@ COMPARED = 2  # clocks from a joint's angle until its comparison with the limits
 
 @dataclass(frozen=True)
 class Vector:
-    """Vector of two result words, x and y or -y, or of the lengths of the two preceding vectors."""
+    """Vector (x, y) or (x, -y) of two result words, or of the lengths of the two preceding vectors."""
 
     angle: str
     length: str | None
@@ -185,7 +189,7 @@ class Vector:
 
 @dataclass(frozen=True)
 class Joint:
-    """Joint's angle: of a vector, doubled or with another one added, and the bits of the branch that change it."""
+    """Joint angle: a vector's angle, doubled or with another one added, and the branch bits that change it."""
 
     name: str
     angle: str

@@ -50,7 +50,7 @@ def inputs(columns, *formats: Format) -> tuple[list[Node], dict[str, np.ndarray]
 
 
 def check(operation, fmt: Format, values: dict[str, np.ndarray], exact: list[Fraction]) -> None:
-    """Assert that words are the exact values, rounded half up and saturated, and that the mask shows saturation."""
+    """Assert that a node's words are exact values, rounded half up and saturated, and check its mask of saturation."""
     node = Node("q", "", "", operation, fmt, operation.latency, 0, FLOW)
     words = [half_up(value * 2**fmt.frac) for value in exact]
     assert node.evaluate(values).tolist() == [min(max(word, fmt.low), fmt.high) for word in words]

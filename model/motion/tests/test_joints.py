@@ -152,7 +152,7 @@ def test_poses_without_an_answer():
         ({"hand": (1.0, 0.1, 0, 0)}, "hand: length 1.00499, not 1, in row 0"),
         ({"hand": [(1.0, 0, 0, 0), (0, 0.99, 0, 0)]}, "hand: length 0.99, not 1, in row 1"),
         ({"hand": (1.0, 0.0, 0.0)}, r"hand has the shape \(3,\)"),
-        ({"branch": 8}, "branch 8 is no combination of SHOULDER, ELBOW, WRIST"),
+        ({"branch": 8}, "branch 8 is not a combination of SHOULDER, ELBOW, WRIST"),
         ({"branch": 1.5}, "branch 1.5"),
         ({"branch": [-1]}, r"branch \[-1\]"),
         ({"limits": LIMITS[:6]}, r"limits have the shape \(6, 2\)"),

@@ -178,7 +178,7 @@ BUSY = 0.3  # load per processor core above which the page warns that the comput
 
 
 def clock_of(fpga: dict, row: dict) -> float:
-    """Return the clock of a hardware row (MHz): of the datapath, or memory to memory of ``ik_axi`` with it."""
+    """Return the clock of a hardware row (MHz): the datapath's, or for memory-to-memory rows that of ``ik_axi``."""
     return clock(fpga, row["datapath"] if row["path"] == STREAMS else "memory", row["width"])
 
 
@@ -219,7 +219,7 @@ def main(options: SimpleNamespace) -> int:
     about, every = machine(), contenders()
     chosen = [one for one in every if not options.only or any(part in one.key for part in options.only)]
     if not chosen:
-        raise InputError(f"no software of that key; there is {', '.join(one.key for one in every)}")
+        raise InputError(f"unknown key; valid: {', '.join(one.key for one in every)}")
     reach, random = make("reach"), from_words(words, 0, WIDTH, "random")
     rows, before = {}, {one["key"]: one for one in kept["software"]}
     today = {"date": datetime.date.today().isoformat()}

@@ -56,7 +56,7 @@ def shown(cli):
 
 
 def test_data_agree_with_the_score(cli, command, simulator, files):
-    """Plots have the maxima written by `make run`; arms are at their targets, in the swivel plane; one run for all."""
+    """Plots have the maxima that `make run` writes; drawn arms reach their targets and lie in the swivel plane."""
     assert cli("--trajectory", "all") == (0, [f"wrote {PAGE}"], [])
     assert len(simulator.calls) == 1 and len(files()) == 2 * len(trajectories.TRAJECTORIES) + 2
     assert PAGE.stat().st_size < 2_000_000
