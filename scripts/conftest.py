@@ -29,7 +29,9 @@ def command(tmp_path, monkeypatch, capsys):
 
 @pytest.fixture
 def cli(simulator, command, monkeypatch):
-    monkeypatch.setattr(trajectory, "hand_bar", lambda words, width, datapath: np.full(len(words), 2.0 ** (8 - width)))
+    monkeypatch.setattr(
+        trajectory, "predicted_error", lambda words, width, datapath: np.full(len(words), 2.0 ** (8 - width))
+    )
     return partial(command, run.main)
 
 

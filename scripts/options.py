@@ -54,7 +54,7 @@ def trajectory_options(
     soft = "outer fraction of the reach, 0 to 1, in which CSV or clip targets are pulled in smoothly"
     robot = "arm with its lengths, tool and joint limits; hand poses are poses of its tip in its base frame"
     link = "of a URDF file, if its chain is not the only one"
-    bar = (
+    tolerance = (
         "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "
         "the paper datapath near singular poses or below 32 bits)"
     )
@@ -79,5 +79,5 @@ def trajectory_options(
         option("--robot", robot, os.path.expanduser, metavar="|".join((*arms.ROBOTS, "FILE.urdf"))),
         option("--base", f"first link {link}", metavar="LINK"),
         option("--tip", f"last link {link}", metavar="LINK"),
-        option("--bar", bar, POSITIVE, metavar="ERROR"),
+        option("--tolerance", tolerance, POSITIVE, metavar="ERROR"),
     ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of `make run`, with the figures of each trajectory, their limits and the verdict, and of `make soak`."""
+"""Tables of `make run`, with the figures of each trajectory, their tolerances and the verdict, and of `make soak`."""
 
 import sys
 from collections.abc import Sequence
@@ -19,8 +19,8 @@ from tb.core.random_targets import Core, Found
 LATENCY, CLOCKS, RATE = "latency (clocks)", "clocks for all targets", "results per clock while they flow"
 
 EXPLAINED = (
-    "limit: largest permitted error, from BAR= or the table of tolerances; predicted: error that rounding can cause "
-    "at these poses, an explanation and no limit"
+    "tolerance: largest permitted error, TOLERANCE= or from the table of tolerances; predicted: error that rounding "
+    "can cause at these poses, never compared with the measured one"
 )
 
 
@@ -32,8 +32,8 @@ def empty_table(title: str, headings: Sequence[str], left: int = 1, **settings) 
     return table
 
 
-def _limit(bar: float | None) -> str:
-    return "none" if bar is None else f"{bar:.3g}"
+def _written(tolerance: float | None) -> str:
+    return "none" if tolerance is None else f"{tolerance:.3g}"
 
 
 def _verdict(result: Score) -> str:
@@ -46,22 +46,22 @@ def outcome(result: Score) -> str:
 
 
 def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
-    """Return the figures of one trajectory: name, measured value and, if any, limit and prediction.
+    """Return the figures of one trajectory: name, measured value and, if any, tolerance and prediction.
 
     flags (N,): the core's flag bits.
     """
-    limit = "-" if result.hand_error_max is None else _limit(result.hand_error_bar)
+    tolerance = "-" if result.hand_error_max is None else _written(result.hand_error_tolerance)
     rows: list[tuple[str, ...]] = [
         ("bits that differ from the bit-true model", str(result.bit_mismatches), "0"),
-        ("hand error / reach, largest", error(result.hand_error_max), limit, error(result.hand_error_predicted)),
+        ("hand error / reach, largest", error(result.hand_error_max), tolerance, error(result.hand_error_predicted)),
     ]
     if result.hand_error_pose is not None:
         rows.append((f"  {result.hand_error_pose}", f"target {result.hand_error_target}"))
     rows.append(("hand error / reach, rms", error(result.hand_error_rms)))
-    if result.hand_error_over_bar is not None:
-        rows.append(("hand error / limit", f"{result.hand_error_over_bar:.2g}", "1"))
+    if result.hand_error_over_tolerance is not None:
+        rows.append(("hand error / tolerance", f"{result.hand_error_over_tolerance:.2g}", "1"))
     if result.orientation_error_max is not None:
-        turn = error(result.orientation_error_max), _limit(result.orientation_error_bar)
+        turn = error(result.orientation_error_max), _written(result.orientation_error_tolerance)
         rows.append(("orientation error of the hand, largest (rad)", *turn))
         rows.append(("targets with a joint outside its limits", str(result.over_limit)))
     rows += [
@@ -71,7 +71,7 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
         ("abs(norm^2 - 1) of Qs and Qe, largest", error(result.norm_error_max)),
     ]
     if result.clamped_error_max is not None:
-        clamped = error(result.clamped_error_max), _limit(result.clamped_error_bar)
+        clamped = error(result.clamped_error_max), _written(result.clamped_error_tolerance)
         rows.append(("error of the clamped hand / reach, largest", *clamped))
     rows.append(("distance from singular poses, least (rad)", f"{result.singular_distance_min:.3f}"))
     if result.results_per_cycle:
@@ -82,21 +82,21 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
 
 
 def table_of_one(result: Score, flags: np.ndarray) -> Table:
-    """Return the table of one trajectory: a line for each figure, with limit and prediction."""
+    """Return the table of one trajectory: a line for each figure, with tolerance and prediction."""
     title = f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, {result.width} bits, "
     caption = f"{outcome(result)}\n{EXPLAINED}"
-    table = empty_table(title + result.simulator, ("figure", "measured", "limit", "predicted"), caption=caption)
+    table = empty_table(title + result.simulator, ("figure", "measured", "tolerance", "predicted"), caption=caption)
     for row in figures(result, flags):
         table.add_row(*row)
     return table
 
 
 def _summary(scores: Sequence[Score]) -> str:
-    """Return the number of trajectories that pass, and how many of them have no accuracy limit."""
+    """Return the number of trajectories that pass, and how many of them have no tolerance of the hand error."""
     passed = [result for result in scores if result.passed]
-    unlimited = sum(result.hand_error_bar is None and result.clamped_error_bar is None for result in passed)
+    without = sum(result.hand_error_tolerance is None and result.clamped_error_tolerance is None for result in passed)
     share = f"{len(passed)} of {len(scores)} pass"
-    return f"{share}, {unlimited} of them without a limit, by bits, flags and norms" if unlimited else share
+    return f"{share}, {without} of them without a tolerance, by bits, flags and norms" if without else share
 
 
 def table_of_many(scores: Sequence[Score]) -> Table:
@@ -108,13 +108,13 @@ def table_of_many(scores: Sequence[Score]) -> Table:
         f"{_summary(scores)}\nhand: largest hand error / reach, at target; {EXPLAINED}; clamped: largest error "
         "of targets out of reach; angle: of shoulder or elbow (rad); bits: differing from the bit-true model"
     )
-    headings = ("trajectory", "hand", "at", "limit", "predict", "clamped", "angle", "bits", "flags", "")
-    table = empty_table(title, headings, caption=caption, padding=(0, 1, 0, 0))
+    headings = ("trajectory", "hand", "at", "tolerance", "predicted", "clamped", "angle", "bits", "flags", "")
+    table = empty_table(title, headings, caption=caption, padding=0)
     for result in scores:
         at = "-" if result.hand_error_target is None else str(result.hand_error_target)
-        limit = "-" if result.hand_error_bar is None else _limit(result.hand_error_bar)
+        tolerance = "-" if result.hand_error_tolerance is None else _written(result.hand_error_tolerance)
         rest = map(error, (result.hand_error_predicted, result.clamped_error_max, result.angle_error_max))
-        errors = error(result.hand_error_max), at, limit, *rest
+        errors = error(result.hand_error_max), at, tolerance, *rest
         counts = str(result.bit_mismatches), str(result.flagged)
         table.add_row(escape(result.trajectory), *errors, *counts, _verdict(result))
     return table
@@ -135,7 +135,7 @@ def table_of_soak(what: str, core: Core, totals: Found, rate: float) -> Table:
     """Return the figures of all targets. Only passing targets are counted, so no bit differs."""
     most, norm = tolerances.hand(core.width, core.datapath), tolerances.norm(core.width, core.datapath)
     ratio = totals.by_hand[0].hand_error / totals.by_hand[0].tolerance if totals.by_hand else 0.0
-    limit = f"{tolerances.lean(core.width):.2e}"
+    lean_tolerance = f"{tolerances.lean(core.width):.2e}"
     table = empty_table(f"soak: {what}", ("figure", "measured", "tolerance"))
     for row in (
         ("targets", str(totals.targets)),
@@ -150,7 +150,7 @@ def table_of_soak(what: str, core: Core, totals: Found, rate: float) -> Table:
         *([] if most else [("targets seen above their prediction", str(totals.above))]),
         ("abs(norm^2 - 1) of Qs and Qe, largest", f"{totals.norm_error_max:.2e}", f"{norm:.2e}"),
         *(
-            (f"{of}, {n} targets: largest difference of a result", f"{apart:.2e}", limit)
+            (f"{of}, {n} targets: largest difference of a result", f"{apart:.2e}", lean_tolerance)
             for of, (n, apart) in totals.apart.items()
         ),
         ("targets a second, build excluded", f"{rate:.0f}"),

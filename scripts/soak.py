@@ -164,10 +164,10 @@ def hand_errors(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
         hand = np.nan_to_num(worst_targets.errors(words, answer.results, width)[0])[None]
         return np.array((hand, np.full_like(hand, tolerances.sought(width))))
     reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
-    bars = np.array([np.broadcast_to(bar, reach.shape) for bar in tolerances.arm(words, width)])
-    bars[0] /= np.maximum(reach, 1)
+    permitted = np.array([np.broadcast_to(most, reach.shape) for most in tolerances.arm(words, width)])
+    permitted[0] /= np.maximum(reach, 1)
     relative = tolerances.pose_errors(words, answer.results, answer.flags, width)
-    return np.array((np.nan_to_num(relative) * bars * (reach >= 1 << width - 2), bars))
+    return np.array((np.nan_to_num(relative) * permitted * (reach >= 1 << width - 2), permitted))
 
 
 def _posed(words: np.ndarray, width: int) -> np.ndarray:
@@ -221,9 +221,9 @@ def _worst(arguments: SimpleNamespace) -> int:
     for unit, name in enumerate(SEARCHED[core.datapath]):
         with progress("soak", arguments.worst) as meter:
             words = worst_found(core, unit, arguments.worst, arguments.seed, meter)
-        error, bar = hand_errors(words[:1], core.width, core.datapath)[:, unit, 0]
-        print(f"W = {core.width}: {error:.3e} {name}, tolerance {bar:.3g}: {', '.join(map(str, words[0]))}")
-        beyond |= error > bar
+        error, tolerance = hand_errors(words[:1], core.width, core.datapath)[:, unit, 0]
+        print(f"W = {core.width}: {error:.3e} {name}, tolerance {tolerance:.3g}: {', '.join(map(str, words[0]))}")
+        beyond |= error > tolerance
         branch = [0] * bool(MODELS[core.datapath].side)
         rows += [_row(core, [*target, *branch], 0.0, "search") for target in words[: worst_targets.KEPT].tolist()]
     if arguments.keep:

@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from model.bounds.predict import hand_bar
+from model.bounds.predict import predicted_error
 from model.dataflow import fixed
 from model.dataflow.datapaths import ARM, DATAPATHS, DEFAULT
 from model.dataflow.nodes import Limits
@@ -250,11 +250,16 @@ def score_runs(
     arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool = True
 ) -> list[tuple[Run, Score]]:
     """Return each run with its score, and with predicted errors if `predict` is set."""
-    core = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim, "bar": arguments.bar}
+    core = {
+        "width": arguments.width,
+        "datapath": datapath,
+        "simulator": arguments.sim,
+        "tolerance": arguments.tolerance,
+    }
     scored = []
     for item, run in zip(prepared, runs, strict=True):
         wrists = item.targets.hand is None
-        predicted = hand_bar(item.words, arguments.width, datapath) if predict and wrists else None
+        predicted = predicted_error(item.words, arguments.width, datapath) if predict and wrists else None
         places = placed(item, run, arguments.width) if item.clip else None
         more = {"predicted": predicted, "placed": places, "limits": item.limits}
         scored.append((run, score(item.targets, item.words, item.exponent, run, **core, **more)))

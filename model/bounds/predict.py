@@ -58,10 +58,10 @@ class Real:
 
 
 CORNERS = 32
-"""Number of random combinations of rounding ends that :func:`hand_bar` adds to the first-order worst case."""
+"""Number of random combinations of rounding ends that :func:`predicted_error` adds to the first-order worst case."""
 
 
-def hand_bar(words: np.ndarray, width: int, datapath: str = DEFAULT) -> np.ndarray:
+def predicted_error(words: np.ndarray, width: int, datapath: str = DEFAULT) -> np.ndarray:
     """Return the largest hand error / reach explained by the roundings of a datapath, for input words (N, 6); shape
     (N,).
 

@@ -3,7 +3,7 @@
 
 A prediction (:mod:`model.bounds.predict`) explains an error and is never a tolerance.  The table has no entry for the
 paper's equations near their singular poses, where their error grows without bound: there bits, flags and norms are
-checked, and accuracy only on request (``BAR=``).
+checked, and accuracy only on request (``TOLERANCE=``).
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from ..dataflow.datapaths import MODELS
 from ..io.flags import BAD_HAND, SATURATED, UNREACHABLE
 from ..reference.joints import reached
 from ..reference.kinematics import angle_between
-from .predict import hand_bar
+from .predict import predicted_error
 
 LEAN = {
     16: 2.05e-4, 17: 1.06e-4, 18: 5e-5, 19: 2.67e-5, 20: 1.33e-5, 21: 6.67e-6, 22: 3.33e-6, 23: 1.66e-6, 24: 1e-6,
@@ -49,7 +49,8 @@ PAPER_NORM = 16.0
 
 ARM_ULPS = 12.5, 19.5
 """Errors of the seven joint angles' hand, in ulps of a result: of its point / reach with the tool, and of its
-orientation in rad.  Below the limits 3e-8 and 2e-8 at W = 32, 3e-6 and 5e-6 at 24, 2e-4 and 3e-4 at 18."""
+orientation in rad.  At W = 32 they are 1.2e-8 and 1.8e-8, at 24 3e-6 and 4.6e-6,
+at 18 1.9e-4 and 3e-4."""
 
 WRIST_ULPS = 3**0.5 * 0.9
 """Further error of the hand's point in ulps of a length: each coordinate of the wrist is rounded to a word, half its
@@ -68,11 +69,11 @@ def pose_errors(words: np.ndarray, results: np.ndarray, flags: np.ndarray, width
     for poses out of reach, and for hands farther from unit length than rounding explains."""
     th, tool = results[:, :7].T * (2 * np.pi / (1 << width)), words[:, 6:7] * (0.0, 0.0, 1.0)
     point, hand = reached(th, words[:, 4], words[:, 5], tool)
-    bars = arm(words, width)
+    permitted = arm(words, width)
     unit = np.abs(np.linalg.norm(words[:, 7:11], axis=1) - (1 << width - 2)) <= 2
     unknown = np.where((flags & (UNREACHABLE | SATURATED | BAD_HAND) == 0) & unit, 0.0, np.nan)
-    off = np.linalg.norm(point - words[:, :3], axis=1) / bars[0]
-    return off + unknown, angle_between(hand, words[:, 7:11]) / bars[1] + unknown
+    off = np.linalg.norm(point - words[:, :3], axis=1) / permitted[0]
+    return off + unknown, angle_between(hand, words[:, 7:11]) / permitted[1] + unknown
 
 
 ROUNDED_POSE_ULPS = 3**0.5 / 2 + 3 / 2, 2.0
@@ -111,11 +112,11 @@ def hand(width: int, datapath: str, *, regular: bool = False) -> float | None:
     return REGULAR if regular and width == REGULAR_WIDTH else None
 
 
-def yardstick(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
+def scale(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
     """Return the scale by which hand errors of input words (N, 6) are ranked, (N,): the tolerance, or without one the
     error that the roundings explain.  It is not a pass criterion."""
     most = hand(width, datapath)
-    return hand_bar(words, width, datapath) if most is None else np.full(len(words), most)
+    return predicted_error(words, width, datapath) if most is None else np.full(len(words), most)
 
 
 def norm(width: int, datapath: str) -> float:

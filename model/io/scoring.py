@@ -122,7 +122,8 @@ class Score:
     """Scores of one trajectory; all but `each` are stored in score.json under the same names.
 
     * `_max`, `_rms`: over the reachable targets, None when there are none; `clamped_error`: over the others
-    * `_bar`: the tolerance of an error, None without one; `hand_error_over_bar`: the largest error in units of it
+    * `_tolerance`: the largest permitted error, None without one; `hand_error_over_tolerance`: the
+      largest error in units of it
     * `hand_error_target`: the target with the largest error; `hand_error_pose`: how near it is to a singular pose
     * `outcome`: the required and the measured accuracy; `failures` is empty exactly when `passed`
     * `orientation_error`, `over_limit`, the number of targets with a joint outside its limits: hand poses only
@@ -136,20 +137,20 @@ class Score:
     bit_mismatches: int
     hand_error_max: float | None
     hand_error_rms: float | None
-    hand_error_bar: float | None
+    hand_error_tolerance: float | None
     hand_error_predicted: float | None
-    hand_error_over_bar: float | None
+    hand_error_over_tolerance: float | None
     hand_error_target: int | None
     hand_error_pose: str | None
     orientation_error_max: float | None
-    orientation_error_bar: float | None
+    orientation_error_tolerance: float | None
     angle_error_max: float | None
     shoulder_angle_error_max: float | None
     elbow_angle_error_max: float | None
     elbow_point_error_max: float | None
     norm_error_max: float
     clamped_error_max: float | None
-    clamped_error_bar: float | None
+    clamped_error_tolerance: float | None
     singular_distance_min: float
     latency_cycles: int | None
     total_cycles: int | None
@@ -178,7 +179,7 @@ def score(
     datapath: str,
     simulator: str,
     predicted: np.ndarray | None,
-    bar: float | None = None,
+    tolerance: float | None = None,
     placed: tuple[np.ndarray, ...] | None = None,
     limits: Limits | None = None,
 ) -> Score:
@@ -187,7 +188,7 @@ def score(
     * targets: N of them, in the user's units; words, exponent: output of `words.to_words`
     * run: the core's output, with the attributes of `tb.sim.job.Run`
     * predicted (N,): hand error / reach that rounding can cause; None if not computed
-    * bar: tolerance of hand error / reach requested by the user; by default from the table of tolerances
+    * tolerance: of hand error / reach, requested by the user; by default from the table of tolerances
     * placed: the elbows and wrists (N, 3) to score, from the shoulder, in the user's units, and for hands without a
       tool their orientations (N, 4); by default from forward kinematics
     * limits: joint limits of hand poses, in words; none by default
@@ -242,9 +243,9 @@ def score(
     reachable = ~clamped
     distances = singular_distances(asked)
     distance = np.min(list(distances.values()), axis=0)
-    if bar is None and not path.side:
-        bar = tolerances.hand(width, datapath, regular=bool((distance >= tolerances.REGULAR_DISTANCE).all()))
-    tolerance = table if bar is None else np.full(count, bar)
+    if tolerance is None and not path.side:
+        tolerance = tolerances.hand(width, datapath, regular=bool((distance >= tolerances.REGULAR_DISTANCE).all()))
+    permitted = table if tolerance is None else np.full(count, tolerance)
     worst = int(np.argmax(np.where(reachable, hand_error, -1.0))) if reachable.any() else None
     nearest_singular = "" if worst is None else min(distances, key=lambda what: distances[what][worst])
     norm_tolerance = tolerances.norm(width, datapath)
@@ -257,8 +258,8 @@ def score(
     failures = [
         *([mismatch] if run.bit_mismatches else []),
         *_flag_failures(np.asarray(run.flags), expected),
-        *_large_errors("hand error", hand_error, tolerance, reachable),
-        *_large_errors("error of the clamped hand", clamped_error, tolerance, clamped),
+        *_large_errors("hand error", hand_error, permitted, reachable),
+        *_large_errors("error of the clamped hand", clamped_error, permitted, clamped),
         *(_large_errors("orientation error", of_hand.orientation_error, turn_tolerance, everywhere) if of_hand else ()),
         *_large_errors("abs(norm^2-1) of Qs", qs_norm, norm_tolerance, everywhere),
         *_large_errors("abs(norm^2-1) of Qe", qe_norm, norm_tolerance, everywhere),
@@ -277,20 +278,20 @@ def score(
         bit_mismatches=int(run.bit_mismatches),
         hand_error_max=largest,
         hand_error_rms=float(np.sqrt(np.mean(hand_error[reachable] ** 2))) if reachable.any() else None,
-        hand_error_bar=None if tolerance is None or worst is None else float(tolerance[worst]),
+        hand_error_tolerance=None if permitted is None or worst is None else float(permitted[worst]),
         hand_error_predicted=None if predicted is None else _max(predicted, reachable),
-        hand_error_over_bar=None if tolerance is None else _max(hand_error / tolerance, reachable),
+        hand_error_over_tolerance=None if permitted is None else _max(hand_error / permitted, reachable),
         hand_error_target=worst,
         hand_error_pose=None if worst is None else f"{distance[worst]:.3f} rad from singular: {nearest_singular}",
         orientation_error_max=_max(of_hand.orientation_error, everywhere) if of_hand else None,
-        orientation_error_bar=turn_tolerance,
+        orientation_error_tolerance=turn_tolerance,
         angle_error_max=_max(np.maximum(shoulder_angle, elbow_angle), reachable),
         shoulder_angle_error_max=_max(shoulder_angle, reachable),
         elbow_angle_error_max=_max(elbow_angle, reachable),
         elbow_point_error_max=_max(elbow_error, reachable),
         norm_error_max=float(np.max([qs_norm, qe_norm])),
         clamped_error_max=furthest,
-        clamped_error_bar=None if tolerance is None else _max(tolerance, clamped & (clamped_error == furthest)),
+        clamped_error_tolerance=None if permitted is None else _max(permitted, clamped & (clamped_error == furthest)),
         singular_distance_min=float(distance.min()),
         latency_cycles=run.latency_cycles,
         total_cycles=run.total_cycles,
@@ -300,7 +301,7 @@ def score(
         over_limit=int(of_hand.over_limit.any(axis=1).sum()) if of_hand else None,
         scale_exponent=int(exponent),
         passed=not failures,
-        outcome=_outcome(not failures, tolerance, judged),
+        outcome=_outcome(not failures, permitted, judged),
         failures=tuple(failures),
         each=each,
     )
@@ -327,9 +328,9 @@ def _outcome(passed: bool, tolerance: np.ndarray | None, errors: np.ndarray) -> 
     error = f"error {errors[n]:.1e} of the reach"
     if tolerance is None:
         bits = "bits, flags and norms are right" if passed else "bits, flags or norms are wrong"
-        return f"{verdict}: {bits}; {error}, no limit"
+        return f"{verdict}: {bits}; {error}, no tolerance"
     rest = "" if passed or errors[n] > tolerance[n] else ", but bits, flags or norms are wrong"
-    return f"{verdict}: {error}, limit {tolerance[n]:.3g}{rest}"
+    return f"{verdict}: {error}, tolerance {tolerance[n]:.3g}{rest}"
 
 
 def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:

@@ -70,11 +70,11 @@ def arm_by_region(widths: Iterable[int]) -> Iterator[tuple[str, ...]]:
 
 def scores_page(scores: dict[str, list[dict]]) -> str:
     """Return scores.md. scores: datapath -> objects of its score.json."""
-    bars = {"lean_bar": f"{tolerances.LEAN[32]:.0e}", "regular_bar": f"{tolerances.REGULAR:.0e}"}
+    named = {"lean_tolerance": f"{tolerances.LEAN[32]:.0e}", "regular_tolerance": f"{tolerances.REGULAR:.0e}"}
     regions = {"region_targets": TARGETS, "by_region": by_region(), "regions": REGIONS}
     regions |= {"arm_by_region": arm_by_region(ARM_WIDTHS), "arm_widths": ARM_WIDTHS}
     described = [(name, trajectories.describe(name)) for name in trajectories.TRAJECTORIES]
-    return render("scores", scores=scores, described=described, **bars, **regions)
+    return render("scores", scores=scores, described=described, **named, **regions)
 
 
 def latency_page() -> str:

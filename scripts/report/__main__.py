@@ -161,7 +161,9 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
         "clamped": scores.clamped.tolist(),
         "hand": _numbers(scores.judged_error),
         "predicted": None if scores.predicted is None else _numbers(scores.predicted),
-        "bar": result.hand_error_bar if result.hand_error_bar is not None else result.clamped_error_bar,
+        "tolerance": result.hand_error_tolerance
+        if result.hand_error_tolerance is not None
+        else result.clamped_error_tolerance,
         "shoulderAngle": _numbers(scores.shoulder_angle_error),
         "elbowAngle": _numbers(scores.elbow_angle_error),
         "latency": result.latency_cycles,

@@ -151,9 +151,9 @@ function drawErrors() {
 
 function handSeries(t) {
   const { colours: c } = state;
-  const limit = t.bar === null ? [] : [{ name: "limit", values: t.hand.map(() => t.bar), colour: c.text, width: 2 }];
+  const tolerance = t.tolerance === null ? [] : [{ name: "tolerance", values: t.hand.map(() => t.tolerance), colour: c.text, width: 2 }];
   const predicted = t.predicted ? [{ name: "predicted", values: t.predicted, colour: c.elbow, width: 1.5, dash: [5, 4] }] : [];
-  return [...limit, ...predicted, { name: "hand", values: t.hand, colour: c.fore, dots: true }];
+  return [...tolerance, ...predicted, { name: "hand", values: t.hand, colour: c.fore, dots: true }];
 }
 
 const DASHES = [{ dash: [] }, { name: "Dotted", dash: [1, 7] }, { name: "Dashed", dash: [6, 10] }]; // one per run

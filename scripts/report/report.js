@@ -34,7 +34,7 @@ function card(t) {
     write("small", several ? run.datapath : `${t.target.length} targets`, several ? "" : "count");
     write("span", run.passed ? "pass" : "FAIL", run.passed ? "good" : "bad");
     write("small", `hand error ${error(largest(run.hand))}`, "wide");
-    write("small", run.bar === null ? "no limit" : `limit ${error(run.bar)}`, "wide");
+    write("small", run.tolerance === null ? "no tolerance" : `tolerance ${error(run.tolerance)}`, "wide");
   }
   button.addEventListener("click", () => {
     show(t.name);
@@ -95,7 +95,7 @@ const answer = (t, n) => [
   ["Qe", ["", "i"].map((unit, i) => signed(t.qe[n][i]) + unit).join(" ")],
   ["flags", t.flags[n] === "-" ? "none" : t.flags[n]],
   [t.clamped[n] ? "hand error, clamped" : "hand error", `${error(t.hand[n])} of the reach`],
-  [t.predicted ? "limit, predicted" : "limit", [t.bar, ...(t.predicted ? [t.predicted[n]] : [])].map((v) => (v === null ? "none" : error(v))).join(", ")],
+  [t.predicted ? "tolerance, predicted" : "tolerance", [t.tolerance, ...(t.predicted ? [t.predicted[n]] : [])].map((v) => (v === null ? "none" : error(v))).join(", ")],
   ...(t.hands ? [["orientation error", `${error(t.hands.error[n])} rad`]] : []),
   ...(t.hands?.free ? [["joints outside limits", beyond(t.hands, n) || "none"]] : []),
   ...(t.clip ? [["elbow error", `${error(t.elbowError[n])} of the reach`]] : []),

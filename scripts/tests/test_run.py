@@ -127,9 +127,9 @@ def test_failures_name_trajectory_bar_and_node(cli, simulator):
 
 
 def test_a_bar_is_applied(cli):
-    status, _, err = cli("--bar", "1e-12")
+    status, _, err = cli("--tolerance", "1e-12")
     assert status == 1 and "times its tolerance 1e-12" in err[0]
-    assert cli("--bar", "1e-4", "--datapath", "paper", "--trajectory", "punch")[0] == 0
+    assert cli("--tolerance", "1e-4", "--datapath", "paper", "--trajectory", "punch")[0] == 0
 
 
 def test_an_error_while_files_are_written_leaves_all_as_they_were(cli, simulator, files, monkeypatch):
@@ -348,9 +348,9 @@ if simulator_of_tests() == "icarus":
             assert score["total_cycles"] == score["latency_cycles"] + 100, name
             assert score["hand_error_max"] <= score["hand_error_predicted"], name
             if datapath == "lean":
-                assert score["hand_error_bar"] == tolerances.LEAN[32], name
+                assert score["hand_error_tolerance"] == tolerances.LEAN[32], name
             elif name in trajectories.REGULAR:
-                assert score["hand_error_bar"] == tolerances.REGULAR and score["hand_error_max"] <= AIM, name
+                assert score["hand_error_tolerance"] == tolerances.REGULAR and score["hand_error_max"] <= AIM, name
 
     @pytest.mark.sim
     @pytest.mark.slow

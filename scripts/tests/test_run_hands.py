@@ -47,8 +47,10 @@ def test_hand_poses_of_a_file(cli, simulator, width, axis):
     np.testing.assert_allclose(np.abs((arrays["qw"] * pose.qw).sum(axis=1)), 1, atol=2.0 ** (6 - width))
     (result,) = scores("o/score.json")
     reached = np.linalg.norm(pose.hand - points, axis=1) / (0.6 + tool)
-    assert 0 < result["hand_error_max"] < max(2 * reached.max(), 3 * 2.0 ** (2 - width)) < result["hand_error_bar"]
-    assert 0 < result["orientation_error_max"] < result["orientation_error_bar"] and result["over_limit"] == 0
+    assert (
+        0 < result["hand_error_max"] < max(2 * reached.max(), 3 * 2.0 ** (2 - width)) < result["hand_error_tolerance"]
+    )
+    assert 0 < result["orientation_error_max"] < result["orientation_error_tolerance"] and result["over_limit"] == 0
     Path("t.csv").write_bytes(first)
     assert cli(*words)[0] == 0 and Path("o/results.csv").read_bytes() == first
 

@@ -162,7 +162,7 @@ def test_rtl_and_model_that_are_wrong_alike(cli, monkeypatch, change, message):
 
 
 def test_the_paper_datapath_has_no_tolerance_and_its_excess_is_reported(cli, simulator, monkeypatch):
-    monkeypatch.setattr(tolerances, "hand_bar", lambda words, width, datapath: np.full(len(words), 1e-9))
+    monkeypatch.setattr(tolerances, "predicted_error", lambda words, width, datapath: np.full(len(words), 1e-9))
     status, out, _ = cli("--targets", "400", "--datapath", "paper")
     (above,) = [line for line in out if "targets seen above their prediction" in line]
     assert status == 0 and int(above.split()[-1]) > 100

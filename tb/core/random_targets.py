@@ -194,7 +194,7 @@ def judge(
     reachable = np.flatnonzero(~np.isnan(hand))
     candidates = reachable[np.argsort(-hand[reachable], kind="stable")][:CANDIDATES]
     tolerance = np.full(len(words), np.inf)
-    tolerance[candidates] = tolerances.yardstick(words[candidates], core.width, core.datapath)
+    tolerance[candidates] = tolerances.scale(words[candidates], core.width, core.datapath)
     above = candidates[hand[candidates] > tolerance[candidates]]
 
     failures = []
@@ -224,7 +224,7 @@ def judge(
 
     by_norm = reachable[np.argsort(-norm[reachable], kind="stable")][: worst_targets.KEPT]
     missing = by_norm[np.isinf(tolerance[by_norm])]
-    tolerance[missing] = tolerances.yardstick(words[missing], core.width, core.datapath)
+    tolerance[missing] = tolerances.scale(words[missing], core.width, core.datapath)
 
     def hard(rows) -> list[Hard]:
         columns = (column[rows].tolist() for column in (np.asarray(numbers), words, hand, tolerance, norm))

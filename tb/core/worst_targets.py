@@ -159,7 +159,7 @@ def merge(rows: Iterable[Row]) -> list[Row]:
         run = answer(words, width, datapath)
         hand, norm = errors(words, run.results, width, run.flags)
         # Row by row: the random endpoints that a prediction tries depend on a target's index in the array.
-        ratio = hand / np.concatenate([tolerances.yardstick(word[None], width, datapath) for word in words])
+        ratio = hand / np.concatenate([tolerances.scale(word[None], width, datapath) for word in words])
         reachable = np.flatnonzero(~np.isnan(hand))
         by_hand = reachable[np.argsort(-ratio[reachable], kind="stable")]
         by_norm = reachable[np.argsort(-norm[reachable], kind="stable")]

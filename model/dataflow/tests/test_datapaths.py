@@ -69,10 +69,12 @@ class Run:
         reach = np.maximum(np.abs(at.d1) + np.abs(at.d2), ulp(self.width))
         return [np.linalg.norm(point - aim, axis=1) / reach for point, aim in zip(found, aims, strict=True)]
 
-    def below(self, error: np.ndarray, bar, what: str) -> None:
+    def below(self, error: np.ndarray, tolerance, what: str) -> None:
         """Assert that no error exceeds its tolerance; name the worst target."""
-        n = int(np.argmax(error / bar))
-        assert error[n] <= np.broadcast_to(bar, error.shape)[n], f"{what} {error[n]:.3g} at {self.words[n].tolist()}"
+        n = int(np.argmax(error / tolerance))
+        assert error[n] <= np.broadcast_to(tolerance, error.shape)[n], (
+            f"{what} {error[n]:.3g} at {self.words[n].tolist()}"
+        )
 
     def check_accuracy(self) -> None:
         """Assert the tolerances of the lean datapath."""
@@ -81,10 +83,10 @@ class Run:
         for name in ("shoulder_angle", "elbow_angle"):
             self.below(getattr(self, name), ANGLE_ULPS[self.width] * ulp(self.width), f"{name} error (rad)")
 
-    def check_words(self, bars) -> None:
+    def check_words(self, permitted) -> None:
         """Assert unit quaternions with the core's signs, exact flags, and words that fit their formats."""
-        for name, off, bar in zip(("Qs", "Qe"), self.norms, bars, strict=True):
-            self.below(off, bar, f"|{name}|^2 - 1 in ulps:")
+        for name, off, tolerance in zip(("Qs", "Qe"), self.norms, permitted, strict=True):
+            self.below(off, tolerance, f"|{name}|^2 - 1 in ulps:")
         results, flags = self.answer.results, expected_flags(self.words, self.width)
         assert (results[:, 3] >= 0).all(), "the k part of Qs is negative"
         assert (results[:, 4] >= 0).all() and (results[:, 5] <= 0).all(), "signs of Qe"
@@ -131,7 +133,7 @@ def test_worst_targets_found(width):
 @pytest.mark.parametrize("width", [18, pytest.param(32, marks=[pytest.mark.slow, pytest.mark.cost(3)])])
 def test_prediction_of_the_worst_target(width):
     words = np.array([WORST[width]])
-    assert Run(words, width).hand[0] <= predict.hand_bar(words, width, "lean")[0]
+    assert Run(words, width).hand[0] <= predict.predicted_error(words, width, "lean")[0]
 
 
 @pytest.mark.parametrize(
@@ -139,7 +141,7 @@ def test_prediction_of_the_worst_target(width):
 )
 def test_hand_error_of_the_paper_stays_below_its_prediction(width):
     run = Run(random_reachable(2000, width, 3), width, "paper", solve_clamped)
-    ratio = run.hand / predict.hand_bar(run.words, width, "paper")
+    ratio = run.hand / predict.predicted_error(run.words, width, "paper")
     n = int(ratio.argmax())
     assert ratio[n] <= 1, f"{run.hand[n]:.3g} at {run.words[n].tolist()} is {ratio[n]:.2f} times the prediction"
     assert np.median(ratio) > 0.05, "the prediction is too wide"

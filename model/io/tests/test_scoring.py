@@ -37,9 +37,9 @@ class Case:
         self.latency_cycles, self.total_cycles = 400, 400 + len(targets)
         self.bit_mismatches, self.first_mismatch = 0, None
 
-    def score(self, bar=None):
+    def score(self, tolerance=None):
         about = {"width": self.width, "datapath": "paper", "simulator": "icarus", "predicted": self.predicted}
-        return score(self.targets, self.words, self.exponent, self, bar=bar, **about)
+        return score(self.targets, self.words, self.exponent, self, tolerance=tolerance, **about)
 
     def turn_shoulder(self, n, angle):
         """Turn the core's shoulder at target n by `angle` (rad) about the z axis."""
@@ -96,9 +96,9 @@ def test_an_ideal_core_passes(name):
     assert result.angle_error_max == max(result.shoulder_angle_error_max, result.elbow_angle_error_max)
     assert 0 < result.elbow_point_error_max < 4 * ULP
     assert 0 < result.norm_error_max < 4 * ULP
-    assert result.clamped_error_max is None and result.clamped_error_bar is None
+    assert result.clamped_error_max is None and result.clamped_error_tolerance is None
     assert result.flagged == 0
-    assert result.hand_error_over_bar == pytest.approx(result.hand_error_max / REGULAR)
+    assert result.hand_error_over_tolerance == pytest.approx(result.hand_error_max / REGULAR)
     assert (result.latency_cycles, result.total_cycles, result.results_per_cycle) == (400, 500, 1.0)
 
 
@@ -167,22 +167,22 @@ def test_each_fault_fails_and_is_named(case, fault):
 def test_bars_by_regularity_word_length_and_request(case):
     """The table has a tolerance for regular targets at W = 32 only; the user's tolerance replaces it."""
     near = Case(make("punch"), predicted=1e-12)
-    assert case.score().hand_error_bar == REGULAR
+    assert case.score().hand_error_tolerance == REGULAR
     for other in (near, Case(make("reach"), width=31)):
         result = other.score()
-        assert result.passed and result.hand_error_bar is None and result.hand_error_over_bar is None
-    assert not near.score(bar=1e-12).passed and near.score(bar=1e-6).passed
+        assert result.passed and result.hand_error_tolerance is None and result.hand_error_over_tolerance is None
+    assert not near.score(tolerance=1e-12).passed and near.score(tolerance=1e-6).passed
     case.turn_shoulder(99, 4e-4)
-    assert not case.score().passed and case.score(bar=1e-3).passed
+    assert not case.score().passed and case.score(tolerance=1e-3).passed
 
 
 def test_the_fixed_bar_and_the_worst_target():
     """The fixed tolerance applies from 0.2 rad on; the target with the largest error is named with its pose."""
-    for distance, bar in ((0.19, None), (0.21, REGULAR)):
+    for distance, tolerance in ((0.19, None), (0.21, REGULAR)):
         polar = np.array([1.0, distance])
         result = Case(arm(0.4 * np.sin(polar), z=0.4 * np.cos(polar))).score()
         assert result.singular_distance_min == pytest.approx(distance)
-        assert result.hand_error_bar == bar
+        assert result.hand_error_tolerance == tolerance
     polar = np.array([1.0, 0.05, 1.2])
     case = Case(arm(0.4 * np.sin(polar), z=0.4 * np.cos(polar)))
     case.turn_shoulder(1, 1e-2)
@@ -200,12 +200,12 @@ def test_clamped_targets_are_judged_apart():
     assert result.each.hand_error[2] == pytest.approx(0.05 / 0.6, rel=1e-6)
     assert result.hand_error_max == result.each.hand_error[0] < 1e-8
     assert result.clamped_error_max < 1e-8
-    assert result.hand_error_bar is None and result.clamped_error_bar is None
+    assert result.hand_error_tolerance is None and result.clamped_error_tolerance is None
 
     case.turn_shoulder(1, 1e-3)
     assert case.score().passed
-    result = case.score(bar=1e-6)
-    assert result.hand_error_bar == result.clamped_error_bar == 1e-6
+    result = case.score(tolerance=1e-6)
+    assert result.hand_error_tolerance == result.clamped_error_tolerance == 1e-6
     assert result.hand_error_max < 1e-8 and result.angle_error_max < 1e-8
     assert result.clamped_error_max == pytest.approx(1e-3, rel=1e-2)
     assert "error of the clamped hand 0.001 at target 1" in result.failures[0]

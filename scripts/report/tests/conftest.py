@@ -15,7 +15,9 @@ def without_rtl(patch):
     """Replace the simulator by the bit-true model, and the predicted errors by a ramp; return the fake."""
     fake = FakeSimulator()
     patch.setattr(trajectory, "simulate", fake)
-    patch.setattr(trajectory, "hand_bar", lambda words, width, _: np.linspace(1, 2, len(words)) * 2.0 ** (8 - width))
+    patch.setattr(
+        trajectory, "predicted_error", lambda words, width, _: np.linspace(1, 2, len(words)) * 2.0 ** (8 - width)
+    )
     return fake
 
 

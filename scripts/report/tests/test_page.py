@@ -74,7 +74,7 @@ def test_data_agree_with_the_score(cli, command, simulator, files):
         ]:
             most = np.array(shown[key])[where].max() if where.any() else None
             assert most == (score[figure_of] and pytest.approx(score[figure_of], rel=1e-6)), (shown["name"], figure_of)
-        assert shown["bar"] == score["hand_error_bar"]
+        assert shown["tolerance"] == score["hand_error_tolerance"]
         assert [shown[key] for key in ("outcome", "latency", "cycles")] == [
             score[key] for key in ("outcome", "latency_cycles", "total_cycles")
         ]
@@ -99,7 +99,7 @@ def test_several_datapaths(cli, command, simulator):
     assert (simulator.calls[0]["jobs"][0].words == simulator.calls[1]["jobs"][0].words).all()
     (first,) = data_in(PAGE)
     (second,) = first["beside"]
-    assert (first["bar"], second["bar"]) == (tolerances.LEAN[32], tolerances.REGULAR)
+    assert (first["tolerance"], second["tolerance"]) == (tolerances.LEAN[32], tolerances.REGULAR)
     assert (first["passed"], second["passed"]) == (True, False)
     off = np.abs(np.array(second["wrist"]) - first["wrist"]).max(axis=1)
     assert np.flatnonzero(off > 1e-6).tolist() == [30]
