@@ -134,7 +134,7 @@ module ik_axi #(
 
   // ---- registers and the job ----
 
-  wire start, soft_reset, busy, done, error, told_done, told_error, told_refused;
+  wire start, soft_reset, busy, done, error, event_done, event_error, event_refused;
   wire [63:0] source, destination, error_address;
   wire [31:0] count, written, clocks, read_stalls, write_stalls;
   wire [3:0] code;
@@ -183,7 +183,7 @@ module ik_axi #(
       .clocks       (clocks),
       .read_stalls  (read_stalls),
       .write_stalls (write_stalls),
-      .told         ({told_refused, told_error, told_done}),
+      .events       ({event_refused, event_error, event_done}),
       .irq          (irq),
       .limits       (limits)
   );
@@ -211,9 +211,9 @@ module ik_axi #(
       .error          (error),
       .code           (code),
       .error_address  (error_address),
-      .told_done      (told_done),
-      .told_error     (told_error),
-      .told_refused   (told_refused),
+      .event_done     (event_done),
+      .event_error    (event_error),
+      .event_refused  (event_refused),
       .clocks         (clocks),
       .read_stalls    (read_stalls),
       .write_stalls   (write_stalls),

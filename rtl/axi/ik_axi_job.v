@@ -27,9 +27,9 @@ module ik_axi_job #(
     output reg               error,
     output reg  [       3:0] code,
     output reg  [      63:0] error_address,
-    output reg               told_done,      // interrupt pulses: done, error, start while busy
-    output reg               told_error,
-    output reg               told_refused,
+    output reg               event_done,     // interrupt pulses: done, error, start while busy
+    output reg               event_error,
+    output reg               event_refused,
     output reg  [      31:0] clocks,         // duration of the job, modulo 2^32
     output reg  [      31:0] read_stalls,
     output reg  [      31:0] write_stalls,
@@ -99,9 +99,9 @@ module ik_axi_job #(
   // ---- states ----
 
   always @(posedge clk) begin
-    told_done    <= 1'b0;
-    told_error   <= 1'b0;
-    told_refused <= start && !soft_reset && busy && !rst;
+    event_done    <= 1'b0;
+    event_error   <= 1'b0;
+    event_refused <= start && !soft_reset && busy && !rst;
     if (rst) begin
       state   <= IDLE;
       done    <= 1'b0;
@@ -133,8 +133,8 @@ module ik_axi_job #(
         default: begin
           done       <= code == 0 && !aborted && !soft_reset;
           error      <= code != 0 && !aborted && !soft_reset;
-          told_done  <= code == 0 && !aborted && !soft_reset;
-          told_error <= code != 0 && !aborted && !soft_reset;
+          event_done  <= code == 0 && !aborted && !soft_reset;
+          event_error <= code != 0 && !aborted && !soft_reset;
           if (aborted || soft_reset) code <= 4'd0;
           state <= IDLE;
         end

@@ -52,7 +52,7 @@ module ik_axi_regs #(
     input  wire [31:0] clocks,
     input  wire [31:0] read_stalls,
     input  wire [31:0] write_stalls,
-    input  wire [ 2:0] told,         // pulses: refused, error, done
+    input  wire [ 2:0] events,       // pulses: refused, error, done
     output reg         irq,
     // Limits of th1 to th7, then again: lower ends, upper ends; one turn = 2^32
     output wire [14*32-1:0] limits
@@ -111,7 +111,7 @@ module ik_axi_regs #(
     start      <= !rst && control && wdata[0] && !wdata[1];
     soft_reset <= !rst && control && wdata[1];
     irq        <= !rst && (irq_status & irq_enable) != 0;
-    irq_status <= (rst || soft_reset) ? 3'd0 : (irq_status & ~erased) | told;  // a new event wins over a clear
+    irq_status <= (rst || soft_reset) ? 3'd0 : (irq_status & ~erased) | events;  // a new event wins over a clear
     if (rst) begin
       irq_enable  <= 3'd0;
       count       <= 32'd0;

@@ -61,8 +61,8 @@ module ik_axi_write #(
   reg [N-1:0] size;
   reg sized;
   wire whole = ready >= {{(P - N) {1'b0}}, to_edge};
-  wire tell = sized && !m_axi_awvalid && !stop && !bursts[LOG2_BURSTS];
-  wire [N-1:0] told = tell ? size : {N{1'b0}};
+  wire issue = sized && !m_axi_awvalid && !stop && !bursts[LOG2_BURSTS];
+  wire [N-1:0] issued = issue ? size : {N{1'b0}};
   wire [7:0] size_8 = {{(8 - N) {1'b0}}, size};
 
   // ---- W: same boundaries as AW; the last record announced also ends a burst ----
@@ -84,18 +84,18 @@ module ik_axi_write #(
   initial m_axi_awvalid = 1'b0;
   always @(posedge clk) begin
     if (go) next <= destination;
-    else if (tell) next <= next + {{(ADDR_W - LOG2_RECORD - N) {1'b0}}, size};
+    else if (issue) next <= next + {{(ADDR_W - LOG2_RECORD - N) {1'b0}}, size};
     if (go) to_edge <= WHOLE - {1'b0, destination[LOG2_RECORD+:LOG2_BURST]};
-    else if (rst || tell) to_edge <= WHOLE;
+    else if (rst || issue) to_edge <= WHOLE;
     if (!sized) size <= whole ? to_edge : ready[N-1:0];
-    if (rst || go || tell) sized <= 1'b0;
+    if (rst || go || issue) sized <= 1'b0;
     else if (!sized) sized <= whole || (ended && ready != 0);
-    if (tell) begin
+    if (issue) begin
       m_axi_awaddr <= {next, {LOG2_RECORD{1'b0}}};
       m_axi_awlen  <= size_8 * BEATS[7:0] - 8'd1;
     end
     if (rst) m_axi_awvalid <= 1'b0;
-    else if (tell) m_axi_awvalid <= 1'b1;
+    else if (issue) m_axi_awvalid <= 1'b1;
     else if (m_axi_awready) m_axi_awvalid <= 1'b0;
   end
 
@@ -110,11 +110,11 @@ module ik_axi_write #(
       written   <= 32'd0;
       error     <= 1'b0;
     end else begin
-      ready     <= ready + {{LOG2_PLACES{1'b0}}, got} - {{(P - N) {1'b0}}, told};
+      ready     <= ready + {{LOG2_PLACES{1'b0}}, got} - {{(P - N) {1'b0}}, issued};
       // compute both sums, so that `leave`, which arrives late, only selects
-      to_send   <= leave ? to_send_less + {{(P - N) {1'b0}}, told} : to_send + {{(P - N) {1'b0}}, told};
-      to_answer <= to_answer + {{(U - N) {1'b0}}, told} - {{(U - N) {1'b0}}, answered};
-      bursts    <= bursts + {{LOG2_BURSTS{1'b0}}, tell} - {{LOG2_BURSTS{1'b0}}, m_axi_bvalid};
+      to_send   <= leave ? to_send_less + {{(P - N) {1'b0}}, issued} : to_send + {{(P - N) {1'b0}}, issued};
+      to_answer <= to_answer + {{(U - N) {1'b0}}, issued} - {{(U - N) {1'b0}}, answered};
+      bursts    <= bursts + {{LOG2_BURSTS{1'b0}}, issue} - {{LOG2_BURSTS{1'b0}}, m_axi_bvalid};
       if (leave) sending <= sending + 1'b1;
       answering <= answering + answered[LOG2_BURST-1:0];
       if (m_axi_bvalid && !bad && !error) written <= written + {{(32 - N) {1'b0}}, answer_size};

@@ -13,10 +13,10 @@ module ik_fold_count #(
     input  wire       go,
     // Step
     input  wire [2:0] base,
-    input  wire [2:0] of,     // selects the pair count; N_E_NONE: n is kept
+    input  wire [2:0] pair,   // selects the pair count; N_E_NONE: n is kept
     input  wire       minus,
     input  wire       twice,
-    input  wire [2:0] set,    // pair count to load from `pairs`
+    input  wire [2:0] load,   // pair count to load from `pairs`
     // Pair count of the current normalization
     input  wire [5:0] pairs,
     // Count and conditions
@@ -31,7 +31,7 @@ module ik_fold_count #(
   reg [5:0] e_rho, e_s, e_far, e_near, e_1, e_2, e_q;
   always @(posedge clk)
     if (go)
-      case (set)
+      case (load)
         E_SET_E_RHO: e_rho <= pairs;
         E_SET_E_S: e_s <= pairs;
         E_SET_E_FAR: e_far <= pairs;
@@ -44,7 +44,7 @@ module ik_fold_count #(
 
   reg [5:0] e;
   always @*
-    case (of)
+    case (pair)
       N_E_E_RHO: e = e_rho;
       N_E_E_S: e = e_s;
       N_E_E_FAR: e = e_far;
@@ -62,7 +62,7 @@ module ik_fold_count #(
       default: from = n;
     endcase
   wire [5:0] term = twice ? {e[4:0], 1'b0} : e;
-  always @(posedge clk) if (go && of != N_E_NONE) n <= from + (minus ? ~term : term) + {5'd0, minus};
+  always @(posedge clk) if (go && pair != N_E_NONE) n <= from + (minus ? ~term : term) + {5'd0, minus};
 
   localparam [63:0] UNSCALED = (64'd1 << D) - 64'd1;
   always @(posedge clk)

@@ -161,7 +161,7 @@ module ik_fold_datapath #(
       .clk(clk), .go(go), .t(t), .kind(norm), .n(n), .word(normal), .pairs(pairs), .zero(zero)
   );
   ik_fold_count #(.D(SEEN)) u_count (
-      .clk(clk), .go(go), .base(n_base), .of(n_e), .minus(n_minus), .twice(n_twice), .set(e_set),
+      .clk(clk), .go(go), .base(n_base), .pair(n_e), .minus(n_minus), .twice(n_twice), .load(e_set),
       .pairs(pairs), .n(n), .none(none), .unscaled(unscaled), .low(q_low)
   );
 

@@ -41,7 +41,7 @@
 (* hierconn *) wire [LOG2_PLACES:0] \u_write.ready ;
 (* hierconn *) wire [LOG2_BURST:0] \u_write.size ;
 (* hierconn *) wire \u_write.sized ;
-(* hierconn *) wire \u_write.tell ;
+(* hierconn *) wire \u_write.issue ;
 (* hierconn *) wire [LOG2_PLACES:0] \u_write.to_send ;
 (* hierconn *) wire \u_write.whole ;
 localparam [2:0] F_ENDS = 3'd1, F_DECIDE = 3'd3, F_RUN = 3'd4, F_FINISH = 3'd5;
@@ -54,7 +54,7 @@ wire f_gone = m_axi_wvalid && m_axi_wready;
 wire [7:0] f_open;
 wire [LOG2_BURST:0] f_oldest, f_newest;
 ik_bursts #(.N(LOG2_BURST + 1), .S(8), .WHOLE(1 << LOG2_BURST)) f_bus (
-    .clk(clk), .clear(rst || go), .push(\u_write.tell ), .size(\u_write.size ), .pop(f_gone &&
+    .clk(clk), .clear(rst || go), .push(\u_write.issue ), .size(\u_write.size ), .pop(f_gone &&
         \u_records.u_result.beat == F_LAST), .drop(1'b0),
     .n(f_open), .oldest(f_oldest), .newest(f_newest), .sum(), .middle()
 );
@@ -67,7 +67,7 @@ end
 // ---- whose turn it is ----
 
 wire f_event = \u_read.ask || (m_axi_arvalid && m_axi_arready) || m_axi_rvalid || record_valid ||
-    \u_records.target_valid || \u_write.tell ||
+    \u_records.target_valid || \u_write.issue ||
     (m_axi_awvalid && m_axi_awready) || leave || f_gone || m_axi_bvalid;
 // the memory or ik_axis has to act
 wire f_owed = m_axi_arvalid || \u_read.due != 0 || m_axi_awvalid || m_axi_wvalid || f_owes_answer ||
@@ -93,7 +93,7 @@ always @* if (\u_job.f_on ) begin
   never_refused : assert (rst || !\u_records.target_valid || \u_records.g_axis.u_axis.s_axis_tready );
   quiet : assert (f_running || (!m_axi_arvalid && \u_read.f_open == 0 && !m_axi_awvalid && !m_axi_wvalid &&
       \u_write.f_waits == 0 && \u_write.f_open == 0));
-  some_in_each_burst : assert ((!\u_read.ask || \u_read.size != 0) && (!\u_write.tell || \u_write.size != 0));
+  some_in_each_burst : assert ((!\u_read.ask || \u_read.size != 0) && (!\u_write.issue || \u_write.size != 0));
   // at most one clock of a job passes in which neither memory nor ik_axis has to act
   never_stuck : assert (!f_running || f_still < 2);
 end
@@ -126,7 +126,7 @@ always @* if (\u_job.f_on ) begin
   bus_next : assert (!m_axi_wvalid || !\u_records.u_result.ends || \u_write.f_open == 0 ||
       \u_write.f_oldest == ((\u_write.f_open == 1) ? \u_write.f_newest : 1 << LOG2_BURST));
   still_sized : assert (!f_running || f_still == 0 || \u_read.sized || \u_write.sized || f_event || f_owed || stop);
-  still_told : assert (!f_running || f_still == 0 || \u_write.sized || f_event || f_owed || stop ||
+  still_issued : assert (!f_running || f_still == 0 || \u_write.sized || f_event || f_owed || stop ||
       !(\u_write.whole || (\u_write.ended && \u_write.ready != 0)));
 end
 
@@ -147,5 +147,5 @@ always @* begin
 end
 `endif
 always @* if (\u_job.f_on && !rst) begin
-  job_done : cover (told_done && job_count == 1 && written == 1);
+  job_done : cover (event_done && job_count == 1 && written == 1);
 end

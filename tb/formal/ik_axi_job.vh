@@ -41,9 +41,9 @@ always @* if (f_on) begin
   stopped_outside : assert (stop || (state == RUN && !write_error && !aborted));
   runs_to_the_end : assert (!f_run || state == (f_idle ? FINISH : RUN) || f_reset);
   go_is_run : assert (!f_go || state == RUN);
-  told_once : assert (!(told_done && told_error) && (!(told_done || told_error) || !busy));
+  one_event : assert (!(event_done && event_error) && (!(event_done || event_error) || !busy));
   done_or_error : assert (!(done && error) && (busy || error == (code != 0)));
-  told_is_so : assert ((!told_done || done) && (!told_error || error));
+  events_match : assert ((!event_done || done) && (!event_error || error));
   starts : assert (!f_start || (busy && !done && !error && code == 0));
   legal_state : assert (state <= FINISH);
   not_done_yet : assert (state == IDLE || state == FINISH || (!done && !error));
@@ -60,8 +60,8 @@ always @* if (f_on) begin
 end
 
 always @* if (f_on && !rst) begin
-  ends_well : cover (told_done && clocks > 4);
-  ends_badly : cover (told_error && code == WRITE_SLVERR);
-  is_refused : cover (told_error && code == 4'd5);
+  ends_well : cover (event_done && clocks > 4);
+  ends_badly : cover (event_error && code == WRITE_SLVERR);
+  is_refused : cover (event_error && code == 4'd5);
   is_aborted : cover (f_abort && state == IDLE && clocks > 4);
 end

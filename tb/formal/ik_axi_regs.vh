@@ -25,7 +25,7 @@ reg f_bstall, f_rstall, f_write, f_soft, f_erase;
 reg [1:0] f_bheld;
 reg [33:0] f_rheld;
 reg [159:0] f_kept;
-reg [2:0] f_told, f_irq;
+reg [2:0] f_events, f_irq;
 always @(posedge clk) begin
   f_bstall <= s_axi_bvalid && !s_axi_bready && !rst;
   f_bheld <= s_axi_bresp;
@@ -33,7 +33,7 @@ always @(posedge clk) begin
   f_rheld <= {s_axi_rresp, s_axi_rdata};
   f_write <= write || rst;
   f_kept <= {count, source, destination};
-  f_told <= (rst || soft_reset) ? 3'd0 : told;
+  f_events <= (rst || soft_reset) ? 3'd0 : events;
   f_irq <= irq_status;
   f_erase <= rst || soft_reset || (write && waddr == A_IRQ_STATUS);
 end
@@ -45,7 +45,7 @@ always @* if (f_on) begin
   b_for_a_write : assert (!s_axi_bvalid || (f_addresses != 0 && f_words != 0));
   r_for_a_read : assert (!s_axi_rvalid || f_reads != 0);
   parameters_stay : assert (f_write || {count, source, destination} == f_kept);
-  told_is_kept : assert ((f_told & ~irq_status) == 0);
+  event_is_kept : assert ((f_events & ~irq_status) == 0);
   kept_until_erased : assert (f_erase || (f_irq & ~irq_status) == 0);
   start_or_reset : assert (!(start && soft_reset));
   counted : assert (f_addresses == waddr_held + s_axi_bvalid && f_words == wdata_held + s_axi_bvalid &&

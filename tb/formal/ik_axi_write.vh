@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi_write: announced bursts are inside the destination, within 4 KiB and within the limit of bursts,
+// Appended to ik_axi_write: issued bursts are inside the destination, within 4 KiB and within the limit of bursts,
 // their targets have been read, and they are stable until accepted; W ends with each burst; a response counts for its
 // burst.
 //
@@ -23,7 +23,7 @@ end
 reg [R-1:0] f_base;
 reg [31:0] f_count;
 reg [31:0] f_got;   // records read
-reg [31:0] f_told;  // records announced
+reg [31:0] f_issued;  // records issued
 reg [31:0] f_ok;    // records with response OKAY, up to the first error
 reg f_bad;          // there was an error response
 reg f_was_ended;
@@ -32,11 +32,11 @@ wire [7:0] f_open, f_sum, f_waits, f_waiting;
 wire [N-1:0] f_oldest, f_newest, f_first, f_last;
 wire f_middle, f_between;
 ik_bursts #(.N(N), .S(8), .WHOLE(WHOLE)) f_w (
-    .clk(clk), .clear(rst || go), .push(tell), .size(size), .pop(leave), .drop(1'b0),
+    .clk(clk), .clear(rst || go), .push(issue), .size(size), .pop(leave), .drop(1'b0),
     .n(f_open), .oldest(f_oldest), .newest(f_newest), .sum(f_sum), .middle(f_middle)
 );
 ik_bursts #(.N(N), .S(8), .WHOLE(WHOLE)) f_b (
-    .clk(clk), .clear(rst || go), .push(tell), .size(size), .pop(1'b0), .drop(m_axi_bvalid),
+    .clk(clk), .clear(rst || go), .push(issue), .size(size), .pop(1'b0), .drop(m_axi_bvalid),
     .n(f_waits), .oldest(f_first), .newest(f_last), .sum(f_waiting), .middle(f_between)
 );
 always @(posedge clk) begin
@@ -44,7 +44,7 @@ always @(posedge clk) begin
   if (rst) f_count <= 32'd0;
   else if (go) f_count <= f_next_count;
   f_got <= (rst || go) ? 32'd0 : f_got + got;
-  f_told <= (rst || go) ? 32'd0 : f_told + told;
+  f_issued <= (rst || go) ? 32'd0 : f_issued + issued;
   f_ok <= (rst || go) ? 32'd0 : f_ok + ((m_axi_bvalid && !bad && !f_bad) ? f_first : {N{1'b0}});
   f_bad <= !rst && !go && (f_bad || bad);
   f_was_ended <= !rst && !go && ended;
@@ -64,8 +64,8 @@ end
 
 reg f_stall;
 reg [ADDR_W+7:0] f_held;
-reg f_may;           // in the previous clock, a burst could be announced
-reg [1:0] f_waited;  // clocks in which a burst could be announced but was not
+reg f_may;           // in the previous clock, a burst could be issued
+reg [1:0] f_waited;  // clocks in which a burst could be issued but was not
 always @(posedge clk) begin
   f_stall <= m_axi_awvalid && !m_axi_awready && !rst;
   f_held <= {m_axi_awaddr, m_axi_awlen};
@@ -85,15 +85,15 @@ always @* if (f_on) begin
   inside_destination : assert (!m_axi_awvalid || f_end <= {1'b0, f_count});
   within_4k : assert (!m_axi_awvalid || (f_page <= 4096 >> LOG2_RECORD && m_axi_awaddr[LOG2_RECORD-1:0] == 0));
   whole_records : assert (!m_axi_awvalid || f_size * BEATS == m_axi_awlen + 1'b1);
-  read_before : assert (f_told <= f_got && f_got <= f_count);
+  read_before : assert (f_issued <= f_got && f_got <= f_count);
   within_promise : assert (f_waits <= (1 << LOG2_BURSTS));
   none_when_stopped : assert (!m_axi_awvalid || f_may);
   ends_with_burst : assert (!allowed || (f_open != 0 && ends_burst == (f_oldest == 1)));
   // records of bursts with the response OKAY, up to the first other response
   written_is_answered : assert (written == f_ok);
-  written_no_more : assert (written <= f_told);
-  // a burst that may be announced is offered two clocks later
-  told_in_time : assert (f_waited < 2 || m_axi_awvalid);
+  written_no_more : assert (written <= f_issued);
+  // a burst that may be issued is offered two clocks later
+  issued_in_time : assert (f_waited < 2 || m_axi_awvalid);
 end
 
 // ---- helping invariants, asserted as well ----
@@ -113,19 +113,19 @@ always @* if (f_on) begin
   oldest_fits : assert ((f_open == 0 || {1'b0, sending} + f_oldest <= WHOLE) && (f_waits == 0 || {1'b0, answering} +
       f_first <= WHOLE));
   next_behind : assert (f_count == 0 || (f_low == f_next_sent && f_low == f_next_answered));
-  edge_before : assert (f_count == 0 || f_told == 0 || f_low == 0 || (f_was_ended && ready == 0));
+  edge_before : assert (f_count == 0 || f_issued == 0 || f_low == 0 || (f_was_ended && ready == 0));
   edge_fits : assert (to_edge != 0 && to_edge <= WHOLE);
   edge_is : assert (f_count == 0 || (f_was_ended && ready == 0) || to_edge == WHOLE - {1'b0, f_low});
   size_is : assert (!sized || (size != 0 && {{(P - N) {1'b0}}, size} <= ready && (size == to_edge || (f_was_ended &&
       size == ready && size < to_edge))));
-  position : assert (f_count == 0 || next == f_base + f_told[R-1:0]);
+  position : assert (f_count == 0 || next == f_base + f_issued[R-1:0]);
   area : assert (f_count == 0 || {1'b0, f_base} + f_count <= {1'b1, {R{1'b0}}});
-  ready_is : assert (f_got - f_told == ready && {1'b0, ready} + to_send <= PLACES);
-  offered : assert (!m_axi_awvalid || (f_at == next - f_size && f_told >= f_size));
+  ready_is : assert (f_got - f_issued == ready && {1'b0, ready} + to_send <= PLACES);
+  offered : assert (!m_axi_awvalid || (f_at == next - f_size && f_issued >= f_size));
   offered_to_edge : assert (!m_axi_awvalid || {1'b0, f_at[LOG2_BURST-1:0]} + f_size <= WHOLE);
   waits_sized : assert (f_waited == 0 || m_axi_awvalid || sized);
   error_is : assert (error == f_bad);
-  answered_are_told : assert (f_told >= f_waiting && f_ok <= f_told - f_waiting);
+  answered_are_issued : assert (f_issued >= f_waiting && f_ok <= f_issued - f_waiting);
   sent_first : assert (f_waits >= f_open);
 end
 

@@ -59,7 +59,7 @@ def equivalent(mutant: Mutant, module: str, place: Path, end: float, deep: bool)
         ]
         if yosys(place, path.stem, lines, max(1.0, end - time.monotonic())):
             return False
-    told = f"tee -q -o {relative(status)} equiv_status"
+    statement = f"tee -q -o {relative(status)} equiv_status"
     lines = [
         *(f"read_rtlil -overwrite {relative(path)}" for path in (right, changed)),
         "techmap -map +/pmux2mux.v",  # the first of several hits, as in the Verilog that is simulated
@@ -73,9 +73,9 @@ def equivalent(mutant: Mutant, module: str, place: Path, end: float, deep: bool)
         "cd both",
         "opt_merge",
         "equiv_simple -seq 10",
-        told,
+        statement,
         "equiv_induct -seq 4",  # fails on memories, which are only compared by name
-        told,
+        statement,
     ]
     ports = set(PORT.findall(right.read_text()))
     for _ in range(ROUNDS):

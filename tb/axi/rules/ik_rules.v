@@ -312,7 +312,7 @@ module ik_rules_write #(
   reg [6:0] broken = 7'd0;
 
   // Bursts are numbered from the reset. Counts: offered on AW, accepted on AW, all data sent, both, answered on B.
-  reg [7:0] told, taken, ended, joined, answered;
+  reg [7:0] addressed, taken, ended, joined, answered;
   reg seen;  // the offered burst has been counted
   reg [ID_W-1:0] ids[0:255];
   reg [7:0] lens[0:255];
@@ -330,7 +330,7 @@ module ik_rules_write #(
 
   always @(posedge clk) begin
     if (rst) begin
-      {told, taken, ended, joined, answered, seen, beat} = 0;
+      {addressed, taken, ended, joined, answered, seen, beat} = 0;
       for (k = 0; k < (1 << ID_W); k = k + 1) due[k] = 8'd0;
     end else begin
       // A3.3.1: B follows the address and the last data beat, both accepted at earlier edges; one per burst (A3.4.4)
@@ -351,24 +351,24 @@ module ik_rules_write #(
 
       if (awvalid === 1'b1) begin
         if (!seen) begin
-          ids[told] = awid;
-          lens[told] = awlen;
-          addrs[told] = awaddr;
-          sizes[told] = awsize;
-          bursts[told] = awburst;
+          ids[addressed] = awid;
+          lens[addressed] = awlen;
+          addrs[addressed] = awaddr;
+          sizes[addressed] = awsize;
+          bursts[addressed] = awburst;
           // data that preceded the address
-          if (told == ended) begin `IK_RULE(4, beat <= {1'b0, awlen}, "WLAST", "IHI 0022E A3.4.1") end
-          else if (told - joined < ended - joined) begin
-            `IK_RULE(4, lengths[told] == {1'b0, awlen} + 9'd1, "WLAST", "IHI 0022E A3.4.1")
+          if (addressed == ended) begin `IK_RULE(4, beat <= {1'b0, awlen}, "WLAST", "IHI 0022E A3.4.1") end
+          else if (addressed - joined < ended - joined) begin
+            `IK_RULE(4, lengths[addressed] == {1'b0, awlen} + 9'd1, "WLAST", "IHI 0022E A3.4.1")
           end
-          told = told + 8'd1;
+          addressed = addressed + 8'd1;
         end
         seen = awready !== 1'b1;
         if (awready === 1'b1) taken = taken + 8'd1;
       end
 
       if (wvalid === 1'b1) begin
-        if (told != ended && told - joined > ended - joined) begin
+        if (addressed != ended && addressed - joined > ended - joined) begin
           // A3.2.2, A3.4.1: WLAST marks exactly the beat given by AWLEN; no burst ends early
           `IK_RULE(4, wlast == (beat == {1'b0, lens[ended]}), "WLAST", "IHI 0022E A3.2.2")
           base = addrs[ended] >> sizes[ended] << sizes[ended];
@@ -396,7 +396,7 @@ module ik_rules_write #(
         joined = joined + 8'd1;
       end
       // limit of this monitor, which counts modulo 256
-      `IK_RULE(6, told - answered < 8'd200 && ended - answered < 8'd200, "MONITOR_ROOM", "200 bursts")
+      `IK_RULE(6, addressed - answered < 8'd200 && ended - answered < 8'd200, "MONITOR_ROOM", "200 bursts")
     end
   end
 
