@@ -51,7 +51,7 @@ def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
         "elbow on the z axis": elbow,
         "theta_3 = 0": shoulder_half,
         "theta_3 = pi": np.pi / 2 - shoulder_half,
-        "folded arm": elbow_half,
+        "closed elbow": elbow_half,
         "straight arm": np.pi / 2 - elbow_half,
     }
 

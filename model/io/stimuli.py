@@ -115,12 +115,12 @@ def corners(width: int) -> dict[str, tuple[int, ...]]:
         "exactly full stretch, off the planes": (-k, 2 * k, -2 * k, 777, 2 * k, k),
         "full stretch, 1 lsb less": (3 * k, 4 * k, 0, quarter, 2 * k, 3 * k + 1),
         "full stretch, 1 lsb more": (3 * k, 4 * k, 0, quarter, 2 * k, 3 * k - 1),
-        "exactly folded, upper arm longer": (3 * k, 0, -4 * k, 999, 7 * k, 2 * k),
-        "exactly folded, forearm longer": (3 * k, 0, -4 * k, 999, 2 * k, 7 * k),
-        "folded, 1 lsb less": (3 * k, 0, -4 * k, 999, 7 * k - 1, 2 * k),
-        "folded, 1 lsb more": (3 * k, 0, -4 * k, 999, 7 * k + 1, 2 * k),
+        "exactly closed, upper arm longer": (3 * k, 0, -4 * k, 999, 7 * k, 2 * k),
+        "exactly closed, forearm longer": (3 * k, 0, -4 * k, 999, 2 * k, 7 * k),
+        "closed, 1 lsb less": (3 * k, 0, -4 * k, 999, 7 * k - 1, 2 * k),
+        "closed, 1 lsb more": (3 * k, 0, -4 * k, 999, 7 * k + 1, 2 * k),
         "at the shoulder, equal arms": (0, 0, 0, 5, 3 * k, 3 * k),
-        "at the shoulder, unequal arms": (0, 0, 0, 5, 3 * k, 2 * k),
+        "at the shoulder, unequal lengths": (0, 0, 0, 5, 3 * k, 2 * k),
         # the z axis
         "target on +z": (0, 0, 4 * k, 0, *arm),
         "target on -z": (0, 0, -4 * k, 0, *arm),
@@ -131,8 +131,8 @@ def corners(width: int) -> dict[str, tuple[int, ...]]:
         "exactly full stretch on -z": (0, 0, -5 * k, 0, *arm),
         "too far on +z": (0, 0, 6 * k, 0, *arm),
         "too far on -z": (0, 0, -6 * k, 0, *arm),
-        "exactly folded on +z": (0, 0, k, 0, *arm),
-        "exactly folded on -z": (0, 0, -k, half_turn, *arm),
+        "exactly closed on +z": (0, 0, k, 0, *arm),
+        "exactly closed on -z": (0, 0, -k, half_turn, *arm),
         "too near on +z": (0, 0, k >> 1, 0, *arm),
         "too near on -z, forearm longer": (0, 0, -(k >> 1), 0, *arm[::-1]),
         # an upper arm of 5k along the axis, a forearm (3k, 0, +-4k) or (4k, 0, -+3k)
@@ -218,16 +218,16 @@ def mixed(count: int, width: int, seed: int) -> np.ndarray:
 
 
 REGIONS = {
-    "anywhere": "any direction, any distance from fold to stretch",
+    "anywhere": "any direction, any distance from closed to stretched",
     "near the z axis": "0.1 to 1e-9 rad off it or on it, above and below",
     "near full stretch": "0.1 to 1e-10 of the reach short of it, or at it",
-    "near full fold": "0.1 to 1e-10 of the reach beyond it, or at it, either arm the longer",
+    "near a closed elbow": "0.1 to 1e-10 of the reach beyond it, or at it, either length the longer",
     "near the shoulder": "0.1 to 1e-9 of the reach off it",
-    "unequal arms": "1:5 to 1:20",
-    "most unequal arms": "1:20 and beyond, down to an arm of 1 lsb",
-    "short arms": "of 1 to 60 lsb",
+    "unequal lengths": "1:5 to 1:20",
+    "most unequal lengths": "1:20 and beyond, down to a length of 1 lsb",
+    "short lengths": "of 1 to 60 lsb",
     "stretched near the z axis": "both at once",
-    "folded near the z axis": "both at once",
+    "closed near the z axis": "both at once",
     "elbow near the z axis": "0.1 to 1e-9 rad off it or on it, above and below",
     "where a branch changes": "x, y, z, the cosine at the shoulder or the k part of Qs within a few lsb of 0",
 }
@@ -263,7 +263,7 @@ def _region(name: str, random, count: int, width: int) -> np.ndarray:
         ratio = np.exp2(random.uniform(*ends, count) * random.choice([-1, 1], count))
     share = ratio / (1 + ratio)
     bits = np.where(random.random(count) < 0.5, width - 1, random.uniform(4, width - 1, count))
-    if name == "short arms":
+    if name == "short lengths":
         bits = random.uniform(1, 7, count)
     reach = np.exp2(bits) * random.uniform(0.5, 1, count) * np.where(mild & (random.random(count) < 0.5), 1.4, 1)
     d1, d2 = (np.maximum(np.rint(reach * part), 1).astype(np.int64) for part in (share, 1 - share))
@@ -274,14 +274,14 @@ def _region(name: str, random, count: int, width: int) -> np.ndarray:
     distance = random.uniform(np.abs(d1 - d2), d1 + d2)
     if name == "near the shoulder":
         distance = reach * 10 ** random.uniform(-9, -1, count)
-    elif "fold" in name:
+    elif "closed" in name:
         distance = random.uniform(0, 0.9, count) * reach
     position = np.rint(direction * distance[:, None]).astype(np.int64)
     if name == "elbow near the z axis":
         return _elbow_near_z(random, width, d1, d2)
     if name == "where a branch changes":
         return _branches(random, width, position, phi, d1, d2)
-    if "fold" in name or "stretch" in name or "shoulder" in name:
+    if "closed" in name or "stretch" in name or "shoulder" in name:
         squares = (position.astype(object) ** 2).sum(axis=1)
         floor = np.array([isqrt(s) for s in squares])
         if "stretch" in name:

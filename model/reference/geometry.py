@@ -44,7 +44,7 @@ def elbow_point(PP):
     if isinstance(square, sympy.Expr):
         root = sympy.sqrt(square)
     else:
-        # Roundoff can make this negative at full stretch and full fold, where the pair is one point.
+        # Roundoff can make this negative at full stretch and with a closed elbow, where the pair is one point.
         root = np.sqrt(np.maximum(square, 0.0))
     # The two points of a pair are (PP* -+ |PP*|) / (e_inf . PP*); the divisor is a vector.
     direction = e_inf | pair

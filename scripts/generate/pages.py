@@ -63,7 +63,7 @@ def by_region() -> Iterator[tuple[str, ...]]:
 def arm_by_region(widths: Iterable[int]) -> Iterator[tuple[str, ...]]:
     """Yield rows: region, then for each word length the largest errors of the whole arm's hand, point / reach and
     orientation (rad), for reaches from 1 on."""
-    for name in (name for name in REGIONS if name != "short arms"):
+    for name in (name for name in REGIONS if name != "short lengths"):
         poses = [(hand_poses(region(name, TARGETS, width, 1), width, 1), width) for width in widths]
         yield name, *(error(errors.max()) for words, width in poses for errors in hand_errors(words, width, "arm")[0])
 

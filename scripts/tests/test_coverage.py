@@ -115,5 +115,5 @@ def test_waivers_of_the_tree_can_be_parsed():
 def test_regions_of_targets():
     assert regions((300, 200, 100, 5, 300, 200)) == ["regular"]
     assert regions((0, 0, 400, 0, 300, 200)) == ["axis"]
-    assert regions((0, 0, 0, 0, 300, 300)) == ["axis", "shoulder", "folded"]
-    assert regions((500, 0, 0, 0, 300, 200)) == ["stretched"] and regions((101, 0, 0, 0, 300, 200)) == ["folded"]
+    assert regions((0, 0, 0, 0, 300, 300)) == ["axis", "shoulder", "closed"]
+    assert regions((500, 0, 0, 0, 300, 200)) == ["stretched"] and regions((101, 0, 0, 0, 300, 200)) == ["closed"]

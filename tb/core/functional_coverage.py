@@ -25,7 +25,7 @@ from tb.sim.job import answer
 NEAR = 64  # a target is near a singular pose if it is within reach / NEAR of it
 FILE = f"{uuid.uuid4().hex}.json"  # counts of this simulation
 
-REGIONS = ("regular", "axis", "shoulder", "stretched", "folded")
+REGIONS = ("regular", "axis", "shoulder", "stretched", "closed")
 STALLS = ("none", "gap", "held", "gap and held")
 """Idle clocks before the target, a result that had to wait, or both."""
 
@@ -92,7 +92,7 @@ def regions(target: Sequence[int]) -> list[str]:
         "axis": NEAR * off <= far,
         "shoulder": NEAR * far <= reach,
         "stretched": NEAR * far >= (NEAR - 1) * reach,
-        "folded": NEAR * (far - nearest) <= reach,
+        "closed": NEAR * (far - nearest) <= reach,
     }
     return [name for name, is_near in near.items() if is_near] or ["regular"]
 

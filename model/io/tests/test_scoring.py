@@ -74,9 +74,9 @@ SIDE = {"d1": 0.3, "d2": 0.3}
         ({"x": 0.4 * math.sin(0.1), "z": -0.4 * math.cos(0.1)}, 0.1, "wrist on the z axis"),
         # Elbow angles of pi - 0.2 and 0.2.
         ({"x": math.sqrt(2 * 0.3**2 * (1 + math.cos(0.2))), "phi": np.pi, **SIDE}, 0.1, "straight arm"),
-        ({"x": math.sqrt(2 * 0.3**2 * (1 - math.cos(0.2))), "phi": np.pi / 2, **SIDE}, 0.1, "folded arm"),
+        ({"x": math.sqrt(2 * 0.3**2 * (1 - math.cos(0.2))), "phi": np.pi / 2, **SIDE}, 0.1, "closed elbow"),
         ({"x": 0.7}, 0.0, "straight arm"),
-        ({"x": 0.01}, 0.0, "folded arm"),
+        ({"x": 0.01}, 0.0, "closed elbow"),
     ],
 )
 def test_singular_distance(pose, distance, nearest):

@@ -172,7 +172,7 @@ def solve_print(*target):
     return [float(values[name]) for name in RESULT_FIELDS]
 
 
-@pytest.mark.parametrize("region", sorted(set(REGIONS) - {"most unequal arms"}))
+@pytest.mark.parametrize("region", sorted(set(REGIONS) - {"most unequal lengths"}))
 def test_agrees_with_the_print_next_to_singular_poses(region):
     """Double precision is insufficient for the paper's equations there: they are evaluated with 80 digits. Where the
     print is 0/0, on the z axis and at the limits of the reach, only flags are compared."""
@@ -221,8 +221,8 @@ SINGULAR = {
     "P_w in pi_yz2, inner product 0": (0, [0.5, -0.5, 0.5, -0.5], [0.2, 0.2, -0.3, -0.3], 0, 0.4, 0.3),
     # P_w is in pi_yz2 for every theta_3, and the printed sign is only roundoff.
     "straight": (*POINTS, np.tile(PHIS, 5), 0.5, 0.25),
-    "folded": (*POINTS, np.tile(PHIS, 5), 1.25, 0.5),
-    "folded back": (*POINTS, np.tile(PHIS, 5), 0.5, 1.25),
+    "closed": (*POINTS, np.tile(PHIS, 5), 1.25, 0.5),
+    "closed back": (*POINTS, np.tile(PHIS, 5), 0.5, 1.25),
 }
 
 
@@ -332,7 +332,7 @@ CLAMPED = {
 
 @pytest.mark.parametrize("case", CLAMPED)
 def test_clamped_arms_lie_along_the_target(case):
-    p, lengths, flags, elbow_at, wrist_at, folded = CLAMPED[case]
+    p, lengths, flags, elbow_at, wrist_at, closed = CLAMPED[case]
     targets = columns(*p, np.linspace(-3, 3, 50), *lengths)
     p = np.stack(targets[:3], axis=-1)
     size = np.linalg.norm(p, axis=1, keepdims=True)
@@ -344,7 +344,7 @@ def test_clamped_arms_lie_along_the_target(case):
         elbows, wrist = kinematics.forward(shoulder(result), elbow(result), *targets[4:])
         np.testing.assert_allclose(elbows, elbow_at * direction, atol=1e-14, err_msg="elbow")
         np.testing.assert_allclose(wrist, wrist_at * direction, atol=1e-14, err_msg="wrist")
-        assert (elbow(result) == ((1, 0) if folded else (0, -1))).all(), "Qe"
+        assert (elbow(result) == ((1, 0) if closed else (0, -1))).all(), "Qe"
         local_x = kinematics.rotate(shoulder(result), np.array([(1.0, 0.0, 0.0)]))
         np.testing.assert_allclose(local_x, -swivel_normal(*targets[:4]), atol=1e-14, err_msg="swivel plane")
 

@@ -83,12 +83,12 @@ def test_regions_are_in_reach_and_where_they_claim(name, width):
         assert ((d1 + d2 - distance) / (d1 + d2) <= 0.12 + 3 / (d1 + d2)).all()
     if "fold" in name:
         assert (distance - np.abs(d1 - d2) <= 0.12 * distance + 2).all()
-    if name == "unequal arms":
+    if name == "unequal lengths":
         big = np.minimum(d1, d2) > 20
         assert (ratio[big] > 4.7).all() and (ratio[big] < 21).all()
-    if name == "most unequal arms":
+    if name == "most unequal lengths":
         assert ratio.max() > 2.0 ** (width - 5) and np.median(ratio) > 20
-    if name == "short arms":
+    if name == "short lengths":
         assert (d1 + d2 <= 185).all()
 
 
