@@ -61,7 +61,7 @@ def farmed(test):
 
 @pytest.fixture
 def farm(tmp_path):
-    """Start a scheduler and a worker in its own process group; return the scheduler's address."""
+    """Start a cluster without workers, and a worker in its own process group; return the cluster."""
     from distributed import LocalCluster
 
     with LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=None) as cluster:
@@ -69,25 +69,38 @@ def farm(tmp_path):
         streams = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
         env = environment() | {"TMPDIR": str(tmp_path)}
         worker = subprocess.Popen(command, cwd=ROOT, env=env, start_new_session=True, **streams)
-        yield cluster.scheduler_address
+        yield cluster
         os.killpg(worker.pid, signal.SIGKILL)
         worker.wait()
 
 
 @farmed
 def test_a_farm_keeps_the_order(farm):
-    with parallel.shared(1, farm) as ordered_map:
+    with parallel.shared(1, farm.scheduler_address) as ordered_map:
         assert list(ordered_map(abs, range(-9, 9))) == list(map(abs, range(-9, 9)))
 
 
 @farmed
 def test_errors_of_the_work_and_other_sources(farm, monkeypatch):
-    with pytest.raises(InputError, match="3 fails"), parallel.shared(1, farm) as ordered_map:
+    with pytest.raises(InputError, match="3 fails"), parallel.shared(1, farm.scheduler_address) as ordered_map:
         list(ordered_map(fails, [3]))
     monkeypatch.setattr(parallel, "sources", lambda: "another")
     message = r"has other sources than this checkout \(\w+, not another\)"
-    with pytest.raises(InputError, match=message), parallel.shared(1, farm) as ordered_map:
+    with pytest.raises(InputError, match=message), parallel.shared(1, farm.scheduler_address) as ordered_map:
         list(ordered_map(abs, [3]))
+
+
+@farmed
+def test_workers_and_schedulers_that_die(farm, tmp_path):
+    with pytest.raises(parallel.BrokenOffError, match="^several workers of the farm died"):
+        with parallel.shared(1, farm.scheduler_address) as ordered_map:
+            list(ordered_map(os._exit, [3]))
+    with pytest.raises(parallel.BrokenOffError, match="^lost the scheduler tcp:"):
+        with parallel.shared(1, farm.scheduler_address) as ordered_map:
+            results = ordered_map(functools.partial(noted, tmp_path, 20), range(2))
+            until(lambda: noted_in(tmp_path, "begun"))
+            farm.close()
+            list(results)
 
 
 @farmed
