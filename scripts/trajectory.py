@@ -272,7 +272,7 @@ def score_runs(
 def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
     """Return the distances between the elbows and the clip's elbows, relative to the reach, (N,)."""
     elbow = np.stack([move.elbow for move in item.moves], axis=1).reshape(-1, 3)
-    ours = np.ldexp(result.each.elbow, -result.scale_exponent)
+    ours = np.ldexp(result.per_target.elbow, -result.scale_exponent)
     return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
 
 
@@ -356,7 +356,9 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 files(path.with_name("clip.bvh")).write_bytes(clip.content())
                 files(path.with_name("clip.glb")).write_bytes(gltf.animated(clip, targets.name, item.scale))
             robot = item.robot
-            more = dict(zip(robot.names, robot.positions(result.each.hand.joints).T, strict=True)) if robot else {}
+            more = (
+                dict(zip(robot.names, robot.positions(result.per_target.hand.joints).T, strict=True)) if robot else {}
+            )
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))

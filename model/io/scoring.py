@@ -99,7 +99,7 @@ class Hand:
 
 
 @dataclass(frozen=True, eq=False)
-class Each:
+class PerTarget:
     """Figures of each target: points (N, 3) in scaled lengths and the user's frame; errors (N,), relative to the reach
     (with a hand's tool) or in rad.
 
@@ -119,7 +119,7 @@ class Each:
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """Scores of one trajectory; all but `each` are stored in score.json under the same names.
+    """Scores of one trajectory; all but `per_target` are stored in score.json under the same names.
 
     * `_max`, `_rms`: over the reachable targets, None when there are none; `clamped_error`: over the others
     * `_tolerance`: the largest permitted error, None without one; `hand_error_over_tolerance`: the
@@ -161,12 +161,14 @@ class Score:
     passed: bool
     outcome: str
     failures: tuple[str, ...]
-    each: Each
+    per_target: PerTarget
 
     def as_json(self) -> dict[str, Any]:
         """Return the object of this trajectory in score.json."""
         # Not dataclasses.asdict: it would copy the arrays too.
-        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self) if field.name != "each"}
+        return {
+            field.name: getattr(self, field.name) for field in dataclasses.fields(self) if field.name != "per_target"
+        }
 
 
 def score(
@@ -268,7 +270,9 @@ def score(
     judged, at = np.where(clamped, clamped_error, hand_error), targets.points_from_core
     if of_hand:
         of_hand = dataclasses.replace(of_hand, point=at(of_hand.point))
-    each = Each(at(elbow), at(wrist), clamped, hand_error, judged, predicted, shoulder_angle, elbow_angle, of_hand)
+    per_target = PerTarget(
+        at(elbow), at(wrist), clamped, hand_error, judged, predicted, shoulder_angle, elbow_angle, of_hand
+    )
     return Score(
         trajectory=targets.name,
         datapath=datapath,
@@ -303,7 +307,7 @@ def score(
         passed=not failures,
         outcome=_outcome(not failures, permitted, judged),
         failures=tuple(failures),
-        each=each,
+        per_target=per_target,
     )
 
 
@@ -369,9 +373,11 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
     value = dict(zip(MODELS[result.datapath].results, result_values(run.results, result.width).T, strict=True))
     qs = targets.from_core(np.column_stack([value[name] for name in RESULT_FIELDS[:4]]))
     value |= dict(zip(RESULT_FIELDS[:4], qs.T, strict=True))
-    hand, hand_error = result.each.hand, result.each.hand_error
+    hand, hand_error = result.per_target.hand, result.per_target.hand_error
     origin = 0.0 if targets.origin is None else targets.origin
-    elbow, wrist = (np.ldexp(at, -result.scale_exponent) + origin for at in (result.each.elbow, result.each.wrist))
+    elbow, wrist = (
+        np.ldexp(at, -result.scale_exponent) + origin for at in (result.per_target.elbow, result.per_target.wrist)
+    )
     flags = np.asarray(run.flags) & (1 << flag_bits.OVER_BIT) - 1
     columns = {"n": np.arange(len(targets))} | {field: getattr(targets, field) for field in FIELDS}
     columns |= {name: value[name] for name in (*RESULT_FIELDS, *(WRIST_FIELDS if hand else ()))}

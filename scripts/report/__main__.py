@@ -120,7 +120,7 @@ def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     * free: intervals of the swivel angle for which all joints are within their limits, None without a robot
     * goal, point, turn, without a clip: the hand's point as requested and reached, from the shoulder, and orientation
     """
-    targets, robot, hand = item.targets, item.robot, result.each.hand
+    targets, robot, hand = item.targets, item.robot, result.per_target.hand
     assert hand
     hands: dict[str, Any] = {"names": JOINTS, "joints": hand.joints, "limits": [(None, None)] * 7, "free": None}
     if robot:
@@ -145,7 +145,7 @@ def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
 
 def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     """Return one datapath's results for a trajectory."""
-    width, scores = result.width, result.each
+    width, scores = result.width, result.per_target
     qs, qe = quaternions(item, ran, width)
     of_clip = {}
     if item.clip:

@@ -89,8 +89,8 @@ def test_singular_distance(pose, distance, nearest):
 def test_an_ideal_core_passes(name):
     result = Case(make(name)).score()
     assert result.failures == () and result.passed
-    assert result.targets == len(result.each.hand_error) == 100
-    assert 0 < result.hand_error_rms < result.hand_error_max == result.each.hand_error.max() < 4 * ULP
+    assert result.targets == len(result.per_target.hand_error) == 100
+    assert 0 < result.hand_error_rms < result.hand_error_max == result.per_target.hand_error.max() < 4 * ULP
     assert 0 < result.shoulder_angle_error_max < 4 * ULP
     assert 0 < result.elbow_angle_error_max < 4 * ULP
     assert result.angle_error_max == max(result.shoulder_angle_error_max, result.elbow_angle_error_max)
@@ -112,7 +112,7 @@ def test_hand_error_is_measured_at_the_users_target():
     values = result_values(case.results, 16)
     _, wrist = forward(values[:, :4], values[:, 4:], aside.d1, aside.d2)
     from_aside, from_grid = (np.linalg.norm(wrist - t.position, axis=1) / t.reach for t in (aside, on_grid))
-    np.testing.assert_allclose(case.score().each.hand_error, from_aside, rtol=1e-9)
+    np.testing.assert_allclose(case.score().per_target.hand_error, from_aside, rtol=1e-9)
     assert np.abs(from_aside - from_grid).max() > 1e-6
 
 
@@ -123,8 +123,8 @@ def test_a_turned_shoulder_shows_its_angle(case):
     t = case.targets
     assert result.shoulder_angle_error_max == pytest.approx(angle, rel=1e-3)
     assert result.elbow_angle_error_max < 4 * ULP
-    assert result.each.hand_error[n] == pytest.approx(angle * math.hypot(t.x[n], t.y[n]) / 0.6, rel=1e-3)
-    assert result.each.hand_error.argmax() == n
+    assert result.per_target.hand_error[n] == pytest.approx(angle * math.hypot(t.x[n], t.y[n]) / 0.6, rel=1e-3)
+    assert result.per_target.hand_error.argmax() == n
     assert result.hand_error_rms == pytest.approx(result.hand_error_max / 10, rel=1e-2)
     elbow = solve_clamped(*(getattr(t, field)[n] for field in FIELDS))
     off_axis = math.hypot(elbow["p_e_x"][0], elbow["p_e_y"][0])
@@ -140,7 +140,7 @@ def test_signs_and_units_do_not_matter(case):
     assert (after.hand_error_max, after.angle_error_max) == (before.hand_error_max, before.angle_error_max)
     scaled = Case(Targets("reach", *(2.0**400 * t.position.T), t.phi, 2.0**400 * t.d1, 2.0**400 * t.d2)).score()
     assert scaled.scale_exponent == before.scale_exponent - 400
-    np.testing.assert_array_equal(before.each.hand_error, scaled.each.hand_error)
+    np.testing.assert_array_equal(before.per_target.hand_error, scaled.per_target.hand_error)
 
 
 def stretch(case, columns):
@@ -196,9 +196,9 @@ def test_clamped_targets_are_judged_apart():
     result = case.score()
     assert result.passed and result.flagged == 2
     # In the file, the distance to the target itself; in the score, to the nearest reachable point.
-    assert result.each.hand_error[1] == pytest.approx(math.hypot(0.7, 0.1) / 0.6 - 1, rel=1e-6)
-    assert result.each.hand_error[2] == pytest.approx(0.05 / 0.6, rel=1e-6)
-    assert result.hand_error_max == result.each.hand_error[0] < 1e-8
+    assert result.per_target.hand_error[1] == pytest.approx(math.hypot(0.7, 0.1) / 0.6 - 1, rel=1e-6)
+    assert result.per_target.hand_error[2] == pytest.approx(0.05 / 0.6, rel=1e-6)
+    assert result.hand_error_max == result.per_target.hand_error[0] < 1e-8
     assert result.clamped_error_max < 1e-8
     assert result.hand_error_tolerance is None and result.clamped_error_tolerance is None
 
@@ -251,8 +251,8 @@ def test_results_file_gives_every_bit_back_and_can_be_read_again(tmp_path):
     np.testing.assert_array_equal(table[:, 1:7], np.column_stack([getattr(case.targets, f) for f in FIELDS]))
     np.testing.assert_array_equal(np.ldexp(table[:, 7:13], 30).astype(np.int64), case.results)
     np.testing.assert_array_equal(table[:, 13], case.flags)
-    np.testing.assert_array_equal(table[:, 14], result.each.hand_error)
-    np.testing.assert_array_equal(np.ldexp(table[:, 15:], result.scale_exponent), result.each.elbow)
+    np.testing.assert_array_equal(table[:, 14], result.per_target.hand_error)
+    np.testing.assert_array_equal(np.ldexp(table[:, 15:], result.scale_exponent), result.per_target.elbow)
     assert rows[2][13] == "4" and b"\r" not in path.read_bytes()
     arrays = np.load(io.BytesIO(contents[".npz"]))
     elbow, wrist = forward(arrays["qs"], arrays["qe"], arrays["d1"], arrays["d2"])

@@ -311,7 +311,7 @@ def test_path_without_jumps():
 
 @pytest.mark.parametrize(("first", "tilt"), [(4, 0.0), (4, np.pi), (0, 0.0), (0, np.pi)])
 def test_singular_stretch_keeps_the_first_joint(first, tilt):
-    """Where only the sum of the first and third angles matters, the first stays constant and the third makes up."""
+    """Only the third angle moves while only the sum of the first and third matters."""
     smooth, rows = path(), slice(1000, 2000)
     smooth[rows, first + 1], smooth[rows, first] = tilt, smooth[999, first]
     split, share = smooth.copy(), np.random.default_rng(1).uniform(-9, 9, 1000)
