@@ -57,19 +57,26 @@ def failures(request, tmp_path_factory):
 
 LARGE = ("paper-23", "arm-18", "fold_arm-24") if simulator() == "icarus" else ()
 SOME = (*LARGE, "fold_arm16-18")  # differs from fold_arm-24 in the fetch of steps only: test_power_up resets it
+WHOLE = [key for key in SETS if key not in SOME]
 FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out")
-CASES = [
-    *((key, name) for key in SETS for name in TESTS if key not in SOME or any(part in name for part in FEW)),
-    *(
-        pytest.param(key, name, marks=pytest.mark.slow)
-        for key in BYTES
-        for name in TESTS
-        if "idle=bursts/stall=bursts" in name or "after=out" in name
-    ),
-]
 
 
-@pytest.mark.parametrize(("failures", "name"), CASES, indirect=["failures"])
+# With one list of pairs instead of two decorators, pytest would simulate a set again for each of its cases.
+@pytest.mark.parametrize("name", TESTS)
+@pytest.mark.parametrize("failures", WHOLE, indirect=True)
 def test_streams(failures, name):
+    assert name not in failures, failures[name]
+
+
+@pytest.mark.parametrize("name", [name for name in TESTS if any(part in name for part in FEW)])
+@pytest.mark.parametrize("failures", SOME, indirect=True)
+def test_some_streams(failures, name):
+    assert name not in failures, failures[name]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in TESTS if "idle=bursts/stall=bursts" in name or "after=out" in name])
+@pytest.mark.parametrize("failures", BYTES, indirect=True)
+def test_words_of_whole_bytes(failures, name):
     """``ik_axis_bytes`` ignores the padding of targets, which is random, and sign-extends results."""
     assert name not in failures, failures[name]
