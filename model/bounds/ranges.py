@@ -219,12 +219,6 @@ def proved(width: int) -> dict[str, Proved]:
     return analyse(width)[0]
 
 
-def check(width: int) -> None:
-    """Raise :class:`RangeError` naming every node that does not fit."""
-    if failed := analyse(width)[1]:
-        raise RangeError("\n".join(failed.values()))
-
-
 # -- lean dataflow -----------------------------------------------------------------------------------------------------
 
 
