@@ -3,7 +3,8 @@
 //
 // IHI 0022E is AXI4 and AXI4-Lite, IHI 0051A is AXI4-Stream. Signals are sampled at rising edges, as by the receiver.
 // Rules apply from the first reset after time 0: Verilator starts a module's copy of the clock at random, and for a copy that
-// starts at 1, time 0 is an edge.
+// starts at 1, time 0 is an edge. $time is read only until that reset: once a bench has failed, Icarus stops a process at its
+// next system call, and a rule broken at the same edge would not be printed.
 `default_nettype none
 
 // Action on a broken rule: set its bit in `broken`; with STOP, print it and end the simulation.
@@ -45,7 +46,7 @@ module ik_rules_channel #(
       else if (on && was_reset) begin `IK_RULE(0, valid === 1'b0, "LOW_AFTER_RESET", "IHI 0022E A3.1.2") end
       waits = 1'b0;
       was_reset = rst !== 1'b0;
-      if (rst === 1'b1 && $time != 0) on = 1'b1;
+      if (!on && rst === 1'b1) if ($time != 0) on = 1'b1;
     end else if (valid === 1'b0) begin
       // A3.2.1, 2.2.1: once asserted, valid stays high and the payload stable until the handshake
       if (waits && STREAM != 0) begin `IK_RULE(2, 1'b0, "VALID_STAYS", "IHI 0051A 2.2.1") end
@@ -117,7 +118,7 @@ module ik_rules_lite #(
   initial on = 1'b0;
 
   always @(posedge clk) begin
-    if (rst === 1'b1 && $time != 0) on = 1'b1;
+    if (!on && rst === 1'b1) if ($time != 0) on = 1'b1;
     if (rst !== 1'b0) {addresses, words, reads} = 0;
     else if (on) begin
       // A3.3.1: one response per transfer, after its address and data
@@ -215,7 +216,7 @@ module ik_rules_axi4 #(
 
   reg on;  // a reset has occurred
   initial on = 1'b0;
-  always @(posedge clk) if (rst === 1'b1 && $time != 0) on <= 1'b1;
+  always @(posedge clk) if (!on && rst === 1'b1) if ($time != 0) on <= 1'b1;
   wire off = !on || rst !== 1'b0;
   wire aw_known = awvalid === 1'b1 && !off && (^aw_beat) !== 1'bx;
   wire ar_known = arvalid === 1'b1 && !off && (^ar_beat) !== 1'bx;
