@@ -18,7 +18,7 @@ module ik_axi #(
     parameter integer DATAPATH   = 1,   // 1 lean, 0 paper
     parameter integer DIGIT      = 0,   // paper dividers and roots: 1 digit recurrence, 0 behavioural
     parameter integer TILE       = 18,  // lean multiplier blocks: width of the longer operand, e.g. 25 for 25x18
-    parameter integer ADDR_W     = 32,  // address width, 12 to 64
+    parameter integer ADDR_W     = 32,  // address width: 12 to 64, 13 to 64 with ARM = 1
     parameter integer DATA_W     = 64,  // data bus width: 32, 64 or 128
     parameter integer LOG2_BURST = 3,   // log2 of records per full burst, 1 to 5; at most 256 beats
     parameter integer ARM        = 0    // 1: hand pose to joint angles, with DATAPATH = 1 only

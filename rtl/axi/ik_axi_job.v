@@ -10,7 +10,7 @@
 `default_nettype none
 
 module ik_axi_job #(
-    parameter integer ADDR_W      = 32,  // address width, 12 to 64
+    parameter integer ADDR_W      = 32,  // address width, LOG2_RECORD + 7 to 64
     parameter integer DATA_W      = 64,  // data bus width: 32, 64 or 128
     parameter integer LOG2_RECORD = 5    // log2 of a record's bytes, 5 or 6
 ) (
