@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Random targets of all kinds through the RTL, every node compared with the model: `make soak`.
 
-    python -m scripts.soak [--targets N] [--seed S] [--from CHUNK] [--special] [--against c] [--farm ADDRESS] ...
+    python -m scripts.soak [--targets N] [--seed S] [--from CHUNK] [--special] [--farm ADDRESS] ...
     python -m scripts.soak --worst ROUNDS [--datapath lean|arm] [--width W] [--seed S] [--keep]
 
 A chunk of 20000 targets is a function of seed, width and chunk number, so --from resumes at any chunk. --special runs
-all 12^6 targets of twelve special words on each input. --against c also compares results with the C of table 6. The
-hardest targets go into OUT/hardest.csv and, with --keep, into tb/core/worst_targets.csv and docs/generated/soak.md.
-The whole arm gets hand poses with these wrists; the error of a pose is relative to its tolerance.
+all 12^6 targets of twelve special words on each input. The hardest targets go into OUT/hardest.csv and, with --keep,
+into tb/core/worst_targets.csv and docs/generated/soak.md. The whole arm gets hand poses with these wrists; the error of
+a pose is relative to its tolerance.
 
 The run stops at the first chunk with a wrong bit or flag, a quaternion that is not of unit length or a hand of the lean
 datapath beyond its tolerance, and prints the first target of each failure. The paper datapath has no tolerance near its
@@ -28,18 +28,15 @@ from functools import cache, partial
 from pathlib import Path
 from types import SimpleNamespace
 
-import click
 import numpy as np
 
 from model.bounds import tolerances
-from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.io.files import write_atomically
 from model.io.flags import CORE_FLAGS, UNREACHABLE, expected_flags
-from model.io.scoring import singular_distance
 from model.io.stimuli import REGIONS, SPECIAL, hand_poses, hands, mixed, region
-from model.io.words import ARM_FIELDS, from_words
+from model.io.words import ARM_FIELDS
 from scripts import parallel
 from scripts.console import (
     InputError,
@@ -55,10 +52,9 @@ from scripts.console import (
     whole,
 )
 from scripts.generate.render import error, read_table, render
-from scripts.paper.table6.compiled import EQUATIONS, SCALAR, Solver, shared_object
 from scripts.score_tables import table_of_soak
 from tb.core import worst_targets
-from tb.core.random_targets import CHUNK, Core, Failure, Found, Opinion, chunk, judge
+from tb.core.random_targets import CHUNK, Core, Failure, Found, chunk, judge
 from tb.sim.env import GENERATED
 from tb.sim.sources import closure, digest
 
@@ -72,7 +68,6 @@ OPTIONS = [
     option("--jobs", "parallel chunks", whole(1), default=os.cpu_count(), metavar="N"),
     parallel.FARM,
     option("--out", "folder for hardest.csv", Path, default="build/soak", metavar="DIR"),
-    option("--against", "also compare results with the C of table 6 in long double", click.Choice(["c"])),
     switch("--keep", "update tb/core/worst_targets.csv and soak.md"),
     option("--worst", "search the model of lean or arm for the largest errors", whole(1), metavar="ROUNDS"),
 ]
@@ -88,8 +83,6 @@ def _check(options: SimpleNamespace) -> None:
         options.seed, options.targets = None, SPECIAL - CHUNK * options.from_
         if options.targets <= 0:
             raise InputError(f"argument --from: with --special, chunks are 0 to {(SPECIAL - 1) // CHUNK}")
-    if options.against and (MODELS[options.datapath].equations != "lean" or MODELS[options.datapath].side):
-        raise InputError(f"argument --against: the {options.datapath} datapath has no tolerance for it")
 
 
 # -- chunks ------------------------------------------------------------------------------------------------------------
@@ -100,7 +93,7 @@ def _built(core: Core) -> Core:
     return Core.built(core.sim, core.datapath, core.width)
 
 
-def run_chunk(core: Core, seed: int | None, end: int, against: bool, number: int) -> tuple[Found, list[str]]:
+def run_chunk(core: Core, seed: int | None, end: int, number: int) -> tuple[Found, list[str]]:
     """Run chunk `number`, at most to target `end`, on a farm with a program of the worker; return totals and messages
     of failures."""
     start = number * CHUNK
@@ -108,7 +101,7 @@ def run_chunk(core: Core, seed: int | None, end: int, against: bool, number: int
     if MODELS[core.datapath].side:
         words = hands(words, core.width, number)
     core = core if core.program else _built(core)
-    totals, failures, _ = judge(core, words, range(start, start + len(words)), opinions if against else None)
+    totals, failures = judge(core, words, range(start, start + len(words)))
     return totals, [line for failure in failures for line in messages(failure, words, start)]
 
 
@@ -121,30 +114,6 @@ def messages(failure: Failure, words: np.ndarray, start: int) -> list[str]:
         named = zip(worst_targets.named(words.shape[1]), words[n].tolist(), strict=True)
         lines.insert(1, "its words: " + " ".join(f"{name}={word}" for name, word in named))
     return [f"{where}: {lines[0]}", *lines[1:]]
-
-
-# -- the C of table 6 --------------------------------------------------------------------------------------------------
-
-UNEQUAL = 2.0**-24
-"""Ratio of the lengths below which the paper's equations, which add their squares, lose too much of 64 bits."""
-
-
-def opinions(words: np.ndarray, width: int) -> list[Opinion]:
-    """Solve input words (N, 6) in C with both sets of equations; each applies to regular targets without flags."""
-    phi, d1, d2 = 3, 4, 5
-    scale = np.full(words.shape[1], np.longdouble(2) ** (2 - width))
-    scale[phi] = np.longdouble(2) ** (1 - width) * 4 * np.arctan(np.longdouble(1))
-    columns = [column * factor for column, factor in zip(words.T, scale, strict=True)]
-    plain = expected_flags(words, width) == 0
-    regular = plain.copy()
-    regular[plain] = singular_distance(from_words(words[plain], 0, width, "soak")) >= REGULAR_DISTANCE
-    shorter, longer = np.sort(words[:, [d1, d2]].astype(float)).T
-    regular &= shorter >= UNEQUAL * longer
-    second = []
-    for name, rows in zip(EQUATIONS, (plain, regular), strict=True):
-        answers = Solver(columns, name, "long double")().astype(float)
-        second.append(Opinion(f"C, long double, {name} equations", answers, rows))
-    return second
 
 
 # -- the worst targets -------------------------------------------------------------------------------------------------
@@ -251,14 +220,8 @@ def _keep(core: Core, of: str, totals: Found) -> None:
     errors = totals.hand_error_max, tolerances.hand(core.width, core.datapath), totals.norm_error_max
     row = [*key, date.today().isoformat(), str(totals.targets), str(totals.reachable), *(error(e, 2) for e in errors)]
     row += [*(str(totals.flags[name]) for name in CORE_FLAGS), code(core.datapath)]
-    last = 2.0 ** (2 - core.width)
-    apart = [
-        [of, *key, str(n), error(most, 2), f"{most / last:.2f}", error(tolerances.lean(core.width), 2)]
-        for of, (n, most) in totals.apart.items()
-    ]
     rows = sorted([row, *(other for other in read_table(PAGE, "datapath") if other[:3] != key)])
-    apart = sorted([*apart, *(other for other in read_table(PAGE, "equations") if other[1:4] != key)])
-    write_atomically(PAGE, render("soak", flags=[*CORE_FLAGS], rows=rows, apart=apart))
+    write_atomically(PAGE, render("soak", flags=[*CORE_FLAGS], rows=rows))
 
 
 # -- the run -----------------------------------------------------------------------------------------------------------
@@ -269,9 +232,6 @@ def _soak(arguments: SimpleNamespace) -> int:
     with output(arguments.out, [hardest_path]):
         lists = [hardest_path, *([worst_targets.LIST] if arguments.keep else [])]
         earlier = {file: worst_targets.read(file) if file.exists() else [] for file in lists}
-        if arguments.against:
-            for name in EQUATIONS:
-                shared_object(name, "long double", SCALAR)  # fail without a compiler before the run
         core = Core(arguments.sim, arguments.datapath, arguments.width)
         if not arguments.farm:
             with progress("soak", 1) as meter:
@@ -281,7 +241,7 @@ def _soak(arguments: SimpleNamespace) -> int:
         print(f"soak: {core}, {name}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
         end = arguments.from_ * CHUNK + arguments.targets
         numbers = range(arguments.from_, -(-end // CHUNK))
-        work = partial(run_chunk, core, arguments.seed, end, bool(arguments.against))
+        work = partial(run_chunk, core, arguments.seed, end)
         totals, number, failed = Found(), arguments.from_, []
         try:
             with (

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the soaks with the bit-true model as simulator: counts, stops, kept files, the C in long double."""
+"""Tests of the soaks with the bit-true model as simulator: counts, stops, kept files."""
 
 import signal
 from functools import partial
@@ -15,8 +15,8 @@ from model.io.flags import ARM_FLAGS, CORE_FLAGS, UNREACHABLE, expected_flags
 from model.io.words import FIELDS
 from scripts import check_proofs, soak, soak_memory
 from tb.axi.instances import CORE, named
-from tb.core import random_targets, worst_targets
-from tb.core.random_targets import chunk, judge
+from tb.core import worst_targets
+from tb.core.random_targets import chunk
 from tb.sim.job import answer
 from tb.sim.simulate import SimulationError
 
@@ -235,66 +235,6 @@ def test_later_rounds_find_worse_targets(cli, monkeypatch, datapath):
     rows = worst_targets.read(worst_targets.LIST)
     last = tuple(map(int, more[-1].split(": ")[-1].split(", ")))
     assert (rows[0].datapath, rows[0].words[: len(last)]) == (datapath, last)
-
-
-# -- the C in long double ----------------------------------------------------------------------------------------------
-
-needs_c = pytest.mark.needs("cc")
-CORE_24 = random_targets.Core("icarus", "lean", 24)
-
-
-@needs_c
-@pytest.mark.usefixtures("simulator")
-@pytest.mark.parametrize("width", [16, 32])
-def test_the_model_agrees_with_c(width):
-    """The difference is little more than half an LSB; counts of parts of a set of targets add up."""
-    words = chunk(0, width, 3)[:4000]
-    core = random_targets.Core("icarus", "lean", width)
-    parts = [judge(core, part, range(2000), soak.opinions) for part in np.split(words, 2)]
-    total = parts[0][0] + parts[1][0]
-    assert not parts[0][1] and not parts[1][1]
-    (lean_n, lean), (paper_n, paper) = total.apart.values()
-    assert (expected_flags(words, width) == 0).sum() == lean_n > 2000 and 500 < paper_n < lean_n
-    assert 0.45 * 2.0 ** (2 - width) < paper <= lean < min(tolerances.lean(width) / 3, 3 * 2.0 ** (2 - width))
-
-
-@needs_c
-@pytest.mark.parametrize("field", [0, 5])
-def test_c_finds_a_wrong_result_by_both_sets_of_equations(simulator, field):
-    def spoil(run):
-        run.results[:, field] += 6
-
-    simulator.spoil = spoil
-    failures = judge(CORE_24, chunk(0, 24, 3)[:500], range(500), soak.opinions)[1]
-    lines = [line for failure in failures for line in failure.lines]
-    assert all(any(f"{name} equations: a result differs" in line for line in lines) for name in soak.EQUATIONS)
-
-
-@pytest.mark.usefixtures("simulator")
-def test_a_missing_answer_of_c_is_a_failure():
-    words = chunk(0, 24, 3)[:500]
-    silent = soak.Opinion("silent", np.full(words.shape, np.nan), np.ones(len(words), bool))
-    failures = judge(CORE_24, words, range(500), lambda words, width: [silent])[1]
-    assert any("silent: a result differs by inf" in line for failure in failures for line in failure.lines)
-
-
-@needs_c
-def test_unequal_arms_are_not_compared_with_the_papers_equations():
-    """Regression: a soak found a difference at a forearm of 1 LSB, far from every singular pose."""
-    unequal = 1209551299, 91371512, 458362240, -1772665960, 1296710854, 1
-    words = np.array([unequal, (5 << 24, 0, 0, 0, 1 << 26, 1 << 25)])
-    lean, paper = soak.opinions(words, 32)
-    assert list(lean.asked) == [True, True] and list(paper.asked) == [False, True]
-
-
-@needs_c
-@pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="long double is double here")
-def test_a_difference_of_squares_that_needs_64_bits():
-    words = np.array([[(1 << 30) - 1, 1, 1, 0, 1 << 29, 1 << 29]])
-    (lean, _) = soak.opinions(words, 32)
-    x, y, z, _, d1, d2 = map(int, words[0])
-    exact = np.sqrt((d1 + d2) ** 2 - (x * x + y * y + z * z)) / 2**30
-    assert lean.answers[0, 4] == pytest.approx(exact, rel=1e-15)
 
 
 # -- memory to memory --------------------------------------------------------------------------------------------------
