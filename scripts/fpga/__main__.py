@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table 5 of the paper again: logic, multipliers and clock of the datapaths, by open tools (make fpga).
 
-    python -m scripts.fpga [--datapath lean|lean25|paper|memory|fold|fold_arm] [--width BITS] [--page]
-        [--farm tcp://HOST:PORT]
-
 Synthesizes with Yosys for the paper's family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on an
 ECP5-85k with nextpnr; the fold datapath targets the smallest chips. Each netlist is simulated next to the RTL; one that
 differs has no figures. The figures go to fpga.json, the source of the page fpga.md; --page only renders the page. A run

@@ -30,10 +30,6 @@ HEADER = re.compile(r"^module\s+(\w+)\s*(?:#\s*\((.*?)\n\)\s*)?\((.*?)\n\);", re
 PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)?\s*(?:signed)?\s*(?:\[([^:\]]+):0\])?\s*(\w+)", re.M)
 
 
-class DiffersError(LeftOutError):
-    """A netlist does not behave as its RTL."""
-
-
 class Ports:
     """Parameters and ports of a module's Verilog header; the clock is ``clk``."""
 
@@ -188,7 +184,7 @@ def simulated(
     """Simulate a netlist (of write_json) and the RTL side by side, in a folder that holds the RTL.
 
     values: the parameters. whole: the netlist is the wrapper's, not the module's alone. Returns the clocks compared and
-    the results seen; a datapath gives at least 4000, jobs of ``ik_axi`` at least 1000. Raises DiffersError if any
+    the results seen; a datapath gives at least 4000, jobs of ``ik_axi`` at least 1000. Raises LeftOutError if any
     output differs in any clock.
     """
     place = folder / "simulation"
@@ -232,7 +228,7 @@ endmodule
     output = subprocess.run(command, input=words, capture_output=True, check=True).stdout
     clocks, differ, first, results = map(int, output.split())
     if differ:
-        raise DiffersError(f"{folder.name}: {differ} of {clocks} clocks differ from the RTL, the first is {first}")
+        raise LeftOutError(f"{folder.name}: {differ} of {clocks} clocks differ from the RTL, the first is {first}")
     results //= 4 if jobs else 1  # beats in a record
     if valid != 63 and results < (1000 if jobs else 4000):
         raise ToolError(f"{folder.name}: only {results} results in {clocks} clocks")

@@ -137,7 +137,7 @@ def test_a_missing_tool_is_one_line_and_status_2(monkeypatch, capsys):
 
 
 def test_a_tool_that_takes_too_long_is_ended(tmp_path):
-    with pytest.raises(tools.TimeOutError, match="^some: stopped after 0 min, left out$"):
+    with pytest.raises(tools.LeftOutError, match="^some: stopped after 0 min, left out$"):
         tools.call(["sleep", "60"], tmp_path, "some", 0.3)
 
 
@@ -195,7 +195,7 @@ def test_seeds_are_tried_up_to_the_aim_and_the_fastest_counts(monkeypatch, tmp_p
 
     def nextpnr(self, *_):
         if (mhz := clocks.pop(0)) is None:
-            raise tools.TimeOutError("stopped after 40 min, left out")
+            raise tools.LeftOutError("stopped after 40 min, left out")
         return 1, mhz
 
     monkeypatch.setattr(runs.Run, "_nextpnr", nextpnr)
