@@ -22,7 +22,7 @@ from scripts import parallel
 from scripts.console import InputError, Stopped, command, option, progress, show, switch, whole
 from scripts.generate.render import commit, render
 from tb.mutation import campaign
-from tb.mutation.campaign import COLUMNS, SURVIVED, Result
+from tb.mutation.campaign import COLUMNS, SURVIVED
 from tb.sim.env import GENERATED, ROOT
 from tb.sim.sources import sources
 
@@ -63,27 +63,19 @@ def main(options: SimpleNamespace) -> int:
         except Stopped:
             print(f"mutants: stopped after {len(results)}; the same command resumes", file=sys.stderr)
             raise
-    table = Table(*HEAD)
-    for row in campaign.rows(results):
+    table, rows = Table(*HEAD), campaign.rows(results)
+    for row in rows:
         table.add_row(*map(str, row))
     show(table)
-    survivors = [result for result in results if result.verdict == SURVIVED]
-    for result in survivors:
-        print(result.mutant)
-    print(f"seed {options.seed}: {len(results)} mutants, {len(survivors)} survived")
+    survivors = [result.mutant for result in results if result.verdict == SURVIVED]
+    print(*survivors, f"seed {options.seed}: {len(results)} mutants, {len(survivors)} survived", sep="\n")
     if options.keep:
-        write_atomically(PAGE, page(results, options.count, options.seed))
+        about = {"today": date.today().isoformat(), "commit": commit(), "count": options.count, "seed": options.seed}
+        about |= {"designs": [design.name for design in campaign.DESIGNS], "head": HEAD, "rows": rows}
+        mean = sum(result.seconds for result in results) / max(len(results), 1)
+        write_atomically(PAGE, render("mutants", mean=mean, survivors=sorted(survivors), **about))
         print(f"wrote {PAGE.name}")
     return 1 if survivors else 0
-
-
-def page(results: list[Result], count: int, seed: int) -> str:
-    """Return docs/generated/mutants.md."""
-    about = {"today": date.today().isoformat(), "commit": commit(), "count": count, "seed": seed}
-    mean = sum(result.seconds for result in results) / max(len(results), 1)
-    survivors = sorted(result.mutant for result in results if result.verdict == SURVIVED)
-    counted = {"head": HEAD, "rows": campaign.rows(results), "mean": mean, "survivors": survivors}
-    return render("mutants", designs=[design.name for design in campaign.DESIGNS], **about, **counted)
 
 
 if __name__ == "__main__":
