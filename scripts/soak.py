@@ -17,7 +17,7 @@ from __future__ import annotations
 import os
 import sys
 from datetime import date
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -57,11 +57,6 @@ OPTIONS = [
 # -- chunks ------------------------------------------------------------------------------------------------------------
 
 
-@cache
-def _built(core: Core) -> Core:
-    return Core.built(core.sim, core.datapath, core.width)
-
-
 def run_chunk(core: Core, seed: int | None, end: int, number: int) -> tuple[Found, list[str]]:
     """Run chunk `number`, at most to target `end`, on a farm with a program of the worker; return totals and messages
     of failures."""
@@ -69,7 +64,7 @@ def run_chunk(core: Core, seed: int | None, end: int, number: int) -> tuple[Foun
     words = chunk(number, core.width, seed)[: end - start]
     if MODELS[core.datapath].side:
         words = hands(words, core.width, number)
-    core = core if core.program else _built(core)
+    core = core if core.program else Core.built(core.sim, core.datapath, core.width)
     totals, failures = judge(core, words, range(start, start + len(words)))
     return totals, [line for failure in failures for line in messages(failure, words, start)]
 
@@ -189,11 +184,12 @@ def _soak(arguments: SimpleNamespace) -> int:
     with output(arguments.out, [hardest_path]):
         lists = [hardest_path, *([worst_targets.LIST] if arguments.keep else [])]
         earlier = {file: worst_targets.read(file) if file.exists() else [] for file in lists}
-        core = Core(arguments.sim, arguments.datapath, arguments.width)
+        which = arguments.sim, arguments.datapath, arguments.width
+        core = Core(*which)
         if not arguments.farm:
             with progress("soak", 1) as meter:
                 meter(0, "compiling")
-                core = _built(core)
+                core = Core.built(*which)
         name = "all targets of special words" if arguments.seed is None else f"seed {arguments.seed}"
         print(f"soak: {core}, {name}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
         end = arguments.from_ * CHUNK + arguments.targets

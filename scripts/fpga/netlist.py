@@ -25,7 +25,7 @@ CELLS = [
     ("FF", r"FD[RSCP]E|TRELLIS_FF|SB_DFFE?(S[RS])?|DFF[RS]?E?", 1),
     ("carry", r"MUXCY|CARRY4|CCU2C|SB_CARRY|ALU", 1),  # on xcup, two CARRY4 are a CARRY8
     ("MUXF", r"MUXF[5-9]|PFUMX|L6MUX21|MUX2_LUT[5-8]", 1),
-    ("multipliers", r"MULT18X18[SD]?|DSP48E[12]|SB_MAC16", 1),
+    ("multipliers", r"MULT18X18[SD]?|MULT9X9|DSP48E[12]|SB_MAC16", 1),
     ("RAM", r"RAMB16(_S\d+){1,2}|RAMB18E[12]|DP16KD|SB_RAM40_4K|SPX9|S?DPX9B|SP|S?DPB|pROM(X9)?", 1),
     ("RAM", r"RAMB36E[12]", 2),
     ("", r"\$scopeinfo|XORCY|GND|VCC|BUFG", 0),

@@ -10,6 +10,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -127,6 +128,7 @@ class Core:
     program: Path | None = None
 
     @classmethod
+    @cache
     def built(cls, sim: str, datapath: str, width: int) -> Core:
         return cls(sim, datapath, width, native_run.program(datapath, width) if sim == "verilator" else None)
 
