@@ -44,44 +44,31 @@ class ToolError(InputError):
 
 def counted(stat: dict, family: str) -> dict[str, int]:
     """Return a dict: kind -> number for the whole design of a `stat -json`. Raises ToolError for an unknown cell."""
-    modules = _modules(stat)
-    return _kinds(_inside(modules, _top(modules)), family)
+    sections = by_section(stat, family).values()
+    return {kind: sum(section[kind] for section in sections) for kind in KINDS}
 
 
 def by_section(stat: dict, family: str) -> dict[str, dict]:
     """Return a dict: module instantiated by the top -> its cells at all levels, summed over its instances."""
-    modules = _modules(stat)
-    sections, rest = defaultdict(Counter), Counter()
-    for name, count in modules[_top(modules)].items():  # ik_delay, $paramod$1a2b\ik_delay or $paramod\ik_delay\W=s32'0
-        if name in modules:
-            for cell, n in _inside(modules, name).items():
-                sections[re.search(r"\b(ik_\w+)", name)[1]][cell] += count * n
-        else:
-            rest[name] += count
-    return {name: _kinds(cells, family) for name, cells in {**sections, "itself": rest}.items()}
-
-
-def _modules(stat: dict) -> dict[str, dict[str, int]]:
-    """Return a dict of dicts: module -> cell or module inside -> number of instances."""
-    return {
+    modules = {
         name.lstrip("\\"): {cell.lstrip("\\"): n for cell, n in module["num_cells_by_type"].items()}
         for name, module in stat["modules"].items()
     }
+    (top,) = modules.keys() - {name for cells in modules.values() for name in cells}
 
+    def inside(name: str) -> Counter:
+        if name not in modules:
+            return Counter({name: 1})
+        cells: Counter = Counter()
+        for inner, count in modules[name].items():
+            cells.update({cell: count * n for cell, n in inside(inner).items()})
+        return cells
 
-def _top(modules: dict[str, dict[str, int]]) -> str:
-    """Return the module that no other instantiates."""
-    inner = {name for cells in modules.values() for name in cells}
-    return next(name for name in modules if name not in inner)
-
-
-def _inside(modules: dict[str, dict[str, int]], top: str) -> Counter:
-    """Return the number of each cell at or below ``top``."""
-    cells: Counter = Counter()
-    for name, count in modules[top].items():
-        for cell, n in (_inside(modules, name) if name in modules else {name: 1}).items():
-            cells[cell] += count * n
-    return cells
+    sections, rest = defaultdict(Counter), Counter()
+    for name, count in modules[top].items():  # ik_delay, $paramod$1a2b\ik_delay or $paramod\ik_delay\W=s32'0
+        section = sections[re.search(r"\b(ik_\w+)", name)[1]] if name in modules else rest
+        section.update({cell: count * n for cell, n in inside(name).items()})
+    return {name: _kinds(cells, family) for name, cells in {**sections, "itself": rest}.items()}
 
 
 def _kinds(cells: Counter, family: str) -> dict[str, int]:
