@@ -172,9 +172,7 @@ def pack_registers(module: dict) -> dict:
     def data(name: str) -> int | str:
         return pin(name, "DI" if "DI" in cells[name]["connections"] else "M")
 
-    clock = {pin(name, "CLK") for name in plain}
-    if len(clock) > 1:
-        raise ToolError("cannot pack registers: the netlist has more than one clock")
+    (clock,) = {pin(name, "CLK") for name in plain}
 
     def absorb(nets: dict, ports: list[str]) -> bool:
         """Replace the flip-flops behind ports by their nets. Return False, without a change, if a port has another
@@ -210,7 +208,7 @@ def pack_registers(module: dict) -> dict:
             nets[port] = [data(flop)]
             readers[data(flop)].append((name, port))
         for which in ["INPUTA", "INPUTB"] * loaded + ["OUTPUT"] * output:
-            nets |= {"CLK0": [*clock], "CE0": ["1"], "RST0": ["0"]}
+            nets |= {"CLK0": [clock], "CE0": ["1"], "RST0": ["0"]}
             cell["port_directions"] |= {"CLK0": "input", "CE0": "input", "RST0": "input"}
             parameters |= {f"REG_{which}_{pin}": f"{pin}0" for pin in ("CLK", "CE", "RST")}
         counts.update(multipliers=1, input=loaded, output=output)

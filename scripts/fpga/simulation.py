@@ -45,6 +45,7 @@ class Ports:
         self.single = {way: [label for label, high in of if not high and label != "clk"] for way, of in ports.items()}
         if "limits" in (label for label, _ in self.wide["input"]):
             self.single["input"].append("hold")  # of the wrapper
+        self.pin = {label: k for way in self.single.values() for k, label in enumerate(way, 1)}
 
     def wrapper(self, values: dict, name: str, inner: str = "") -> str:
         """Return module ``name`` with few pins around the module, or around its netlist ``inner``, without parameters.
@@ -140,8 +141,7 @@ endmodule
     def memory(self) -> str:
         """Return Verilog that derives the pins from ``in``; the memory of ``ik_axi`` answers requested beats and bursts
         only. All bursts are full ones here."""
-        pin = {label: k for way in self.single.values() for k, label in enumerate(way, 1)}
-        if "m_axi_arvalid" not in pin:
+        if "m_axi_arvalid" not in self.pin:
             return "  wire [63:0] pins = in;"
         return """
   reg [63:0] last, older;  // pins of the last clock and of the one before
@@ -152,7 +152,7 @@ endmodule
     beats  <= beats + (rtl[{m_axi_arvalid}] && older[{m_axi_arready}] ? 16'd{BEATS} : 16'd0) - pins[{m_axi_rvalid}];
     bursts <= bursts + (rtl[{m_axi_wvalid}] && rtl[{m_axi_wlast}] && older[{m_axi_wready}]) - pins[{m_axi_bvalid}];
     if (pins[{rst}] || last[{rst}] || older[{rst}]) {{beats, bursts}} <= 0;
-  end""".format(BEATS=BEATS, **pin)
+  end""".format(BEATS=BEATS, **self.pin)
 
 
 SETTLE = 2048
@@ -217,7 +217,7 @@ endmodule
         done = compiled([*command, "-MAKEFLAGS", shlex.join([*shared, f"OPT_FAST=-O{int(slow)}", "OPT_SLOW=-O0"])])
     if done.returncode:
         raise ToolError(f"{folder.name}: Verilator failed: {done.stderr[-3000:]}")
-    pin = {label: k for way in ports.single.values() for k, label in enumerate(way, 1)}
+    pin = ports.pin
     valid = pin.get("out_valid", pin.get("m_axis_tvalid", pin.get("m_axi_wvalid", 63)))
     ready = pin.get("m_axis_tready", pin.get("m_axi_wready", 63))
     jobs = "m_axi_wvalid" in pin

@@ -75,32 +75,6 @@ def test_clock_and_critical_path_of_a_report():
     assert netlist.placed(quick)["mhz"] == round(1000 / netlist.MULTIPLIER_NS, 1), "the limit of a multiplier"
 
 
-def cell(kind, output, parameters=None, **nets):
-    """Return a cell of a netlist with one output."""
-    ways = {port: "output" if port == output else "input" for port in nets}
-    connections = {port: [net] for port, net in nets.items()}
-    return {"type": kind, "parameters": parameters or {}, "port_directions": ways, "connections": connections}
-
-
-def packed(start="RESET", clock=2):
-    """Pack a product and the register behind it, with another register."""
-    plain = {"CEMUX": "1 ", "CLKMUX": "CLK"}
-    cells = {
-        "m": cell("MULT18X18D", "P0", A0=20, B0=21, P0=30),
-        "p": cell("TRELLIS_FF", "Q", {**plain, "REGSET": start}, CLK=2, DI=30, Q=31),
-        "q": cell("TRELLIS_FF", "Q", {**plain, "REGSET": "RESET"}, CLK=clock, DI=31, Q=32),
-    }
-    return netlist.pack_registers({"cells": cells, "ports": {"out": {"direction": "output", "bits": [32]}}})
-
-
-def test_registers_that_start_with_1_or_have_two_clocks_are_not_packed():
-    """Other cases are in a netlist of Yosys (test_netlists.py), which is simulated."""
-    assert packed() == {"multipliers": 1, "input": 0, "output": 1, "flip_flops": 1}
-    assert packed(start="SET") == {"multipliers": 1, "input": 0, "output": 0, "flip_flops": 0}
-    with pytest.raises(netlist.ToolError, match="more than one clock"):
-        packed(clock=3)
-
-
 TOPS = dict.fromkeys(design.top for design in designs.DESIGNS)
 
 
