@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """make check-proofs: list the proofs and measurements on the pages that do not match the present code.
 
-    python -m scripts.check_proofs [--strict]
-
 A page carries digests of the code it describes, without comments and blanks. A stale page is a warning (exit status 0),
 or a failure (1) with --strict, as for a release.
 """

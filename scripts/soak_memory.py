@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Random jobs of ik_axi from memory to memory: `make soak-memory`.
 
-    python -m scripts.soak_memory [--jobs N] [--seed S] [--from PIECE] [--sim icarus|verilator] [--processes N]
-
 Jobs have random size and alignment, with and without random pauses on the AXI channels. Every result in memory is
 compared with the model of ik_axis; a monitor checks the rules of AXI in every clock. A piece of jobs is one simulation,
 a function of seed and piece number, so --from resumes at any piece. Pieces take the parameters of tb/axi/instances.py
@@ -36,9 +34,8 @@ def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
     what = f"{'echo' if echo else 'core'} {named(parameters)}"
     with tempfile.NamedTemporaryFile("r", prefix="ik_") as done:
         env = {"IK_AXI_SEED": str(seed * 1_000_000 + number + 1), "IK_AXI_JOBS": str(PIECE * 4 // 5)}
-        env |= {"IK_AXI_DONE": done.name, "COCOTB_TEST_FILTER": "many_jobs"}
+        env |= {"IK_AXI_DONE": done.name, "COCOTB_TEST_FILTER": "many_jobs"} | ({"IK_AXI_CORE": "echo"} if echo else {})
         options = {"root": ECHO_PLACE, "name": "echo"} if echo else {}
-        env |= {"IK_AXI_CORE": "echo"} if echo else {}
         failed = ""
         try:
             run_in_process("tb.axi.ik_axi", sim, env, parameters=parameters, **options)
@@ -63,7 +60,6 @@ def main(options: SimpleNamespace) -> int:
     echoing(ECHO_PLACE)
     numbers = range(options.from_, options.from_ + -(-options.jobs // PIECE))
     jobs, targets = Counter(), 0
-    number = options.from_
     work = partial(piece, options.sim, options.seed)
     with shared(min(options.processes, len(numbers))) as each, progress("soak_memory", options.jobs) as meter:
         for number, (what, right, solved, failed) in zip(numbers, each(work, numbers), strict=True):

@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table 5 of the paper again: logic, multipliers and clock of the datapaths, by open tools (make fpga).
 
-    python -m scripts.fpga [--datapath lean|lean25|paper|memory|fold|fold_arm] [--width BITS] [--page]
-        [--farm tcp://HOST:PORT]
-
 Synthesizes with Yosys for the paper's family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on an
 ECP5-85k with nextpnr; the fold datapath targets the smallest chips. Each netlist is simulated next to the RTL; one that
 differs has no figures. The figures go to fpga.json, the source of the page fpga.md; --page only renders the page. A run
@@ -29,20 +26,10 @@ from scripts import parallel
 from scripts.console import WORD_LENGTH, InputError, command, option, progress, switch
 from scripts.fpga import designs, page
 from scripts.fpga.designs import Design
-from scripts.fpga.netlist import HOLDS
 from scripts.fpga.runs import TOOLS, Run, commands, done, version
 from scripts.generate.pages import TARGETS
 from scripts.generate.render import commit
 from scripts.soak import hand_errors
-
-FULL = 0.97
-"""Largest utilization of the device at which a design is placed."""
-
-
-def fits(family: str, cells: dict) -> bool:
-    """Return whether a synthesized design fits the ECP5-85k; the small chips are tried."""
-    used = {"MULT18X18D": "multipliers", "TRELLIS_COMB": "LUT", "TRELLIS_FF": "FF", "DP16KD": "RAM"}
-    return family != "ecp5" or all(cells[kind] <= FULL * HOLDS[bel] for bel, kind in used.items())
 
 
 def describe(design: Design) -> dict:
@@ -76,7 +63,7 @@ def execute(data: dict, runs: Sequence[Run], ordered_map: Callable = map) -> dic
 
 
 def measure(data: dict, chosen: Sequence[Design], ordered_map: Callable = map) -> list[str]:
-    """Synthesize designs for all of their families, and place them, if they fit; return the runs without figures."""
+    """Synthesize designs for all of their families, and place them; return the runs without figures."""
     for design in chosen:
         data["designs"].setdefault(design.name, {}).update(describe(design))
     runs = [design.run(family) for design in chosen for family in design.families]
@@ -84,12 +71,8 @@ def measure(data: dict, chosen: Sequence[Design], ordered_map: Callable = map) -
         design.run("xc2vp", "tree") for design in chosen if design.width in page.BROKEN_DOWN.get(design.datapath, ())
     ]
     figures = execute(data, runs, ordered_map)
-    placements = []
-    for design in chosen:
-        for family in design.aims:
-            synthesized = figures.get(design.run(family).title)
-            if synthesized and fits(family, synthesized["cells"]):
-                placements.append(design.run(family, "place"))
+    aims = [(design, family) for design in chosen for family in design.aims]
+    placements = [design.run(family, "place") for design, family in aims if design.run(family).title in figures]
     figures |= execute(data, placements, ordered_map)
     write(data)
     return [run.title for run in [*runs, *placements] if run.title not in figures]

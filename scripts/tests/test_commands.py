@@ -54,7 +54,6 @@ BAD_INPUT = [
     ("follow", "--target"),
     ("follow --target 100", "--target reach 0 99, 100"),
     ("follow --target 0 --trajectory all", "--trajectory --target"),
-    ("soak --farm x", "--farm 'x'"),
     ("soak --special --from 1000000", "--from"),
     ("soak --worst 1 --datapath paper", "--worst: lean arm"),
     ("soak_memory --jobs 0", "--jobs 0"),

@@ -15,43 +15,32 @@ from tb.mutation.netlists import BUILD, Mutant, Netlist, source_name, unchanged
 FILE = "rtl/lib/ik_half.v"
 
 
-@pytest.fixture
-def judged(monkeypatch):
-    """Replace netlists and benches; return the mutants that were judged. Mutant 3 survives."""
+def test_a_campaign_resumes_and_tries_survivors_again(command, monkeypatch, tmp_path):
+    """Without netlists and benches; mutant 3 survives."""
     monkeypatch.setattr(Netlist, "key", "key")
     netlist = Netlist("lean 18", "ik_axis", (), 1)
-    command = "mutate -mode inv -module ik_half -cell u -port a -portbit {}"
-    mutants = [Mutant(netlist, FILE, number, 5, command.format(number)) for number in range(1, 31)]
+    options = "mutate -mode inv -module ik_half -cell u -port a -portbit {}"
+    known = [Mutant(netlist, FILE, number, 5, options.format(number)) for number in range(1, 31)]
     judged = []
 
     def judge(job):
-        mutant = mutants[job[2] - 1]
+        mutant = known[job[2] - 1]
         judged.append(mutant.number)
-        survives = mutant.number == 3
-        by = "" if survives else "nodes lean 18 250"
-        return Result(mutant.key, FILE, mutant.describe(), SURVIVED if survives else KILLED, by)
+        verdict = (SURVIVED, "") if mutant.number == 3 else (KILLED, "nodes lean 18 250")
+        return Result(mutant.key, FILE, mutant.describe(), *verdict)
 
-    monkeypatch.setattr(campaign, "order", lambda seed, only: iter([(0, seed, mutant) for mutant in mutants]))
+    monkeypatch.setattr(campaign, "order", lambda seed, only: iter([(0, seed, mutant) for mutant in known]))
     monkeypatch.setattr(campaign, "judge", judge)
-    return judged
-
-
-def test_a_campaign_resumes_and_tries_survivors_again(command, judged):
+    monkeypatch.setattr(mutants, "PAGE", tmp_path / "mutants.md")
     words = ["--count", "5", "--jobs", "1"]
     status, out, _ = command(mutants.main, *words)
-    assert status == 1 and judged == [1, 2, 3, 4, 5]
+    assert status == 1 and judged == [1, 2, 3, 4, 5] and not mutants.PAGE.exists()
     assert out[-2:] == [f"{FILE}:5: inv ik_half: u.a[3], lean 18", "seed 1: 5 mutants, 1 survived"]
     with open("build/mutants/1.jsonl", "a") as file:
         file.write('{"key": "cut of')
     judged.clear()
-    command(mutants.main, *words, "--count", "7")
-    assert judged == [3, 6, 7]
-
-
-def test_keep_writes_the_page(command, judged, monkeypatch, tmp_path):
-    monkeypatch.setattr(mutants, "PAGE", tmp_path / "mutants.md")
-    command(mutants.main, "--count", "4", "--jobs", "1", "--keep")
-    assert "| all | 4 | 3 | 0 | 0 | 0 | 1 |" in mutants.PAGE.read_text()
+    command(mutants.main, *words, "--count", "7", "--keep")
+    assert judged == [3, 6, 7] and "| all | 7 | 6 | 0 | 0 | 0 | 1 |" in mutants.PAGE.read_text()
 
 
 @pytest.fixture(scope="module")
@@ -99,10 +88,9 @@ def test_jobs_kill_a_mutant(place):
     assert fault(DESIGNS[number].benches[0], mutant, place)
 
 
-@pytest.mark.release
-@pytest.mark.needs("fpga")
-def test_a_bit_stuck_at_its_constant_is_no_mutant(lean):
-    (module,) = (name for name in lean.modules if source_name(name) == "ik_lean_guard")
-    modules = {module: {"cells": {"u_x_sq": {"connections": {"b": [7, "0", "x"]}}}}}
-    bits = [unchanged(square(lean, "const0", "b", bit), modules) for bit in range(3)]
-    assert bits == [False, True, True] and not unchanged(square(lean, "const1", "b", 1), modules)
+def test_a_bit_stuck_at_its_constant_is_no_mutant():
+    modules = {"ik": {"cells": {"u": {"connections": {"b": [7, "0", "x"]}}}}}
+    stuck = [(mode, bit) for bit in range(3) for mode in ("const0", "const1")]
+    words = "mutate -mode {} -module ik -cell u -port b -portbit {}"
+    same = [unchanged(Mutant(None, FILE, 1, 1, words.format(*each)), modules) for each in stuck]
+    assert same == [False, False, True, False, True, True]

@@ -54,11 +54,6 @@ def test_processes_keep_the_order_and_end_with_the_block(tmp_path):
         list(ordered_map(os._exit, [3]))
 
 
-def farmed(test):
-    """Mark a test that needs Dask."""
-    return pytest.mark.release(pytest.mark.needs("farm")(test))
-
-
 @pytest.fixture
 def farm(tmp_path):
     """Start a cluster without workers, and a worker in its own process group; return the cluster."""
@@ -74,37 +69,30 @@ def farm(tmp_path):
         worker.wait()
 
 
-@farmed
-def test_a_farm_keeps_the_order(farm):
-    with parallel.shared(1, farm.scheduler_address) as ordered_map:
-        assert list(ordered_map(abs, range(-9, 9))) == list(map(abs, range(-9, 9)))
+@pytest.mark.release
+@pytest.mark.needs("farm")
+def test_a_farm_keeps_the_order_and_reports_what_fails(farm, monkeypatch, tmp_path):
+    """The work, a worker with other sources, workers that die, the scheduler."""
 
-
-@farmed
-def test_errors_of_the_work_and_other_sources(farm, monkeypatch):
-    with pytest.raises(InputError, match="3 fails"), parallel.shared(1, farm.scheduler_address) as ordered_map:
-        list(ordered_map(fails, [3]))
-    monkeypatch.setattr(parallel, "sources", lambda: "another")
-    message = r"has other sources than this checkout \(\w+, not another\)"
-    with pytest.raises(InputError, match=message), parallel.shared(1, farm.scheduler_address) as ordered_map:
-        list(ordered_map(abs, [3]))
-
-
-@farmed
-def test_workers_and_schedulers_that_die(farm, tmp_path):
-    with pytest.raises(parallel.BrokenOffError, match="^several workers of the farm died"):
+    def results_of(work, items):
         with parallel.shared(1, farm.scheduler_address) as ordered_map:
-            list(ordered_map(os._exit, [3]))
+            return list(ordered_map(work, items))
+
+    assert results_of(abs, range(-9, 9)) == list(map(abs, range(-9, 9)))
+    with pytest.raises(InputError, match="3 fails"):
+        results_of(fails, [3])
+    with monkeypatch.context() as patch:
+        patch.setattr(parallel, "sources", lambda: "another")
+        with pytest.raises(InputError, match=r"has other sources than this checkout \(\w+, not another\)"):
+            results_of(abs, [3])
+    with pytest.raises(parallel.BrokenOffError, match="^several workers of the farm died"):
+        results_of(os._exit, [3])
     with pytest.raises(parallel.BrokenOffError, match="^lost the scheduler tcp:"):
         with parallel.shared(1, farm.scheduler_address) as ordered_map:
             results = ordered_map(functools.partial(noted, tmp_path, 20), range(2))
             until(lambda: noted_in(tmp_path, "begun"))
             farm.close()
             list(results)
-
-
-@farmed
-def test_no_scheduler(monkeypatch):
     monkeypatch.setattr(parallel, "CONNECT", 1)
     with pytest.raises(InputError, match="no scheduler answers at tcp://127.0.0.1:9"):
         with parallel.shared(1, "tcp://127.0.0.1:9"):

@@ -10,6 +10,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,6 @@ from model.io.stimuli import (
     region,
     unreachable,
 )
-from model.io.words import result_values
 from tb.core import worst_targets
 from tb.sim import native_run
 from tb.sim.simulate import Job, Run, SimulationError, simulate
@@ -38,34 +38,6 @@ CHUNK = 20000  # targets per chunk
 
 CANDIDATES = 1000
 """Targets of a chunk with the largest hand errors, which are ranked by tolerance (paper: by prediction)."""
-
-
-Apart = dict[str, tuple[int, float]]
-"""Name of a second solution -> number of targets compared, and largest difference of a result."""
-
-
-@dataclass(frozen=True)
-class Opinion:
-    """Second solution ``answers`` (N, 6) by another program; ``asked`` (N,) selects the targets to compare."""
-
-    of: str
-    answers: np.ndarray
-    asked: np.ndarray
-
-    def apart(self, results: np.ndarray, width: int) -> np.ndarray:
-        """Return the largest difference of a target's six results, (N,); inf without an answer, 0 if not compared.
-
-        Both signs of Qs are valid: where k rounds to 0, rounding decides the sign.
-        """
-        values = result_values(results, width)
-        sign = np.where((values[:, :4] * self.answers[:, :4]).sum(axis=1) < 0, -1.0, 1.0)[:, None]
-        differences = np.abs(values - self.answers * np.where(np.arange(6) < 4, sign, 1.0)).max(axis=1)
-        return np.where(self.asked, np.nan_to_num(differences, nan=np.inf), 0.0)
-
-
-def _both(a: Apart, b: Apart) -> Apart:
-    none = (0, 0.0)
-    return {of: (a.get(of, none)[0] + b.get(of, none)[0], max(a.get(of, none)[1], b.get(of, none)[1])) for of in a | b}
 
 
 def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.ndarray:
@@ -108,7 +80,6 @@ class Found:
 
     * `above`: number of targets whose hand error exceeds the tolerance or prediction
     * `by_hand`, `by_norm`: hardest targets by hand error over tolerance, and by norm error
-    * `apart`: second solution -> number of targets compared and largest difference
     * `flags`: number of targets with each flag
     """
 
@@ -119,7 +90,6 @@ class Found:
     norm_error_max: float = 0.0
     by_hand: list[Hard] = field(default_factory=list)
     by_norm: list[Hard] = field(default_factory=list)
-    apart: Apart = field(default_factory=dict)
     flags: Counter[str] = field(default_factory=Counter)
 
     def __add__(self, other: Found) -> Found:
@@ -131,7 +101,6 @@ class Found:
             max(self.norm_error_max, other.norm_error_max),
             _first(self.by_hand + other.by_hand, lambda hard: hard.hand_error / hard.tolerance),
             _first(self.by_norm + other.by_norm, lambda hard: hard.norm_error),
-            _both(self.apart, other.apart),
             self.flags + other.flags,
         )
 
@@ -159,6 +128,7 @@ class Core:
     program: Path | None = None
 
     @classmethod
+    @cache
     def built(cls, sim: str, datapath: str, width: int) -> Core:
         return cls(sim, datapath, width, native_run.program(datapath, width) if sim == "verilator" else None)
 
@@ -175,16 +145,10 @@ class Core:
         return f"{self.datapath} datapath, {self.width} bits, {self.sim}"
 
 
-def judge(
-    core: Core,
-    words: np.ndarray,
-    numbers: Sequence[int],
-    opinions: Callable[[np.ndarray, int], list[Opinion]] | None = None,
-) -> tuple[Found, list[Failure], np.ndarray]:
-    """Run targets; return their totals, the failures, and the hand errors (N,), nan out of reach.
+def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found, list[Failure]]:
+    """Run targets; return their totals and the failures.
 
-    numbers (N,): positions of the targets in their sequence. opinions: returns second solutions for words of a width;
-    no result may differ from one by more than the hand tolerance. Raises SimulationError, also for lost results.
+    numbers (N,): positions of the targets in their sequence. Raises SimulationError, also for lost results.
     """
     run, results, flags = core.run(words)
     path = MODELS[core.datapath]
@@ -215,13 +179,6 @@ def judge(
     most = np.full(len(words), tolerances.norm(core.width, core.datapath))
     failures += _above("abs(norm^2 - 1) {:.3e} is above its tolerance", norm, most, np.flatnonzero(~(norm <= most)))
 
-    apart: Apart = {}
-    for opinion in opinions(words, core.width) if opinions else []:
-        difference, most = opinion.apart(run.results, core.width), np.full(len(words), tolerances.lean(core.width))
-        apart[opinion.of] = int(opinion.asked.sum()), float(difference.max(initial=0.0))
-        text = f"{opinion.of}: a result differs by {{:.3e}}, tolerance"
-        failures += _above(text, difference, most, np.flatnonzero(difference > most))
-
     by_norm = reachable[np.argsort(-norm[reachable], kind="stable")][: worst_targets.KEPT]
     missing = by_norm[np.isinf(tolerance[by_norm])]
     tolerance[missing] = tolerances.scale(words[missing], core.width, core.datapath)
@@ -233,8 +190,8 @@ def judge(
     by_ratio = candidates[np.argsort(-hand[candidates] / tolerance[candidates], kind="stable")][: worst_targets.KEPT]
     largest = float(hand[reachable].max(initial=0.0)), float(norm.max(initial=0.0))
     flagged = Counter({name: int(np.count_nonzero(run.flags & flag)) for name, flag in FLAGS.items()})
-    totals = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm), apart, flagged)
-    return Found() + totals, failures, hand
+    totals = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm), flagged)
+    return Found() + totals, failures
 
 
 def _above(text: str, error: np.ndarray, most: np.ndarray, rows: np.ndarray) -> list[Failure]:

@@ -29,7 +29,7 @@ LEAST, TIMES = 30.0, 10.0
 
 
 CORE = re.compile(r"^  (\S+  )\\(g_axis|g_arm)\.(\w+)(  \(\n.*?^  \);\n)", re.M | re.S)
-"""Instance of the core in the netlist of ``ik_axi``; the benches refer to it in its named block."""
+"""Instance of the core in the netlist of ``ik_axi_records``; the benches refer to it in its named block."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,8 @@ class Replaced:
             return "" if mutant else error, ""
         declared = "".join(f"  parameter {key} = {value};\n" for key, value in parameters.items())
         text = re.sub(r"^module [^;]*;\n", lambda head: head[0] + declared, file.read_text(), count=1, flags=re.M)
-        file.write_text(CORE.sub(r"  if (1) begin : \2\n  \1\3\4  end\n", text))
+        file.write_text(text)
+        others.write_text(CORE.sub(r"  if (1) begin : \2\n  \1\3\4  end\n", others.read_text()))
         (place / LIST).write_text(f"{file.name}\n{others.name}\n")
         options = self.given | {"env": self.given["env"] | {"COCOTB_MAX_FAILURES": "1"}}
         status, output = finished(command(**options, sim="icarus", root=place, build=place / "sim"), seconds)

@@ -8,7 +8,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 from tb.axi.test_ik_axi import LONG, MODULES
@@ -144,13 +144,6 @@ def recorded(path: Path) -> dict[str, Result]:
             row = Result(**json.loads(line))
             results[row.key] = row
     return {key: row for key, row in results.items() if row.verdict != SURVIVED}
-
-
-def append(path: Path, result: Result) -> None:
-    """Append a result as one line."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("a", encoding="utf-8") as file:
-        file.write(f"{json.dumps(asdict(result))}\n")
 
 
 def rows(results: list[Result]) -> list[list]:

@@ -12,6 +12,7 @@ import json
 import re
 import shutil
 import subprocess
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import metadata
@@ -172,10 +173,10 @@ class Netlist:
         """Return the modules of each file that is mutated here; for `ik_axi`, only those outside its core."""
         left_out = {*closure("ik_axis"), *closure("ik_arm")} if self.top == "ik_axi" else set()
         files = {path.stem: relative(path) for path in sources() if path not in left_out}
-        by_file: dict[str, list[str]] = {}
+        by_file = defaultdict(list)
         for name in modules:
-            if source_name(name) in files:
-                by_file.setdefault(files[source_name(name)], []).append(name)
+            if file := files.get(source_name(name)):
+                by_file[file].append(name)
         return dict(sorted(by_file.items()))
 
 
@@ -188,16 +189,13 @@ def unchanged(mutant: Mutant, modules: dict) -> bool:
 
 def described(modules: dict) -> dict[str, dict]:
     """Return parents and parameters of each module in Yosys' JSON."""
-    tree = {}
-    for name, module in modules.items():
-        values = {key: signed(bits) for key, bits in module.get("parameter_default_values", {}).items()}
-        tree[name] = {"parents": [], "parameters": values}
+    parents = defaultdict(list)
     for name, module in modules.items():
         for child in {cell["type"] for cell in module["cells"].values()} & set(modules):
-            tree[child]["parents"].append(name)
+            parents[child].append(name)
+    tree = {}
+    for name, module in modules.items():
+        bits = module.get("parameter_default_values", {})
+        values = {key: int(text, 2) - ((text[0] == "1") << len(text)) for key, text in bits.items()}  # signed
+        tree[name] = {"parents": parents[name], "parameters": values}
     return tree
-
-
-def signed(bits: str) -> int:
-    """Return the value of a parameter in Yosys' JSON."""
-    return int(bits, 2) - ((bits[0] == "1") << len(bits))

@@ -6,7 +6,6 @@ Under Icarus it finishes in the few seconds that cocotb takes to start. It stops
 selects a mutant.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +15,6 @@ from model.dataflow.datapaths import MODELS, Datapath
 from model.io.stimuli import arithmetic_corners, arm_targets, mixed
 from tb.mutation.netlists import BITS, SECONDS, SELECT, TIMEOUT, Mutant, Netlist, finished
 from tb.sim.job import answer, limits_port
-from tb.sim.native_run import columns
 from tb.sim.runner import alone
 from tb.sim.simulate import SimulationError
 
@@ -69,27 +67,26 @@ class NodeBench:
         last = output.splitlines()[-1] if output else "no output"
         return ("", output) if last.startswith(RIGHT) else (last[-200:], output)
 
-    def words(self) -> np.ndarray:
-        """Return the targets as words; those of the whole arm include the branch."""
-        if self.path.side:
-            return arm_targets(self.targets, self.width, 4)
-        words = mixed(self.targets, self.width, 4)
-        if self.corners:
-            words = np.concatenate([words, arithmetic_corners(self.width, self.path.tile)])
-        return words
-
     def write(self, folder: Path) -> None:
         """Write the data of the bench, and the files that it includes, into a folder."""
-        words = self.words()
-        answered = answer(words, self.width, self.datapath)
-        port = None
-        if self.path.side:  # each limit is the angle of a target, so that one ulp more or less is found
+        path, width, port = self.path, self.width, None
+        if path.side:
+            words = arm_targets(self.targets, width, 4)  # with the branch
+        else:
+            corners = [arithmetic_corners(width, path.tile)] * self.corners
+            words = np.concatenate([mixed(self.targets, width, 4), *corners])
+        answered = answer(words, width, self.datapath)
+        if path.side:  # each limit is the angle of a target, so that one ulp more or less is found
             limits = [tuple(th[[len(th) // 3, 2 * len(th) // 3]].tolist()) for th in answered.results[:, :7].T]
-            answered, port = answer(words, self.width, self.datapath, limits), limits_port(limits, self.width)
-        nodes = list(answered.bits.nodes.values())
+            answered, port = answer(words, width, self.datapath, limits), limits_port(limits, width)
+        nodes, count = list(answered.bits.nodes.values()), len(path.inputs)
+        fields = [(column, width) for column in words[:, :count].T]
+        fields += [(column, len(path.side)) for column in words[:, count:].T]
+        fields += [(column, width) for column in answered.results.T]
+        fields += [(answered.flags, path.flag_bits), *((node.value, node.format.width) for node in nodes)]
         rows, at = [0] * len(words), 0
-        for values, bits in fields(words, answered, nodes, self.width, self.path):
-            rows = [row | (int(v) & (1 << bits) - 1) << at for row, v in zip(rows, values.tolist(), strict=True)]
+        for values, bits in fields:  # the first in the low bits
+            rows = [row | (v & (1 << bits) - 1) << at for row, v in zip(rows, values.tolist(), strict=True)]
             at += bits
         (folder / DATA).write_text("\n".join(f"{row:x}" for row in rows) + "\n")
         for name, text in self._included(nodes, len(words), at, port).items():
@@ -132,16 +129,3 @@ class NodeBench:
         lines = [f"`define {name} {value}\n" for name, value in macros.items()]
         lines += [f"localparam {name} = {value};\n" for name, value in values.items()]
         return {"values.vh": "".join(lines), "compared.vh": "".join(compared)}
-
-
-def fields(words: np.ndarray, answered, nodes: list, width: int, path: Datapath) -> Iterator[tuple[np.ndarray, int]]:
-    """Yield the columns of the data with their widths: targets, branch, results, flags, nodes; the first in the low
-    bits."""
-    count = len(path.inputs)
-    yield from ((column, width) for column in words[:, :count].T)
-    yield from ((column, len(path.side)) for column in words[:, count:].T)
-    yield from ((column, width) for column in answered.results.T)
-    yield answered.flags, path.flag_bits
-    for node in nodes:
-        for number, limb in enumerate(columns(node)):
-            yield limb, min(64, node.format.width - 64 * number)

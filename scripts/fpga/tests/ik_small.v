@@ -33,17 +33,19 @@ module ik_small (
   ik_ring #(.W(22), .N(300)) u_ring (.clk(clk), .rst(rst), .d(shifted), .q(late));
   generate
     if (PART) begin : g_part
-      // an operand that is no register, a register that logic reads too, products that logic reads
+      // an operand that is no register, a register that logic reads too, products that logic reads, a register that starts with 1
       reg signed [17:0] f, g;
-      reg [35:0] first, second;
+      reg [35:0] first, second, third = {36{1'b1}};
       wire signed [17:0] mixed = word[17:0] ^ a[17:0];
+      wire signed [17:0] other = word[21:4] ^ b[17:0];
       wire signed [35:0] fm = f * mixed, fg = f * g, gm = g * mixed;
       always @(posedge clk) begin
         f <= b[17:0] & ~word[17:0];
         g <= a[17:0] | word[17:0];
         first <= fm;
         second <= fg;
-        part <= first ^ second ^ {g, g} ^ gm ^ {35'd0, ^fg};
+        third <= mixed * other;
+        part <= first ^ second ^ third ^ {g, g} ^ gm ^ {35'd0, ^fg};
       end
     end else begin : g_none
       always @(posedge clk) part <= 36'd0;
