@@ -17,16 +17,16 @@ from model.dataflow.shifts import Count
 WIDTH = 32
 
 KINDS = {
-    "input": "input",
-    "mul": "product",
-    "add": "sum",
-    "div": "division",
-    "root": "root",
-    "sincos": "sine, cosine",
-    "scale": "shift",
-    "choose": "choice",
+    "input": ("input", "", "#ffffff", "#333333"),
+    "mul": ("product", "×", "#dbeafe", "#1d4ed8"),
+    "add": ("sum", "+", "#dcfce7", "#15803d"),
+    "div": ("division", "÷", "#fde2c8", "#c2410c"),
+    "root": ("root", "√", "#fbd5e5", "#be185d"),
+    "sincos": ("sine, cosine", "sin cos", "#ede4fd", "#6d28d9"),
+    "scale": ("shift", "shift", "#e0f2f1", "#0f766e"),
+    "choose": ("choice", "?", "#f1f1f1", "#666666"),
 }
-"""Kind of operation -> its name."""
+"""Kind of operation -> its name, its symbol in a graph, its fill and line in a schedule."""
 
 KIND_OF = {
     "mul": "mul", "mul3": "mul", "mul3_far": "mul", "square": "mul", "product": "mul",

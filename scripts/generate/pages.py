@@ -50,7 +50,7 @@ COLOURS = {
 }
 """Kind of operation -> colour of its bars."""
 
-NAMES = KINDS | {"fifo": "output FIFO"}
+NAMES = {of: name for of, (name, *_) in KINDS.items()} | {"fifo": "output FIFO"}
 
 
 def by_region() -> Iterator[tuple[str, ...]]:
@@ -78,9 +78,7 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 
 
 def latency_page() -> str:
-    paths = {
-        name: [node for node in longest_path(fixed.nodes(name, WIDTH)) if node.latency] for name in ("lean", "paper")
-    }
+    paths = {name: [node for node in longest_path(fixed.nodes(name, WIDTH)) if node.latency] for name in DATAPATHS}
     return render("latency", paths=paths, width=WIDTH, start=start, table=Latency.TABLE, fifo=FIFO_CLOCKS)
 
 

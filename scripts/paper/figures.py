@@ -27,24 +27,19 @@ from tb.sim.env import GENERATED
 SHOWN = GENERATED / "figures"
 PAGE = GENERATED / "figures.md"
 
-KINDS = {
-    "input": ("", "#ffffff", "#333333"),
-    "mul": ("×", "#dbeafe", "#1d4ed8"),
-    "add": ("+", "#dcfce7", "#15803d"),
-    "div": ("÷", "#fde2c8", "#c2410c"),
-    "root": ("√", "#fbd5e5", "#be185d"),
-    "sincos": ("sin cos", "#ede4fd", "#6d28d9"),
-    "scale": ("shift", "#e0f2f1", "#0f766e"),
-    "choose": ("?", "#f1f1f1", "#666666"),
-}
-"""Kind of operation -> its symbol in a graph, its fill and line in a schedule."""
-
 
 def drawn(nodes: Mapping[str, Node]) -> dict[str, Any]:
     """Return what both figures show: nodes, arrows from operand to node, the longest path and its steps."""
     arrows = [(o, name) for name, node in nodes.items() for o in operands(node)]
     path = [node.name for node in longest_path(nodes)]
-    return {"nodes": nodes, "arrows": arrows, "path": path, "steps": [*pairwise(path)], "kinds": KINDS, "flow": flow}
+    return {
+        "nodes": nodes,
+        "arrows": arrows,
+        "path": path,
+        "steps": [*pairwise(path)],
+        "kinds": flow.KINDS,
+        "flow": flow,
+    }
 
 
 def graph(nodes: Mapping[str, Node]) -> str:
