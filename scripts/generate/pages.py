@@ -127,7 +127,7 @@ def pipeline_svg(datapath: str) -> str:
     return render("pipeline.svg", datapath=datapath, width=WIDTH, total=total, **more)
 
 
-def pages() -> dict[Path, str]:
+def texts() -> dict[Path, str]:
     """Return the files that need no simulation: path -> text."""
     pictures = {GENERATED / f"pipeline-{name}.svg": pipeline_svg(name) for name in DATAPATHS}
     return {GENERATED / "latency.md": latency_page(), **pictures}
@@ -146,7 +146,7 @@ def main(options: SimpleNamespace) -> int:
         list(zip(*(measured(options.sim, {"DATA_W": bus, "ARM": arm}) for bus in BUSES), strict=True)) for arm in (0, 1)
     ]
     memory = render("memory", tables=tables, buses=BUSES, short=BATCH, long=LONG)
-    update({SCORES: scores_page(scores), GENERATED / "memory.md": memory, **pages()})
+    update({SCORES: scores_page(scores), GENERATED / "memory.md": memory, **texts()})
     return 0
 
 
