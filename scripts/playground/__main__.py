@@ -32,12 +32,11 @@ from model.reference.joints import centred
 from model.reference.kinematics import conjugate, matrix
 from scripts.console import WORD_LENGTH, command, option, output, some_of
 from scripts.generate.render import TEMPLATES
-from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, table, tools, wasm
+from scripts.playground.machines import NAMES, BuildError, Machine, chosen, table, tools, wasm
 
 HERE = Path(__file__).parent
 REPORT = HERE.parent / "report"
 SCRIPTS = ("machine", "solve", "lane", "waves", "hand", "playground")
-
 
 HAND = (0.0, 0.5**0.5, 0.0, 0.5**0.5)  # z forward, x up
 ARMS = {"arm": Arm(DEFAULT_D1, DEFAULT_D2, names=[f"th{n}" for n in range(1, 8)]), **ROBOTS}
@@ -86,9 +85,6 @@ def page(machines: Sequence[Machine]) -> str:
         data=json.dumps(data(machines), allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
         machines="\n".join(embedded),
     )
-
-
-NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
 
 
 @command(

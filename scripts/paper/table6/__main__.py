@@ -25,6 +25,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import click
 import numpy as np
 
 from model.dataflow import fixed
@@ -52,19 +53,13 @@ REPEATS = 7
 SHORT = 0.02
 """Minimum duration of a measurement (s); faster functions are repeated within it."""
 
-WIDTH = 32
-DATAPATH = "lean"
+WIDTH, DATAPATH = 32, "lean"
 BUS, LATENCY = 128, 34
 """Bits of the bus and clocks of the memory in the path from memory to memory."""
 CHUNK = 20_000
 """Random targets per run of the bit-true model."""
 STREAMS = "stream to stream"
 """Path through the logic around the datapath of `ik_axis`; `ik_axi` has the other one, memory to memory."""
-
-
-def report(text: str) -> None:
-    """Print progress."""
-    print(text, file=sys.stderr, flush=True)
 
 
 def machine() -> dict[str, Any]:
@@ -164,10 +159,10 @@ def random_error(words: np.ndarray) -> float:
 
 def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
     """Yield the rows of the core."""
-    report(f"{DATAPATH} RTL, {len(words)} random targets through its model ...")
+    click.echo(f"{DATAPATH} RTL, {len(words)} random targets through its model ...", err=True)
     worst = figure(random_error(words))
     for path, clocks in PATHS.items():
-        report(f"{DATAPATH} RTL, {path} ...")
+        click.echo(f"{DATAPATH} RTL, {path} ...", err=True)
         yield {"datapath": DATAPATH, "path": path, "width": WIDTH, "random_error": worst, **clocks()}
 
 
@@ -223,7 +218,7 @@ def main(options: SimpleNamespace) -> int:
     rows, before = {}, {one["key"]: one for one in kept["software"]}
     today = {"date": datetime.date.today().isoformat()}
     for n, one in enumerate(chosen, 1):
-        report(f"[{n}/{len(chosen)}] {one.group}: {one.name} {one.lacks or '...'}")
+        click.echo(f"[{n}/{len(chosen)}] {one.group}: {one.name} {one.lacks or '...'}", err=True)
         elsewhere = one.lacks and "date" in before.get(one.key, {})
         rows[one.key] = before[one.key] if elsewhere else row(one, reach, random)
     if options.only:
