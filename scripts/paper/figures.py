@@ -9,13 +9,14 @@ import hashlib
 import re
 import shutil
 import subprocess
-import sys
 from collections.abc import Mapping
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 from model.bounds import ranges
 from model.dataflow import fixed
+from model.dataflow.annotations import RangeError
 from model.dataflow.nodes import Node
 from model.dataflow.paper import SECTIONS
 from scripts.console import InputError
@@ -87,13 +88,9 @@ def figures() -> dict[str, str]:
     return {"graph_p_e_x.svg": graph(elbow), "schedule_p_e_x.svg": schedule(elbow)}
 
 
-def write() -> int:
-    """Draw the figures and write the page; return 1 if a node does not fit its format."""
+def texts() -> dict[Path, str]:
+    """Draw the figures; return them and their page by path. Raises RangeError if a node does not fit its format."""
     if wrong := ranges.analyse(WIDTH)[1]:
-        print(*wrong.values(), sep="\n", file=sys.stderr)
-        return 1
-    for name, text in figures().items():
-        (SHOWN / name).write_text(svg(text) if text.startswith("digraph") else text, encoding="utf-8")
-    PAGE.write_text(render("figures"), encoding="utf-8")
-    print(f"wrote {PAGE.name}")
-    return 0
+        raise RangeError("\n".join(wrong.values()))
+    drawn = {SHOWN / name: svg(text) if text.startswith("digraph") else text for name, text in figures().items()}
+    return {**drawn, PAGE: render("figures")}

@@ -2,14 +2,13 @@
 """Table 4 of the paper: operation counts of the datapaths, by their dataflow; operations.md."""
 
 from collections import Counter, defaultdict
+from pathlib import Path
 
 from model.dataflow import fixed
 from model.dataflow.paper import SECTIONS
 from scripts.generate.flow import WIDTH, added, operands
 from scripts.generate.render import render
 from tb.sim.env import GENERATED
-
-PAGE = GENERATED / "operations.md"
 
 COLUMNS = {
     "mul": "mul",
@@ -45,16 +44,10 @@ def by_section(datapath: str) -> dict[str, Counter]:
     return counts
 
 
-def page() -> str:
-    """Return operations.md."""
+def texts() -> dict[Path, str]:
+    """Return operations.md by its path."""
     paper = by_section("paper")
     counts = {"guard": paper["guard"], "everything": sum(paper.values(), Counter())}
     counts |= {"rtl": counts["everything"] - counts["guard"], "lean": sum(by_section("lean").values(), Counter())}
-    return render("operations", sections={SECTIONS[name]: ops for name, ops in paper.items()}, width=WIDTH, **counts)
-
-
-def write() -> int:
-    """Count, write operations.md and return 0."""
-    PAGE.write_text(page())
-    print(f"wrote {PAGE.name}")
-    return 0
+    sections = {SECTIONS[name]: ops for name, ops in paper.items()}
+    return {GENERATED / "operations.md": render("operations", sections=sections, width=WIDTH, **counts)}

@@ -134,6 +134,10 @@ def parts(left: Any, right: Any) -> list[sp.Expr]:
 # -- proofs ----------------------------------------------------------------------------------------------------------
 
 
+class ProofError(Exception):
+    """Statements that do not hold, a line each."""
+
+
 class Step:
     """Section of a derivation: values of names, relations, recognized roots, and checked statements.
 

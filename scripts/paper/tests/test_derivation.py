@@ -4,6 +4,7 @@
 import pytest
 
 from model.reference import cga
+from scripts.paper import __main__ as main
 from scripts.paper import derivation
 from scripts.paper.derivation import lean, paper, proofs
 from scripts.paper.derivation.proofs import PRINTED, Step, derive, failures
@@ -108,10 +109,9 @@ def test_relations_and_roots_count_only_where_they_are_given():
         step.refute("c = s", {"c": "3/5", "s": "3/5"})
 
 
-def test_a_false_statement_fails_the_command_and_leaves_the_page(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(derivation, "GENERATED", tmp_path)
+def test_a_false_statement_fails_the_command_and_leaves_the_pages(monkeypatch, command):
     monkeypatch.setattr(derivation, "STEPS", {"lean": [lean.product]})
     monkeypatch.setattr(lean.NODES["k_1"], "op", Doubled(lean.NODES["k_1"].op))
-    assert derivation.write() == 1
-    assert "step product: lean = algebra: does not hold" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
+    monkeypatch.setattr(main, "update", lambda texts: pytest.fail("writes pages"))
+    status, _, errors = command(main.main, "--only", "derivation")
+    assert status == 1 and "step product: lean = algebra: does not hold" in errors[0]
