@@ -85,8 +85,7 @@ def _vector(mv: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def packed(item: Prepared, width: int) -> dict[str, Any]:
     """Encode the entities for the page: a row of vectors, angles and lengths per target, 16-bit words in base64."""
     vectors, angles, lengths = entities(item, width)
-    turns = [values / np.pi for values in angles.values()]
-    rows = np.column_stack([*vectors.values(), *turns, *lengths.values()])
+    rows = np.column_stack([*vectors.values(), *(values / np.pi for values in angles.values()), *lengths.values()])
     words = np.where(np.isfinite(rows), np.rint(UNITS * np.nan_to_num(rows)), NOTHING)
     return {
         "vectors": list(vectors),
@@ -127,11 +126,9 @@ def _parts(clip: Clip, moves: tuple[Motion, ...]) -> list[int]:
 
 def _facing(item: Prepared, turn: np.ndarray) -> float:
     """Return the figure's facing direction in the first frame (rad, about z)."""
-    left = np.zeros(3)
-    for move in item.moves:
-        arm = move.limb
-        out = turn @ (item.clip.positions[0, arm.upper] - item.clip.positions[0, arm.torso])
-        left += out if arm.side == "left" else -out
+    first, limbs = item.clip.positions[0], [move.limb for move in item.moves]
+    out = [(first[arm.upper] - first[arm.torso]) * (1 if arm.side == "left" else -1) for arm in limbs]
+    left = turn @ np.sum(out, axis=0)
     return float(np.arctan2(-left[0], left[1]))  # left x up
 
 
@@ -147,9 +144,8 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
     turn = place(clip.up)
     nodes = turned(item, ran, width).positions @ turn.T
     root = nodes[:, :1].copy()
-    clip_arms = (
-        clip.positions[:, [joint for move in moves for joint in (move.limb.fore, move.limb.hand)]] @ turn.T - root
-    )
+    joints = [joint for move in moves for joint in (move.limb.fore, move.limb.hand)]
+    clip_arms = clip.positions[:, joints] @ turn.T - root
     low, high = float(nodes[..., 2].min()), float(nodes[..., 2].max())
     size = np.linalg.norm(np.ptp(nodes - root, axis=1), axis=1).max()
     unit = float(f"{size / STEPS:.3g}")
