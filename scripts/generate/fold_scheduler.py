@@ -16,6 +16,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import asdict
 from types import SimpleNamespace
 
+import click
+
 from model.dataflow.fold import steps as timing
 from model.dataflow.fold.lowering import Groups, Lowering
 from model.dataflow.fold.program import PROGRAMS, SCHEDULES, Schedule, encode, lower, schedules
@@ -171,7 +173,7 @@ class _Problem:
     "schedule",
     "Schedule a program of the folded datapath.",
     [
-        option("--datapath", "program: fold or fold_arm", str, default="fold", metavar="NAME"),
+        option("--datapath", "program", click.Choice([*PROGRAMS]), default="fold"),
         option("--period", "clocks of a lap", whole(1), metavar="CLOCKS"),
         option("--seconds", "seconds to search", whole(1), default=240, metavar="N"),
     ],
@@ -183,8 +185,6 @@ def main(parsed: SimpleNamespace) -> int:
     except ImportError:
         raise InputError("ortools is not installed: use make schedule") from None
     name = parsed.datapath
-    if name not in PROGRAMS:
-        raise InputError(f"DATAPATH={name}: use {' or '.join(PROGRAMS)}")
     made = schedules(name).copy()
     for longest, clocks in PERIOD[name].items():
         lowering, groups = lower(longest, name)

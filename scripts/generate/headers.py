@@ -57,10 +57,6 @@ def lean_formats() -> str:
     return BODIES.lean_formats(WIDTHS[0], *ROOT_FRACS, inner_frac(24) - 24, INNER_FRAC)
 
 
-def flags() -> str:
-    return BODIES.flags((name, flag.bit_length() - 1) for name, flag in ARM_FLAGS.items())
-
-
 def node_formats(datapath: str) -> str:
     """Return the text of ``ik_<datapath>_nodes.vh``."""
     runs, path = traced(datapath), MODELS[datapath]
@@ -225,7 +221,7 @@ def texts() -> dict[Path, str]:
         "lean_nodes": (node_formats("lean"), "lean.py"),
         "arm_nodes": (node_formats("arm"), "arm.py", "lean.py"),
         "lean_formats": (lean_formats(), "nodes.py"),
-        "flags": (flags(), "../io/flags.py"),
+        "flags": (BODIES.flags((name, flag.bit_length() - 1) for name, flag in ARM_FLAGS.items()), "../io/flags.py"),
         "latency": (latencies(), "paper.py", "lean.py"),
         "sincos_table": (BODIES.sincos_table(TABLE_BITS, SINCOS_GUARD, cordic_gain(), atan_table()), "fixed.py"),
         "rsqrt_table": (quadratic_table("ik_rsqrt", INVERSE_ROOT, rounding, "tiles", "clocks"), "quadratic.py"),

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from model.io.words import from_words
-from model.motion.clip import Clip, Limb, Motion, outward_and_up, rest_up
+from model.motion.clip import Clip, Motion, outward_and_up, rest_up
 from model.reference import cga, geometry
 from model.reference.cga import e3
 from model.reference.kinematics import conjugate, rotate
@@ -186,18 +186,12 @@ def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
     qs, qe = quaternions(item, ran, width)
     upper = rotate(qs, (0.0, 0.0, 1.0))
     for n, move in enumerate(item.moves):
-        upper[n :: len(item.moves)] = _from_torso(item.clip, move.limb, upper[n :: len(item.moves)])
+        frames, arm, up = slice(n, None, len(item.moves)), move.limb, rest_up(item.clip)
+        left = (outward_and_up(item.clip, arm) - up) * (1 if arm.side == "left" else -1)
+        axes = np.stack((np.cross(left, up), left, up), axis=1)  # of the torso: forward, left, up
+        upper[frames] = rotate(conjugate(item.clip.turn[:, arm.torso]), upper[frames]) @ axes
     azimuth = np.arctan2(upper[:, 1], upper[:, 0])
     elevation = np.arcsin(np.clip(upper[:, 2], -1, 1))
     # Qe rotates by 0 if the arm is closed and by pi if the arm is straight.
     flexion = np.pi - 2 * np.arctan2(np.abs(qe[:, 1]), qe[:, 0])
     return np.degrees(np.column_stack((azimuth, elevation, item.targets.phi, flexion)))
-
-
-def _from_torso(clip: Clip, arm: Limb, directions: np.ndarray) -> np.ndarray:
-    """Convert directions (F, 3) from a clip's frame to the torso's axes: forward, left, up."""
-    up = rest_up(clip)
-    left = outward_and_up(clip, arm) - up
-    left = left if arm.side == "left" else -left
-    axes = np.stack((np.cross(left, up), left, up), axis=1)
-    return rotate(conjugate(clip.turn[:, arm.torso]), directions) @ axes
