@@ -22,7 +22,7 @@ from model.io.words import JOINTS
 from model.motion import clip as clips
 from model.motion.arms import ROBOTS
 from model.motion.tests import figure
-from model.reference.kinematics import angle_between, conjugate, forward, matrix, rotate
+from model.reference.kinematics import angle_between, conjugate, forward, rotate
 from scripts import run
 from scripts.report import __main__ as report
 from scripts.report.figure import FORE, UPPER
@@ -166,14 +166,6 @@ def test_the_page_is_self_contained_and_reproducible(cli, shown, tmp_path):
     assert cli("--trajectory", name)[0] == 0 and PAGE.read_text(encoding="utf-8") == text
 
 
-def points(clip):
-    """Return nodes (F, K, 3) and the clip's elbows and wrists (F, 2 A, 3) in the page's frame and the clip's unit."""
-    nodes, limbs = (np.array(clip[key], dtype=float).reshape(len(clip[key]), -1, 3) for key in ("nodes", "own"))
-    root = nodes[:, :1].copy()
-    nodes[:, 1:] += root
-    return nodes * clip["unit"], (limbs + root) * clip["unit"]
-
-
 FORWARD = {"x": ("y", (1, 0, 0)), "y": ("y", (0, 0, -1)), "z": ("z", (0, 1, 0))}
 """`up` argument of a test figure -> its up axis and facing direction in the clip."""
 
@@ -188,8 +180,10 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
         mine = clips.read(Path("t.bvh").absolute())
     data = shown("--trajectory", "t.bvh", "--phi", phi)
     clip = data["clip"]
-    nodes, limbs = points(clip)
     turn, unit = np.array(clip["place"]), clip["unit"]
+    nodes, limbs = (unit * np.reshape(clip[key], (40, -1, 3)) for key in ("nodes", "own"))
+    root = nodes[:, :1].copy()
+    nodes[:, 1:], limbs = nodes[:, 1:] + root, limbs + root
     assert np.linalg.det(turn) == pytest.approx(1) and turn[2][height] == 1
     turned = clips.read(PAGE.parent / "clip.bvh")
     np.testing.assert_allclose(nodes, turned.positions @ turn.T, atol=2 * unit)
@@ -261,7 +255,7 @@ def turn(v, axis, angle):
     """Rotate v about an axis by an angle, right-handed."""
     a = axis / np.linalg.norm(axis, axis=1, keepdims=True)
     half = np.broadcast_to(angle, len(v))[:, None] / 2
-    return (matrix(np.hstack((np.cos(half), np.sin(half) * a))) @ v[:, :, None])[:, :, 0]
+    return rotate(np.hstack((np.cos(half), np.sin(half) * a)), v)
 
 
 def assert_near(a, b, what):
