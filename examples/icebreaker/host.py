@@ -7,9 +7,6 @@ Writes the same bytes as `make run DATAPATH=fold16 WIDTH=24`, except that score.
 host cannot observe. Every answer is compared with the bit-true model.
 
 The board drops frames (frames.py) with a wrong CRC; unanswered targets are sent again.
-
-Exit status: 0 if every trajectory passes, 1 if one fails or the board does not answer, 2 for unusable input (one line
-on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 import os

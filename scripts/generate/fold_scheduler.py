@@ -6,8 +6,6 @@
 Writes the schedule of least latency found in the time limit to model/dataflow/fold/schedule.json or schedule_arm.json,
 the source of the program (`python -m scripts.generate.headers`).  Rerun after adding, dropping or renaming a step of
 the dataflow.
-
-Exit status: 0 a schedule was found, 1 none exists or none was found in time, 2 bad input.
 """
 
 import json

@@ -6,8 +6,6 @@
 Compiles the cores to WebAssembly (scripts/playground/machines.py), which takes a few minutes the first time and is
 cached in build/playground, and writes OUT/index.html: a self-contained page that opens from disk without network. The
 3D view, texts and colours are shared with the report.
-
-Exit status: 0 the page is written, 1 a tool failed, 2 bad input, 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations

@@ -8,8 +8,7 @@ paper, joint angles, the error of every target with its limit and prediction, th
 The page is self-contained (report.html, .css and the scripts of this folder, and the data as JSON) and opens from disk
 without network. It links to the files of `scripts.run`, written to the same folder; with several datapaths, shown side
 by side, each has its own folder, such as OUT/lean and OUT/fold.
-
-Exit status: as `scripts.run`; the page is also written, with a notice, when a trajectory fails.
+The page is also written, with a notice, when a trajectory fails.
 """
 
 from __future__ import annotations

@@ -157,8 +157,8 @@ def pip_install(name):
 
 def has_libpython():
     """Return whether there is a shared libpython, which a simulator loads to run cocotb."""
-    ask = "import sys, find_libpython; sys.exit(not find_libpython.find_libpython())"
-    return subprocess.call([PYTHON, "-I", "-c", ask], **QUIET) == 0
+    find = "import sys, find_libpython; sys.exit(not find_libpython.find_libpython())"
+    return subprocess.call([PYTHON, "-I", "-c", find], **QUIET) == 0
 
 
 def make_venv():
