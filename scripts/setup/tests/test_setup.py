@@ -116,16 +116,17 @@ def test_a_half_finished_environment_leaves_no_stamp(tmp_path, monkeypatch, caps
     assert not os.path.exists(bootstrap.STAMP)
 
 
-@pytest.mark.parametrize(("allowed", "status"), [(True, 0), (True, 100), (False, 0)])
-def test_apt_get(path, tmp_path, monkeypatch, capsys, allowed, status):
-    """apt-get runs without prompts where sudo allows it; otherwise, or if it fails, one line names its command."""
+@pytest.mark.parametrize(("user", "status"), [("root", 0), ("sudo", 0), ("sudo", 100), ("sudo with a password", 0)])
+def test_apt_get(path, tmp_path, monkeypatch, capsys, user, status):
+    """apt-get runs without prompts where allowed; otherwise, or if it fails, one line names its command."""
+    allowed = user != "sudo with a password"
     log = tmp_path / "log"
     log.touch()
     script(path / "apt-get", f'echo "$DEBIAN_FRONTEND $*" >> "{log}"\nexit {status}\n')
-    script(path / "sudo", 'shift\nexec "$@"\n' if allowed else "exit 1\n")
+    script(path / "sudo", 'shift\nexec "$@"\n' if user == "sudo" else "exit 1\n")
     for name in ("env", "true"):
         (path / name).symlink_to(shutil.which(name, path="/usr/bin:/bin"))
-    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    monkeypatch.setattr(os, "geteuid", lambda: 0 if user == "root" else 1000)
     if status or not allowed:
         assert refused(capsys, bootstrap.install_packages, ["vvp", "g++"]).endswith("apt-get install -y g++ vvp")
     else:
