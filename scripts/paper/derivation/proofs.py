@@ -71,11 +71,6 @@ def symbols(names: str) -> list[sp.Symbol]:
     return [symbol(name) for name in names.split()]
 
 
-def vector(name: str) -> sp.Matrix:
-    """Return the vector of the symbols name_x, name_y, name_z."""
-    return sp.Matrix([symbol(f"{name}_{axis}") for axis in "xyz"])
-
-
 COS_H, SIN_H = symbols("cos_h sin_h")
 HALF_PHI = {sp.cos(symbol("phi") / 2): COS_H, sp.sin(symbol("phi") / 2): SIN_H}
 HALF_CIRCLE = "sin_h**2 = 1 - cos_h**2"

@@ -8,6 +8,7 @@ from model.motion.tests import figure
 from scripts import trajectory
 from scripts.report import __main__ as report
 from scripts.tests.conftest import FakeSimulator
+from tb.sim.env import simulator as simulator_name
 
 
 def without_rtl(patch):
@@ -20,12 +21,16 @@ def without_rtl(patch):
     return fake
 
 
-def write_without_rtl(folder, *options):
+def write(folder, *options):
     """Write a page into a folder; return its address."""
+    assert report.main([*options, "--sim", simulator_name(), "--out", str(folder)]) == 0
+    return (folder / "report.html").as_uri()
+
+
+def write_without_rtl(folder, *options):
     with pytest.MonkeyPatch.context() as patch:
         without_rtl(patch)
-        assert report.main([*options, "--out", str(folder)]) == 0
-    return (folder / "report.html").as_uri()
+        return write(folder, *options)
 
 
 @pytest.fixture(scope="session")
@@ -43,10 +48,10 @@ def clip(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def three(tmp_path_factory):
-    """Address of the page of three datapaths, 20 targets."""
+    """Address of the page of an RTL run of three datapaths, 20 targets."""
     path = tmp_path_factory.mktemp("three") / "t.csv"
     path.write_text("x,y,z\n" + "".join(f"0.3,{n / 50},0.1\n" for n in range(20)))
-    return write_without_rtl(path.parent, "--trajectory", str(path), "--datapath", "lean,fold,paper")
+    return write(path.parent, "--trajectory", str(path), "--datapath", "lean,fold,paper")
 
 
 @pytest.fixture
