@@ -16,6 +16,7 @@ from model.reference import equations
 from model.reference.lean_equations import solve_lean
 from scripts.fpga.designs import load
 from scripts.paper.table6 import __main__ as table6
+from scripts.paper.table6 import compiled
 from scripts.paper.table6.compiled import REALS, WAYS, Solver
 from scripts.paper.table6.contenders import Contender, columns, contenders, lean
 
@@ -134,8 +135,16 @@ def test_the_named_rows_are_dated_and_kept_without_their_software(copy, command,
 
 
 @needs_cc
-def test_errors_are_one_line(copy, command, monkeypatch):
-    for key, path, expected in (("fortran", os.environ["PATH"], "c-lean-double-chain"), ("c-", "", "no C compiler")):
+def test_errors_are_one_line(copy, command, monkeypatch, tmp_path):
+    monkeypatch.setattr(compiled, "SOURCE", tmp_path / "missing.c")
+    compiled.shared_object.cache_clear()
+    path = os.environ["PATH"]
+    cases = (
+        ("fortran", path, "c-lean-double-chain"),
+        ("c-", path, "cannot compile missing.c"),
+        ("c-", "", "no C compiler"),
+    )
+    for key, path, expected in cases:
         monkeypatch.setenv("PATH", path)
         status, out, err = command(table6.main, "--only", key)
         assert (status, out) == (2, []) and expected in err[-1] and figures() == copy

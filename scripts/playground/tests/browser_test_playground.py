@@ -186,7 +186,7 @@ def test_the_background_turns_the_view_and_keys_move_the_wrist(page):
     assert page.run("document.documentElement.dataset.flow") == "run"
 
 
-OVER = "[...document.getElementById('angles').rows].map((row) => row.className)"
+ANGLES = "[...document.getElementById('angles').rows].map((row) => [row.className, row.cells[1].textContent])"
 RING = """((ring, i) => {
     const box = document.getElementById('scene').getBoundingClientRect();
     const { state, rings, viewOf } = playground;
@@ -204,7 +204,7 @@ def test_the_hand_turns_and_the_joints_follow(page, name, touch):
     arm = playground.ARMS[name]
     page.choose("robot", name)
     step(page, LEAN + 2)
-    assert not any(page.run(OVER)), "an arm starts within its limits"
+    assert not any(over for over, _ in page.run(ANGLES)), "an arm starts within its limits"
     page.choose("phi", -2.8)
     page.run(FLOW.format("run"))
     page.middle("#scene")
@@ -227,7 +227,10 @@ def test_the_hand_turns_and_the_joints_follow(page, name, touch):
     point = place + np.linalg.norm(arm.tool) * rotate(np.array(turn), (0.0, 0.0, 1.0))
     pose = arm.solve(point, turn, asked.phi)
     assert np.abs(wrap(pose.joints[0] - joints)).max() < 2e-8
-    assert [bool(over) for over in page.run(OVER)] == pose.over_limit[0].tolist()
+    shown = page.run(ANGLES)
+    degrees = [float(text.replace("\N{MINUS SIGN}", "-").rstrip("\N{DEGREE SIGN}")) for _, text in shown]
+    assert degrees == pytest.approx(np.degrees(joints), abs=0.051)
+    assert [bool(over) for over, _ in shown] == pose.over_limit[0].tolist()
     assert pose.over_limit.any() == (name != "arm")
 
 
@@ -305,6 +308,10 @@ def test_the_vcd_holds_every_node(page, tmp_path, machine):
 
 
 def test_signals_are_shown_and_hidden(page):
+    step(page, 5)
+    wide = page.picture("waves")
+    page.choose("zoom", "20")
+    assert page.picture("waves") != wide
     for there in (True, False):
         page.choose("watch", "g_fifo.u_credits.u_fifo.wr_ptr")
         assert page.run("playground.ui.watched.includes('g_fifo.u_credits.u_fifo.wr_ptr')") == there

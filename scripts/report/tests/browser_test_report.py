@@ -114,6 +114,9 @@ def test_controls(written, browser):
     walk(page, [*keys, ("Home", 0), ("#next", 1), ("#next", 2), ("#back", 1)])
     page.run("document.getElementById('scrub').focus()")
     walk(page, [("ArrowRight", 2)])  # handled by the slider alone: one step, not two
+    x, y = page.middle("#scrub")
+    page.drag((x, y), (x + 60, y))
+    assert 50 < stays(page) < 99
     assert_plots_move_to_the_pointer(page, ("#hand", "#angles"), 99)
     page.click("#pipeline")  # the target that leaves at that clock
     assert abs(page.run(AT) - (page.run(MIDDLE.format("#pipeline")) * (100 + LATENCY) - LATENCY)) < 2
