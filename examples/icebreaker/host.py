@@ -7,9 +7,6 @@ Writes the same bytes as `make run DATAPATH=fold16 WIDTH=24`, except that score.
 host cannot observe. Every answer is compared with the bit-true model.
 
 The board drops frames (frames.py) with a wrong CRC; unanswered targets are sent again.
-
-Exit status: 0 if every trajectory passes, 1 if one fails or the board does not answer, 2 for unusable input (one line
-on stderr, nothing written), 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 import os
@@ -17,6 +14,7 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from types import SimpleNamespace
 
 import click
@@ -49,12 +47,6 @@ class Board:
         except (OSError, ValueError) as exc:  # pyserial's exception is an OSError
             raise InputError(f"cannot open the serial port {port!r}: {_why(exc)}") from None
 
-    def __enter__(self) -> "Board":
-        return self
-
-    def __exit__(self, *_) -> None:
-        self.port.close()
-
     def quiet(self) -> None:
         """Discard answers to an earlier host until the line is quiet."""
         end = time.monotonic() + self.timeout
@@ -65,12 +57,6 @@ class Board:
     def solve(self, words: np.ndarray, done: Callable[[int], None]) -> tuple[np.ndarray, np.ndarray]:
         """Return the results (N, 6) and flags (N,) of targets (N, 6); report the number answered by ``done(n)``.
         Raises SimulationError if the board is silent."""
-        try:
-            return self._solve(words, done)
-        except OSError as exc:
-            raise SimulationError(f"lost {self.name}: {_why(exc)}") from None
-
-    def _solve(self, words: np.ndarray, done: Callable[[int], None]) -> tuple[np.ndarray, np.ndarray]:
         results, flags = np.zeros((len(words), 6), dtype=np.int64), np.zeros(len(words), dtype=np.int64)
         answers, sent, tries = Answers(), deque(), [0] * len(words)
         self.quiet()
@@ -114,20 +100,22 @@ def _why(error: BaseException) -> str:
 def compared(words: np.ndarray, results: np.ndarray, flags: np.ndarray) -> Run:
     """Compare the board's answers with the bit-true model."""
     model = fixed.run(words, WIDTH, FOLD16.name)
-    mask = np.int64((1 << WIDTH) - 1)
-    wrong = np.column_stack(((results ^ model.results) & mask, flags ^ model.flags))
-    bits = sum(int(word).bit_count() for word in wrong[wrong != 0])
+    wrong = np.column_stack(((results ^ model.results) & (1 << WIDTH) - 1, flags ^ model.flags))
     targets = np.flatnonzero(wrong.any(axis=1))
     first = f"first: target {targets[0]}" if len(targets) else None
-    return Run(results, flags, None, None, bits, first)
+    return Run(results, flags, None, None, sum(map(int.bit_count, wrong.ravel().tolist())), first)
 
 
 def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
+    """Send all targets. Raises SimulationError."""
     total, before, runs = sum(len(item.words) for item in prepared), 0, []
-    with progress(f"{board.name}, {total} targets", total) as meter:
+    with closing(board.port), progress(f"{board.name}, {total} targets", total) as meter:
         for item in prepared:
-            results, flags = board.solve(item.words, lambda done, before=before: meter(before + done))
-            runs.append(compared(item.words, results, flags))
+            try:
+                answers = board.solve(item.words, lambda done, before=before: meter(before + done))
+            except OSError as exc:
+                raise SimulationError(f"lost {board.name}: {_why(exc)}") from None
+            runs.append(compared(item.words, *answers))
             before += len(item.words)
     return runs
 
@@ -145,11 +133,11 @@ def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
     fails="one fails or the board does not answer",
 )
 def main(parsed: SimpleNamespace) -> int:
-    """Run the command line and return the exit status."""
     parsed.sim, parsed.datapath, parsed.width = "icebreaker", FOLD16.name, WIDTH
     prepared = prepare(parsed)
     out = parsed.out
-    with outputs(out, [out], prepared) as files, Board(parsed.port, parsed.baud, parsed.timeout) as board:
+    with outputs(out, [out], prepared) as files:
+        board = Board(parsed.port, parsed.baud, parsed.timeout)
         begin = time.monotonic()
         runs = _through(board, prepared)
         rate = sum(len(run.flags) for run in runs) / (time.monotonic() - begin)

@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dataflow graph after a run: nodes, operation counts, the cone of a node, the longest path, balancing delays.
+"""Dataflow graph after a run: kinds of operations, the cone of a node, the longest path, balancing delays.
 
 Pages and pictures are drawn from it. Formats and clocks do not depend on the target.
 """
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from model.dataflow import fixed
 from model.dataflow.choices import Choice
 from model.dataflow.expressions import HALF_UP, Floor, Operation, Sum, Term
 from model.dataflow.formats import Format, Latency
@@ -19,16 +17,16 @@ from model.dataflow.shifts import Count
 WIDTH = 32
 
 KINDS = {
-    "input": "input",
-    "mul": "product",
-    "add": "sum",
-    "div": "division",
-    "root": "root",
-    "sincos": "sine, cosine",
-    "scale": "shift",
-    "choose": "choice",
+    "input": ("input", "", "#ffffff", "#333333"),
+    "mul": ("product", "×", "#dbeafe", "#1d4ed8"),
+    "add": ("sum", "+", "#dcfce7", "#15803d"),
+    "div": ("division", "÷", "#fde2c8", "#c2410c"),
+    "root": ("root", "√", "#fbd5e5", "#be185d"),
+    "sincos": ("sine, cosine", "sin cos", "#ede4fd", "#6d28d9"),
+    "scale": ("shift", "shift", "#e0f2f1", "#0f766e"),
+    "choose": ("choice", "?", "#f1f1f1", "#666666"),
 }
-"""Kind of operation -> its name."""
+"""Kind of operation -> its name, its symbol in a graph, its fill and line in a schedule."""
 
 KIND_OF = {
     "mul": "mul", "mul3": "mul", "mul3_far": "mul", "square": "mul", "product": "mul",
@@ -37,8 +35,6 @@ KIND_OF = {
     "shift": "scale", "shift3": "scale", "even": "scale", "mux": "choose", None: "choose",
 }  # fmt: skip
 """Operation of `Latency.TABLE` -> its kind."""
-
-VECTORS = ("norm", "sincos", "trig")  # units with several results
 
 
 def additions(term: Term) -> int:
@@ -54,27 +50,6 @@ def additions(term: Term) -> int:
 def added(node: Node) -> int:
     """Return the number of additions of a choice."""
     return additions(node.op) + (node.rounding == HALF_UP)
-
-
-def operations(datapath: str) -> dict[str, Counter]:
-    """Return for each section the number of each unit, a kind of `Latency.TABLE`, and of ``additions``.
-
-    Each + or - of a rounded or exact sum is an addition; those inside another unit, such as the rounding of a product
-    or a shift count, are not. A unit with several results counts once.
-    """
-    counts: dict[str, Counter] = {}
-    counted = set()
-    for node in fixed.nodes(datapath, WIDTH).values():
-        mine, unit = counts.setdefault(node.section, Counter()), node.latency
-        if unit in ("sum2", "sum3"):
-            mine["additions"] += max(int(unit[-1]), len(node.operands)) - 1
-        elif unit in ("mux", "wide"):
-            mine["additions"] += added(node)
-        elif unit:
-            key = (unit, *(o.name for o in node.operands)) if unit in VECTORS else node.name
-            mine[unit.removesuffix("_far")] += key not in counted
-            counted.add(key)
-    return counts
 
 
 def kind(node: Node) -> str:
@@ -101,19 +76,12 @@ def operands(node: Node) -> list[str]:
 
 
 class Delay(NamedTuple):
-    """Delay of a word of ``bits`` bits from clock ``begin`` to clock ``end``."""
+    """Delay of a word of ``bits`` bits from clock ``begin`` to clock ``end``, a number of ``clocks``."""
 
     begin: int
     end: int
     bits: int
-
-    @property
-    def clocks(self) -> int:
-        return self.end - self.begin
-
-    @property
-    def flip_flops(self) -> int:
-        return self.clocks * self.bits
+    clocks: int
 
 
 def delays(nodes: Mapping[str, Node]) -> dict[str, Delay]:
@@ -122,8 +90,8 @@ def delays(nodes: Mapping[str, Node]) -> dict[str, Delay]:
     for node in nodes.values():
         for name in operands(node):
             last[name] = max(last[name], start(node))
-    found = {n: Delay(v.time, last[n], v.format.width) for n, v in nodes.items()}
-    return {n: d for n, d in found.items() if d.flip_flops}
+    late = {n: v for n, v in nodes.items() if last[n] > v.time}
+    return {n: Delay(v.time, last[n], v.format.width, last[n] - v.time) for n, v in late.items()}
 
 
 def cone(nodes: Mapping[str, Node], name: str) -> dict[str, Node]:

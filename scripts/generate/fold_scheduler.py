@@ -6,8 +6,6 @@
 Writes the schedule of least latency found in the time limit to model/dataflow/fold/schedule.json or schedule_arm.json,
 the source of the program (`python -m scripts.generate.headers`).  Rerun after adding, dropping or renaming a step of
 the dataflow.
-
-Exit status: 0 a schedule was found, 1 none exists or none was found in time, 2 bad input.
 """
 
 import json
@@ -15,6 +13,8 @@ import sys
 from collections.abc import Callable, Iterable
 from dataclasses import asdict
 from types import SimpleNamespace
+
+import click
 
 from model.dataflow.fold import steps as timing
 from model.dataflow.fold.lowering import Groups, Lowering
@@ -36,6 +36,8 @@ class _Problem:
         vectors = [angle for angle, vector in lowering.vectors.items() if not vector.lengths]
         self.starts = {name: self._clock(name, 1, latency) for name in [*groups, *vectors]}
         self.placed = [(name, Placed(at, step)) for name, group in groups.items() for at, step in group]
+        results = [(of.step.result, self.starts[name] + of.at + timing.WRITE) for name, of in self.placed]
+        self.results = {result: clock for result, clock in results if result}
         self._words()
         vectors = self._angles()
         self._results(self._registers(), vectors)
@@ -75,9 +77,8 @@ class _Problem:
     def _angles(self) -> dict[str, tuple[str, int]]:
         """Allow one vector at a time in the angle unit, from the elbow's to the wrist's, and two clocks for its angle;
         return the clock in which each is handed over, counted from a start."""
-        at = {of.step.result: self.starts[name] + of.at + timing.WRITE for name, of in self.placed if of.step.result}
         early = (of.step for _, of in self.placed if of.step.name in timing.ELBOW and of.step.write)
-        at |= {step.write.to: at[step.result] for step in early}
+        at = self.results | {step.write.to: self.results[step.result] for step in early}
         handed_over: dict[str, tuple[str, int]] = {}
         clocks = self.lowering.angle_clocks
         order = sorted(self.lowering.vectors.values(), key=lambda vector: not vector.opposite)
@@ -113,26 +114,25 @@ class _Problem:
         written = self._written(timing.word_writes, self.loads)
         for name, placed in self.placed:
             for use in timing.word_reads(placed):
-                for write in written[use.of]:
-                    self.model.add(self.starts[name] + use.at > write)
-                    self.model.add(self.starts[name] + use.at < write + self.period)
+                self._needs(written, {use.of}, self.starts[name] + use.at, self.period - 1)
 
     def _registers(self) -> dict[str, list]:
-        """Constrain flags and counts, which are registers, in the same way; return the clocks that set them."""
+        """Constrain flags and counts, which are registers, in the same way; return the clocks that set them. A register
+        can be read in the clock that sets it for the next target."""
         written = self._written(timing.registers_set, ["phi"])
         for name, placed in self.placed:
             start = self.starts[name]
             for selector, at in timing.selections(placed):
-                self._needs(written, self.lowering.registers(selector), start + at)
-            if placed.step.count:
-                for number, (_, register) in enumerate(placed.step.count.terms):
-                    self._needs(written, {register}, start + timing.first_count(placed) + number)
+                self._needs(written, self.lowering.registers(selector), start + at, self.period)
+            for number, (_, register) in enumerate(placed.step.count.terms if placed.step.count else ()):
+                self._needs(written, {register}, start + timing.first_count(placed) + number, self.period)
         return written
 
-    def _needs(self, written: dict[str, list], registers: set[str], clock) -> None:
-        for at in (at for register in registers for at in written[register]):
+    def _needs(self, written: dict[str, list], names: set[str], clock, most: int) -> None:
+        """Constrain a clock to be 1 to ``most`` clocks after every write of these words or registers."""
+        for at in (at for name in names for at in written[name]):
             self.model.add(clock > at)
-            self.model.add(clock <= at + self.period)
+            self.model.add(clock <= at + most)
 
     def _results(self, registers: dict[str, list], vectors: dict[str, tuple[str, int]]) -> None:
         """Constrain the results of a target.
@@ -141,24 +141,22 @@ class _Problem:
         the last clocks of a lap, because these already fetch steps of the next lap. A joint's limit is compared after
         its angle.
         """
-        results_written = [(of.step.result, self.starts[name] + of.at + timing.WRITE) for name, of in self.placed]
-        written = {result: clock for result, clock in results_written if result}
         over = {angle: self.starts[name] + clock for angle, (name, clock) in vectors.items()}
         shown = self.lowering.angle_clocks.shown
         joints = [over[joint.angle] + shown + joint.late for joint in self.lowering.joints.values()]
-        results = [clock for name, clock in written.items() if name in self.lowering.RESULTS]
+        results = [clock for name, clock in self.results.items() if name in self.lowering.RESULTS]
         first, last, taken = (self.model.new_int_var(0, 2 * self.latency, name) for name in ("first", "last", "taken"))
         self.model.add_min_equality(first, results + joints)
         self.model.add_max_equality(last, results + [clock + timing.COMPARED for clock in joints])
         self.model.add_max_equality(taken, list(self.loads.values()))
         flags = [name for name in ("clamp", "away", "on_axis", "bad_hand", "saturated") if name in self.lowering.nodes]
         for name in flags:
-            self._needs(registers, self.lowering.registers(Selector(name)), first)
+            self._needs(registers, self.lowering.registers(Selector(name)), first, self.period)
         self.model.add(first <= taken + self.period)
         self.model.add(last + bool(joints) < first + self.period)
         if joints:  # the elbow uses the branch of the target taken last, the others the results' branch
-            self.model.add(written["elbow_w"] > taken)
-            self.model.add(written["elbow_w"] <= taken + self.period)
+            self.model.add(self.results["elbow_w"] > taken)
+            self.model.add(self.results["elbow_w"] <= taken + self.period)
         lap, place = self.model.new_int_var(0, 3, "lap"), self.model.new_int_var(0, self.period - 1, "place")
         self.model.add(last == lap * self.period + place)
         self.model.add(lap <= (2 if joints else 1))  # laps of a target that the RTL keeps
@@ -171,7 +169,7 @@ class _Problem:
     "schedule",
     "Schedule a program of the folded datapath.",
     [
-        option("--datapath", "program: fold or fold_arm", str, default="fold", metavar="NAME"),
+        option("--datapath", "program", click.Choice([*PROGRAMS]), default="fold"),
         option("--period", "clocks of a lap", whole(1), metavar="CLOCKS"),
         option("--seconds", "seconds to search", whole(1), default=240, metavar="N"),
     ],
@@ -183,8 +181,6 @@ def main(parsed: SimpleNamespace) -> int:
     except ImportError:
         raise InputError("ortools is not installed: use make schedule") from None
     name = parsed.datapath
-    if name not in PROGRAMS:
-        raise InputError(f"DATAPATH={name}: use {' or '.join(PROGRAMS)}")
     made = schedules(name).copy()
     for longest, clocks in PERIOD[name].items():
         lowering, groups = lower(longest, name)
@@ -196,8 +192,8 @@ def main(parsed: SimpleNamespace) -> int:
         solver.parameters.max_time_in_seconds = parsed.seconds
         status = solver.solve(problem.model)
         if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-            none = status == cp_model.INFEASIBLE
-            print(f"no schedule within {LATENCY[name]} clocks" if none else f"none found in {parsed.seconds} s")
+            none = f"no schedule within {LATENCY[name]} clocks"
+            print(none if status == cp_model.INFEASIBLE else f"none found in {parsed.seconds} s")
             return 1
         parts = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
         made[longest] = Schedule(period, *parts)

@@ -7,7 +7,7 @@ python -m scripts.generate.headers      writes the headers that are out of date
 import os
 import re
 from collections.abc import Iterable, Sequence
-from itertools import groupby
+from itertools import accumulate, groupby
 from pathlib import Path
 
 from model.dataflow import angles
@@ -57,10 +57,6 @@ def lean_formats() -> str:
     return BODIES.lean_formats(WIDTHS[0], *ROOT_FRACS, inner_frac(24) - 24, INNER_FRAC)
 
 
-def flags() -> str:
-    return BODIES.flags((name, flag.bit_length() - 1) for name, flag in ARM_FLAGS.items())
-
-
 def node_formats(datapath: str) -> str:
     """Return the text of ``ik_<datapath>_nodes.vh``."""
     runs, path = traced(datapath), MODELS[datapath]
@@ -93,10 +89,8 @@ def latencies() -> str:
 
 def _row(words: Iterable[int], bits: Sequence[int], add: str) -> str:
     """Join the words of a row, each cut to its bits."""
-    row = 0
-    for word, size in zip(words, bits, strict=True):
-        row = row << size | word % (1 << size)
-    return f"{sum(bits)}'h{row:0{-(-sum(bits) // 4)}x} + {add}"
+    row = "".join(format(word % (1 << size), f"0{size}b") for word, size in zip(words, bits, strict=True))
+    return f"{sum(bits)}'h{int(row, 2):0{-(-sum(bits) // 4)}x} + {add}"
 
 
 def quadratic_table(name: str, table: Table, rounding: str, *more: str) -> str:
@@ -127,11 +121,8 @@ def _name(code: str | Selector) -> str:
 
 
 def fold_fields(name: str) -> str:
-    found, at = [], 0
-    for field, bits in fields(name).items():
-        found.append((field, bits, at))
-        at += bits
-    return BODIES.fold_fields(name, found)
+    bits = fields(name)
+    return BODIES.fold_fields(name, zip(bits, bits.values(), accumulate(bits.values(), initial=0), strict=False))
 
 
 NO_STEP = 255
@@ -141,21 +132,15 @@ NO_STEP = 255
 def _rows(made: Program) -> list[tuple[str, list[str]]]:
     """Return the rows of a program, each with its notes."""
     bits, period = sum(fields(made.name).values()), made.period
-    notes: list[list[str]] = [[] for _ in range(period)]
-    for name, clock in made.loads.items():
-        notes[clock].append(f"{name} loaded")
+    notes = [(clock, f"{name} loaded") for name, clock in made.loads.items()]
     for placed in made.steps:
         step, at = placed.step, placed.at
-        notes[at % period].append(f"{step.name}: {_operand(step.a)} * {_operand(step.b)}")
-        if step.write:
-            notes[(at + timing.WRITE) % period].append(f"-> {_operand(step.write.to)}")
-        if step.norm:
-            notes[(at + timing.NORM) % period].append(f"-> {step.norm.to}")
-        if step.result:
-            notes[(at + timing.WRITE) % period].append(f"-> {step.result}")
-    for name, clock in made.shown.items():
-        notes[clock % period].append(f"-> {name}")
-    return [(f"{bits}'h{made.word(n):0{-(-bits // 4)}x}", notes[n]) for n in range(period)]
+        notes.append((at, f"{step.name}: {_operand(step.a)} * {_operand(step.b)}"))
+        writes = (step.write and _operand(step.write.to), timing.WRITE), (step.norm and step.norm.to, timing.NORM)
+        notes += [(at + late, f"-> {to}") for to, late in (*writes, (step.result, timing.WRITE)) if to]
+    notes += [(clock, f"-> {name}") for name, clock in made.shown.items()]
+    of_clock = [[note for clock, note in notes if clock % period == n] for n in range(period)]
+    return [(f"{bits}'h{made.word(n):0{-(-bits // 4)}x}", of_clock[n]) for n in range(period)]
 
 
 def _pick(values: Iterable[object]) -> str:
@@ -236,7 +221,7 @@ def texts() -> dict[Path, str]:
         "lean_nodes": (node_formats("lean"), "lean.py"),
         "arm_nodes": (node_formats("arm"), "arm.py", "lean.py"),
         "lean_formats": (lean_formats(), "nodes.py"),
-        "flags": (flags(), "../io/flags.py"),
+        "flags": (BODIES.flags((name, flag.bit_length() - 1) for name, flag in ARM_FLAGS.items()), "../io/flags.py"),
         "latency": (latencies(), "paper.py", "lean.py"),
         "sincos_table": (BODIES.sincos_table(TABLE_BITS, SINCOS_GUARD, cordic_gain(), atan_table()), "fixed.py"),
         "rsqrt_table": (quadratic_table("ik_rsqrt", INVERSE_ROOT, rounding, "tiles", "clocks"), "quadratic.py"),

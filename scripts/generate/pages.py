@@ -50,7 +50,7 @@ COLOURS = {
 }
 """Kind of operation -> colour of its bars."""
 
-NAMES = KINDS | {"fifo": "output FIFO"}
+NAMES = {of: name for of, (name, *_) in KINDS.items()} | {"fifo": "output FIFO"}
 
 
 def by_region() -> Iterator[tuple[str, ...]]:
@@ -75,13 +75,6 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
     regions |= {"arm_by_region": arm_by_region(ARM_WIDTHS), "arm_widths": ARM_WIDTHS}
     described = [(name, trajectories.describe(name)) for name in trajectories.TRAJECTORIES]
     return render("scores", scores=scores, described=described, **named, **regions)
-
-
-def latency_page() -> str:
-    paths = {
-        name: [node for node in longest_path(fixed.nodes(name, WIDTH)) if node.latency] for name in ("lean", "paper")
-    }
-    return render("latency", paths=paths, width=WIDTH, start=start, table=Latency.TABLE, fifo=FIFO_CLOCKS)
 
 
 def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
@@ -117,22 +110,20 @@ def pipeline_svg(datapath: str) -> str:
     """Return pipeline-<datapath>.svg: every clock from a target's admission to its result at `ik_axis`."""
     nodes = fixed.nodes(datapath, WIDTH).values()
     ready = max(node.time for node in nodes)
-    total = ready + FIFO_CLOCKS
-    drawn = [
-        (title, lanes(node for node in nodes if node.section == name))
-        for name, title in DATAPATHS[datapath].sections.items()
-        if name != "results"
-    ]
-    drawn.append(("output FIFO", [[("fifo", ready, total, ["ik_fifo"])]]))
+    sections = {name: title for name, title in DATAPATHS[datapath].sections.items() if name != "results"}
+    drawn = [(title, lanes(node for node in nodes if node.section == name)) for name, title in sections.items()]
+    drawn.append(("output FIFO", [[("fifo", ready, ready + FIFO_CLOCKS, ["ik_fifo"])]]))
     used = {what for _, lanes in drawn for lane in lanes for what, *_ in lane}
     more = {"drawn": drawn, "colours": COLOURS, "kinds": NAMES, "used": used}
-    return render("pipeline.svg", datapath=datapath, width=WIDTH, total=total, **more)
+    return render("pipeline.svg", datapath=datapath, width=WIDTH, total=ready + FIFO_CLOCKS, **more)
 
 
-def pages() -> dict[Path, str]:
+def texts() -> dict[Path, str]:
     """Return the files that need no simulation: path -> text."""
+    paths = {name: [node for node in longest_path(fixed.nodes(name, WIDTH)) if node.latency] for name in DATAPATHS}
+    latency = render("latency", paths=paths, width=WIDTH, start=start, table=Latency.TABLE, fifo=FIFO_CLOCKS)
     pictures = {GENERATED / f"pipeline-{name}.svg": pipeline_svg(name) for name in DATAPATHS}
-    return {GENERATED / "latency.md": latency_page(), **pictures}
+    return {GENERATED / "latency.md": latency, **pictures}
 
 
 @command("generate.pages", __doc__.splitlines()[0], [sim_option()], fails="a simulation or a trajectory fails")
@@ -148,7 +139,7 @@ def main(options: SimpleNamespace) -> int:
         list(zip(*(measured(options.sim, {"DATA_W": bus, "ARM": arm}) for bus in BUSES), strict=True)) for arm in (0, 1)
     ]
     memory = render("memory", tables=tables, buses=BUSES, short=BATCH, long=LONG)
-    update({SCORES: scores_page(scores), GENERATED / "memory.md": memory, **pages()})
+    update({SCORES: scores_page(scores), GENERATED / "memory.md": memory, **texts()})
     return 0
 
 

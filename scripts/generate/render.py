@@ -49,8 +49,8 @@ def error(value: float | None, digits: int = 1) -> str:
 def update(texts: Mapping[Path, str]) -> None:
     """Write the files of the checkout whose text has changed."""
     for path, text in texts.items():
-        if not path.exists() or path.read_text() != text:
-            path.write_text(text)
+        if not path.exists() or path.read_text("utf-8") != text:
+            path.write_text(text, "utf-8")
             print(f"wrote {path.relative_to(ROOT)}")
 
 

@@ -9,11 +9,14 @@ import hashlib
 import re
 import shutil
 import subprocess
-import sys
 from collections.abc import Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 from model.bounds import ranges
 from model.dataflow import fixed
+from model.dataflow.annotations import RangeError
 from model.dataflow.nodes import Node
 from model.dataflow.paper import SECTIONS
 from scripts.console import InputError
@@ -25,41 +28,28 @@ from tb.sim.env import GENERATED
 SHOWN = GENERATED / "figures"
 PAGE = GENERATED / "figures.md"
 
-Nodes = Mapping[str, Node]
 
-KINDS = {
-    "input": ("", "#ffffff", "#333333"),
-    "mul": ("×", "#dbeafe", "#1d4ed8"),
-    "add": ("+", "#dcfce7", "#15803d"),
-    "div": ("÷", "#fde2c8", "#c2410c"),
-    "root": ("√", "#fbd5e5", "#be185d"),
-    "sincos": ("sin cos", "#ede4fd", "#6d28d9"),
-    "scale": ("shift", "#e0f2f1", "#0f766e"),
-    "choose": ("?", "#f1f1f1", "#666666"),
-}
-"""Kind of operation -> its symbol in a graph, its fill and line in a schedule."""
-
-
-def _critical(nodes: Nodes) -> tuple[list[str], set[tuple[str, str]]]:
-    """Return the names on the longest path and its steps."""
+def drawn(nodes: Mapping[str, Node]) -> dict[str, Any]:
+    """Return what both figures show: nodes, arrows from operand to node, the longest path and its steps."""
+    arrows = [(o, name) for name, node in nodes.items() for o in operands(node)]
     path = [node.name for node in longest_path(nodes)]
-    return path, set(zip(path, path[1:], strict=False))
+    return {
+        "nodes": nodes,
+        "arrows": arrows,
+        "path": path,
+        "steps": [*pairwise(path)],
+        "kinds": flow.KINDS,
+        "flow": flow,
+    }
 
 
-def _arrows(nodes: Nodes) -> list[tuple[str, str]]:
-    """Return the pairs of operand and node."""
-    return [(o, name) for name, node in nodes.items() for o in operands(node)]
-
-
-def graph(nodes: Nodes) -> str:
+def graph(nodes: Mapping[str, Node]) -> str:
     """Return the dataflow graph of nodes in the DOT language, coloured by section, with the longest path in red.
 
     A node without operands that is not an input belongs to another section and is dashed.
     """
-    path, steps = _critical(nodes)
-    drawn = {"nodes": nodes, "arrows": _arrows(nodes), "path": path, "steps": steps, "proved": ranges.proved(WIDTH)}
     title = f"p_e_x (13), figure 6 of the paper, W = {WIDTH}"
-    return render("graph.dot", title=title, sections=SECTIONS, kinds=KINDS, flow=flow, **drawn)
+    return render("graph.dot", title=title, sections=SECTIONS, proved=ranges.proved(WIDTH), **drawn(nodes))
 
 
 def digest(text: str) -> str:
@@ -76,24 +66,19 @@ def svg(text: str) -> str:
     return f"<!-- of the graph {digest(text)} -->\n{drawn}"
 
 
-def schedule(nodes: Nodes) -> str:
+def schedule(nodes: Mapping[str, Node]) -> str:
     """Return the pipeline schedule of nodes as SVG: stages, delays, critical path and wires."""
-    path, steps = _critical(nodes)
     in_order = sorted(nodes.values(), key=lambda node: (start(node), node.time))
-    sections = [(title, [node for node in in_order if node.section == name]) for name, title in SECTIONS.items()]
+    waits = delays(nodes)
     return render(
         "schedule.svg",
         title=f"Pipeline schedule of p_e_x (13), figure 7 of the paper, W = {WIDTH}",
-        nodes=nodes,
-        sections=sections,
-        waits=delays(nodes),
-        path=path,
-        wires=[arrow for arrow in _arrows(nodes) if arrow not in steps],
-        steps=sorted(steps, key=lambda step: nodes[step[1]].time),
+        sections=[(title, [node for node in in_order if node.section == name]) for name, title in SECTIONS.items()],
+        waits=waits,
+        flip_flops=sum(wait.clocks * wait.bits for wait in waits.values()),
         first=min(start(node) if node.operands else node.time for node in nodes.values()),
-        kinds=KINDS,
         used={kind(node) for node in nodes.values()},
-        flow=flow,
+        **drawn(nodes),
     )
 
 
@@ -103,13 +88,9 @@ def figures() -> dict[str, str]:
     return {"graph_p_e_x.svg": graph(elbow), "schedule_p_e_x.svg": schedule(elbow)}
 
 
-def write() -> int:
-    """Draw the figures and write the page; return 1 if a node does not fit its format."""
+def texts() -> dict[Path, str]:
+    """Draw the figures; return them and their page by path. Raises RangeError if a node does not fit its format."""
     if wrong := ranges.analyse(WIDTH)[1]:
-        print(*wrong.values(), sep="\n", file=sys.stderr)
-        return 1
-    for name, text in figures().items():
-        (SHOWN / name).write_text(svg(text) if text.startswith("digraph") else text, encoding="utf-8")
-    PAGE.write_text(render("figures"), encoding="utf-8")
-    print(f"wrote {PAGE.name}")
-    return 0
+        raise RangeError("\n".join(wrong.values()))
+    drawn = {SHOWN / name: svg(text) if text.startswith("digraph") else text for name, text in figures().items()}
+    return {**drawn, PAGE: render("figures")}

@@ -1,56 +1,53 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table 4 of the paper: operation counts of the datapaths, by their dataflow; operations.md."""
 
-from typing import NamedTuple
+from collections import Counter, defaultdict
+from pathlib import Path
 
+from model.dataflow import fixed
 from model.dataflow.paper import SECTIONS
-from scripts.generate.flow import WIDTH, operations
+from scripts.generate.flow import WIDTH, added, operands
 from scripts.generate.render import render
 from tb.sim.env import GENERATED
 
-PAGE = GENERATED / "operations.md"
+COLUMNS = {
+    "mul": "mul",
+    "mul3": "mul",
+    "square": "mul",
+    "product": "mul",
+    "div": "div",
+    "root": "root",
+    "rsqrt": "root",
+}
+"""Unit, a kind of `Latency.TABLE`, that is one operation -> its column."""
 
 
-class Ops(NamedTuple):
-    """Operation counts; ``scale`` counts multiplications by a constant, ``trig`` sines and cosines."""
+def by_section(datapath: str) -> dict[str, Counter]:
+    """Return the operations of each section of a datapath; its RTL has an instance or an operator for each.
 
-    add: int = 0
-    mul: int = 0
-    root: int = 0
-    div: int = 0
-    scale: int = 0
-    trig: int = 0
-
-
-def by_section(datapath: str) -> dict[str, Ops]:
-    """Return the operations of each section of a datapath; its RTL has an instance or an operator for each."""
-    return {
-        section: Ops(
-            add=units["additions"],
-            mul=units["mul"] + units["mul3"] + units["square"] + units["product"],
-            root=units["root"] + units["rsqrt"],
-            div=units["div"],
-            trig=2 * (units["sincos"] + units["trig"]),
-        )
-        for section, units in operations(datapath).items()
-    }
+    Each + or - of a rounded or exact sum is an addition; those inside another unit, such as the rounding of a product
+    or a shift count, are not. Sine and cosine of an angle come from one unit.
+    """
+    counts: dict[str, Counter] = defaultdict(Counter)
+    angles = set()
+    for node in fixed.nodes(datapath, WIDTH).values():
+        mine, unit = counts[node.section], (node.latency or "").removesuffix("_far")
+        if unit in ("sum2", "sum3"):
+            mine["add"] += max(int(unit[-1]), len(node.operands)) - 1
+        elif unit in ("mux", "wide"):
+            mine["add"] += added(node)
+        elif unit in ("sincos", "trig"):
+            mine["trig"] += 2 * ((angle := tuple(operands(node))) not in angles)
+            angles.add(angle)
+        elif unit in COLUMNS:
+            mine[COLUMNS[unit]] += 1
+    return counts
 
 
-def total(sections: dict[str, Ops]) -> Ops:
-    """Add the operations of sections."""
-    return Ops(*map(sum, zip(*sections.values(), strict=True)))
-
-
-def page() -> str:
-    """Return operations.md."""
+def texts() -> dict[Path, str]:
+    """Return operations.md by its path."""
     paper = by_section("paper")
-    counts = {"guard": paper["guard"], "everything": total(paper), "lean": total(by_section("lean"))}
-    counts["rtl"] = total({name: ops for name, ops in paper.items() if name != "guard"})
-    return render("operations", sections={SECTIONS[name]: ops for name, ops in paper.items()}, width=WIDTH, **counts)
-
-
-def write() -> int:
-    """Count, write operations.md and return 0."""
-    PAGE.write_text(page())
-    print(f"wrote {PAGE.name}")
-    return 0
+    counts = {"guard": paper["guard"], "everything": sum(paper.values(), Counter())}
+    counts |= {"rtl": counts["everything"] - counts["guard"], "lean": sum(by_section("lean").values(), Counter())}
+    sections = {SECTIONS[name]: ops for name, ops in paper.items()}
+    return {GENERATED / "operations.md": render("operations", sections=sections, width=WIDTH, **counts)}

@@ -6,8 +6,6 @@
 Compiles the cores to WebAssembly (scripts/playground/machines.py), which takes a few minutes the first time and is
 cached in build/playground, and writes OUT/index.html: a self-contained page that opens from disk without network. The
 3D view, texts and colours are shared with the report.
-
-Exit status: 0 the page is written, 1 a tool failed, 2 bad input, 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 """
 
 from __future__ import annotations
@@ -32,12 +30,11 @@ from model.reference.joints import centred
 from model.reference.kinematics import conjugate, matrix
 from scripts.console import WORD_LENGTH, command, option, output, some_of
 from scripts.generate.render import TEMPLATES
-from scripts.playground.machines import MACHINES, BuildError, Machine, chosen, table, tools, wasm
+from scripts.playground.machines import NAMES, BuildError, Machine, chosen, table, tools, wasm
 
 HERE = Path(__file__).parent
 REPORT = HERE.parent / "report"
 SCRIPTS = ("machine", "solve", "lane", "waves", "hand", "playground")
-
 
 HAND = (0.0, 0.5**0.5, 0.0, 0.5**0.5)  # z forward, x up
 ARMS = {"arm": Arm(DEFAULT_D1, DEFAULT_D2, names=[f"th{n}" for n in range(1, 8)]), **ROBOTS}
@@ -86,9 +83,6 @@ def page(machines: Sequence[Machine]) -> str:
         data=json.dumps(data(machines), allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
         machines="\n".join(embedded),
     )
-
-
-NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
 
 
 @command(

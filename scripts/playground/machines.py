@@ -62,11 +62,12 @@ MACHINES = [
 ]
 """All cores available to the page."""
 
+NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
+
 
 def chosen(datapaths: list[str] | None, width: int | None) -> list[Machine]:
     """Return the cores with these datapaths and this width; None selects all. Raises InputError if none matches."""
-    named = [machine for machine in MACHINES if machine.datapath in (datapaths or [machine.datapath])]
-    machines = [machine for machine in named if machine.width == (width or machine.width)]
+    machines = [of for of in MACHINES if of.datapath in (datapaths or NAMES) and of.width == (width or of.width)]
     if not machines:
         raise InputError(f"unknown core; valid: {', '.join(machine.name for machine in MACHINES)}")
     return machines

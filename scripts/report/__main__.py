@@ -8,8 +8,7 @@ paper, joint angles, the error of every target with its limit and prediction, th
 The page is self-contained (report.html, .css and the scripts of this folder, and the data as JSON) and opens from disk
 without network. It links to the files of `scripts.run`, written to the same folder; with several datapaths, shown side
 by side, each has its own folder, such as OUT/lean and OUT/fold.
-
-Exit status: as `scripts.run`; the page is also written, with a notice, when a trajectory fails.
+The page is also written, with a notice, when a trajectory fails.
 """
 
 from __future__ import annotations
@@ -65,16 +64,9 @@ MOST_ARMS = 4
 
 def _numbers(array: np.ndarray, digits: int = DIGITS) -> Any:
     """Convert an array to nested lists of rounded numbers."""
-    if array.ndim > 1:
+    if array.ndim:
         return [_numbers(row, digits) for row in array]
-    return [float(f"{value:.{digits}g}") for value in array.tolist()]
-
-
-def _arms(d1: np.ndarray, d2: np.ndarray) -> list[int]:
-    """Return the index of each target's arm; targets with the same lengths share an arm."""
-    _, index = np.unique(np.column_stack((d1, d2)), axis=0, return_inverse=True)
-    index = index.reshape(-1)
-    return (index if index.max() < MOST_ARMS else np.zeros_like(index)).tolist()
+    return float(f"{array:.{digits}g}")
 
 
 def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[str, Any]:
@@ -86,7 +78,9 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
     # Decode the input words, so that the swivel plane is the one passed to the core.
     asked = from_words(item.core_words(width), 0, width, targets.name)
     about = trajectories.describe(targets.name) if targets.path is None else f"Targets of {Path(targets.path).name}."
-    arms = _arms(targets.d1, targets.d2)
+    lengths = np.column_stack((targets.d1, targets.d2))
+    arms = np.unique(lengths, axis=0, return_inverse=True)[1].reshape(-1)
+    arms = (arms if arms.max() < MOST_ARMS else 0 * arms).tolist()
     if item.clip:
         limbs = " and ".join(", ".join(f"{m.limb.side} {m.limb.kind}" for m in item.moves).rsplit(", ", 1))
         frames = len(targets) // len(item.moves)
@@ -102,7 +96,7 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
         "about": about,
         "target": _numbers(wrist),
         "phi": _numbers(targets.phi),
-        "lengths": _numbers(np.column_stack((targets.d1, targets.d2))),
+        "lengths": _numbers(lengths),
         "arm": arms,
         "normal": _numbers(targets.points_from_core(swivel_normal(asked.x, asked.y, asked.z, asked.phi))),
         "paper": packed(item, width),
@@ -127,13 +121,10 @@ def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
         lengths = targets.d1, targets.d2, 0.0
         swivels = feasible_swivel(targets.core_wrist, targets.core_hand, *lengths, robot.bounds, targets.branch)
         hands |= {"names": robot.names, "joints": robot.positions(hand.joints)}
-        hands["free"] = [
-            _numbers(np.degrees(interval[np.isfinite(interval[:, 0])]), 4) if interval.size else []
-            for interval in swivels.intervals
-        ]
-        hands["limits"] = [
-            [float(f"{end:.5g}") if np.isfinite(end) else None for end in pair] for pair in np.degrees(robot.limits)
-        ]
+        finite = (interval[np.isfinite(interval).all(axis=1)] for interval in swivels.intervals)
+        hands["free"] = [_numbers(np.degrees(interval), 4) for interval in finite]
+        limits = np.degrees(robot.limits)
+        hands["limits"] = np.where(np.isfinite(limits), _numbers(limits, 5), None).tolist()
     if item.clip is None:
         goal = targets.position - (0.0 if targets.origin is None else targets.origin)
         point, turn = np.ldexp(hand.point, -item.exponent), by_joints(item, ran, result.width)[2]
@@ -147,6 +138,7 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     """Return one datapath's results for a trajectory."""
     width, scores = result.width, result.per_target
     qs, qe = quaternions(item, ran, width)
+    tolerance = result.hand_error_tolerance
     of_clip = {}
     if item.clip:
         of_clip = {"clip": figure_data(item, ran, width), "elbowError": _numbers(elbow_errors(item, result))}
@@ -161,9 +153,7 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
         "clamped": scores.clamped.tolist(),
         "hand": _numbers(scores.judged_error),
         "predicted": None if scores.predicted is None else _numbers(scores.predicted),
-        "tolerance": result.hand_error_tolerance
-        if result.hand_error_tolerance is not None
-        else result.clamped_error_tolerance,
+        "tolerance": result.clamped_error_tolerance if tolerance is None else tolerance,
         "shoulderAngle": _numbers(scores.shoulder_angle_error),
         "elbowAngle": _numbers(scores.elbow_angle_error),
         "latency": result.latency_cycles,

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from model.io.words import from_words
-from model.motion.clip import Clip, Limb, Motion, outward_and_up, rest_up
+from model.motion.clip import Clip, Motion, outward_and_up, rest_up
 from model.reference import cga, geometry
 from model.reference.cga import e3
 from model.reference.kinematics import conjugate, rotate
@@ -85,8 +85,7 @@ def _vector(mv: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def packed(item: Prepared, width: int) -> dict[str, Any]:
     """Encode the entities for the page: a row of vectors, angles and lengths per target, 16-bit words in base64."""
     vectors, angles, lengths = entities(item, width)
-    turns = [values / np.pi for values in angles.values()]
-    rows = np.column_stack([*vectors.values(), *turns, *lengths.values()])
+    rows = np.column_stack([*vectors.values(), *(values / np.pi for values in angles.values()), *lengths.values()])
     words = np.where(np.isfinite(rows), np.rint(UNITS * np.nan_to_num(rows)), NOTHING)
     return {
         "vectors": list(vectors),
@@ -127,11 +126,9 @@ def _parts(clip: Clip, moves: tuple[Motion, ...]) -> list[int]:
 
 def _facing(item: Prepared, turn: np.ndarray) -> float:
     """Return the figure's facing direction in the first frame (rad, about z)."""
-    left = np.zeros(3)
-    for move in item.moves:
-        arm = move.limb
-        out = turn @ (item.clip.positions[0, arm.upper] - item.clip.positions[0, arm.torso])
-        left += out if arm.side == "left" else -out
+    first, limbs = item.clip.positions[0], [move.limb for move in item.moves]
+    out = [(first[arm.upper] - first[arm.torso]) * (1 if arm.side == "left" else -1) for arm in limbs]
+    left = turn @ np.sum(out, axis=0)
     return float(np.arctan2(-left[0], left[1]))  # left x up
 
 
@@ -147,9 +144,8 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
     turn = place(clip.up)
     nodes = turned(item, ran, width).positions @ turn.T
     root = nodes[:, :1].copy()
-    clip_arms = (
-        clip.positions[:, [joint for move in moves for joint in (move.limb.fore, move.limb.hand)]] @ turn.T - root
-    )
+    joints = [joint for move in moves for joint in (move.limb.fore, move.limb.hand)]
+    clip_arms = clip.positions[:, joints] @ turn.T - root
     low, high = float(nodes[..., 2].min()), float(nodes[..., 2].max())
     size = np.linalg.norm(np.ptp(nodes - root, axis=1), axis=1).max()
     unit = float(f"{size / STEPS:.3g}")
@@ -190,18 +186,12 @@ def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
     qs, qe = quaternions(item, ran, width)
     upper = rotate(qs, (0.0, 0.0, 1.0))
     for n, move in enumerate(item.moves):
-        upper[n :: len(item.moves)] = _from_torso(item.clip, move.limb, upper[n :: len(item.moves)])
+        frames, arm, up = slice(n, None, len(item.moves)), move.limb, rest_up(item.clip)
+        left = (outward_and_up(item.clip, arm) - up) * (1 if arm.side == "left" else -1)
+        axes = np.stack((np.cross(left, up), left, up), axis=1)  # of the torso: forward, left, up
+        upper[frames] = rotate(conjugate(item.clip.turn[:, arm.torso]), upper[frames]) @ axes
     azimuth = np.arctan2(upper[:, 1], upper[:, 0])
     elevation = np.arcsin(np.clip(upper[:, 2], -1, 1))
     # Qe rotates by 0 if the arm is closed and by pi if the arm is straight.
     flexion = np.pi - 2 * np.arctan2(np.abs(qe[:, 1]), qe[:, 0])
     return np.degrees(np.column_stack((azimuth, elevation, item.targets.phi, flexion)))
-
-
-def _from_torso(clip: Clip, arm: Limb, directions: np.ndarray) -> np.ndarray:
-    """Convert directions (F, 3) from a clip's frame to the torso's axes: forward, left, up."""
-    up = rest_up(clip)
-    left = outward_and_up(clip, arm) - up
-    left = left if arm.side == "left" else -left
-    axes = np.stack((np.cross(left, up), left, up), axis=1)
-    return rotate(conjugate(clip.turn[:, arm.torso]), directions) @ axes

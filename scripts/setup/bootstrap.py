@@ -56,8 +56,7 @@ QUIET = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": su
 
 
 def say(text):
-    sys.stderr.write("cga-ik: " + text + "\n")
-    sys.stderr.flush()
+    print("cga-ik: " + text, file=sys.stderr, flush=True)
 
 
 def die(text):
@@ -82,13 +81,10 @@ def run_logged(command, env=None):
 
 def apt_prefix():
     """Return the words before apt-get, [] or ["sudo", "-n"], or None if it is not allowed."""
-    if which("apt-get") is None:
-        return None
-    if os.geteuid() == 0:
+    if which("apt-get") and os.geteuid() == 0:
         return []
-    if which("sudo") and subprocess.call(["sudo", "-n", "true"], **QUIET) == 0:
-        return ["sudo", "-n"]
-    return None
+    sudo = which("apt-get") and which("sudo") and subprocess.call(["sudo", "-n", "true"], **QUIET) == 0
+    return ["sudo", "-n"] if sudo else None
 
 
 def install_packages(packages, required=True):
@@ -107,22 +103,20 @@ def install_packages(packages, required=True):
 
 def missing(needs, optional=False):
     """Return the required, or the optional, programs of needs that are not installed."""
-    programs = [program for need in needs for program in PROGRAMS[need]]
-    return [program for program in programs if which(program) is None and (program in OPTIONAL) == optional]
+    programs = [program for need in needs for program in PROGRAMS[need] if (program in OPTIONAL) == optional]
+    return [program for program in programs if which(program) is None]
 
 
 # -- the virtual environment -----------------------------------------------------------------------
 
 
-def digest(name):
-    """Return the digest of a lock file."""
-    with open(LOCK.format(name), "rb") as f:
-        return hashlib.sha256(f.read()).hexdigest()
-
-
-def key():
-    """Return the stamp entries that identify the present environment."""
-    return {"lock": digest("run"), "python": os.path.realpath(PYTHON), "venv": os.path.abspath(".venv")}
+def stamp_of(ready):
+    """Return the stamp of the present environment with these needs: its paths and the digests of its lock files."""
+    stamp = {"ready": sorted(ready), "python": os.path.realpath(PYTHON), "venv": os.path.abspath(".venv")}
+    for name in ["lock"] + [extra for extra in EXTRAS if extra in ready]:
+        with open(LOCK.format("run" if name == "lock" else name), "rb") as f:
+            stamp[name] = hashlib.sha256(f.read()).hexdigest()
+    return stamp
 
 
 def read_ready():
@@ -131,18 +125,16 @@ def read_ready():
     try:
         with open(STAMP) as f:
             stamp = json.load(f)
-        if dict(stamp, **key()) != stamp or not os.path.exists(PYTHON):
-            return None
-        return {need for need in stamp["ready"] if need not in EXTRAS or stamp[need] == digest(need)}
+        present = stamp_of(stamp["ready"])
     except (OSError, ValueError, LookupError, TypeError):
         return None
+    changed = {name for name in present if present[name] != stamp.get(name)}
+    return set(present["ready"]) - changed if changed <= set(EXTRAS) and os.path.exists(PYTHON) else None
 
 
 def write_stamp(ready):
-    stamp = dict(key(), ready=sorted(ready))
-    stamp.update({extra: digest(extra) for extra in EXTRAS if extra in ready})
     with open(STAMP + ".new", "w") as f:
-        json.dump(stamp, f, indent=1)
+        json.dump(stamp_of(ready), f, indent=1)
     os.rename(STAMP + ".new", STAMP)
 
 
@@ -152,10 +144,7 @@ def is_ready(needs):
 
 
 def pip_install(name):
-    """Install a lock file, which names every package, into .venv; return the error message.
-
-    Python compiles a module to bytecode when it is first imported; most never are.
-    """
+    """Install a lock file, which names every package, into .venv; return the error message."""
     pip = [PYTHON, "-I", "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
     pip += ["--progress-bar", "off", "--no-warn-script-location", "--no-user"]  # despite PIP_USER or a pip.conf
     error = run_logged(pip + ["--no-compile", "--no-deps", "--require-hashes", "-r", LOCK.format(name)])
@@ -168,8 +157,8 @@ def pip_install(name):
 
 def has_libpython():
     """Return whether there is a shared libpython, which a simulator loads to run cocotb."""
-    ask = "import sys, find_libpython; sys.exit(not find_libpython.find_libpython())"
-    return subprocess.call([PYTHON, "-I", "-c", ask], **QUIET) == 0
+    find = "import sys, find_libpython; sys.exit(not find_libpython.find_libpython())"
+    return subprocess.call([PYTHON, "-I", "-c", find], **QUIET) == 0
 
 
 def make_venv():
@@ -204,18 +193,16 @@ def set_up(needs):
         make_venv()
     extras = [extra for extra in EXTRAS if extra in needs and extra not in (ready or ())]
     done = (ready or set()) | set(needs) - set(extras)
-    write_stamp(done)
-    for extra in extras:  # the stamp is written before each as well: .venv is usable without extras
+    write_stamp(done)  # .venv is usable without extras
+    for extra in extras:
         what = f"the packages of requirements/{extra}.lock"
         say(f"adding {what} to .venv (a minute or so) ...")
         error = pip_install(extra)
-        if not error:
+        if error:
+            (say if extra in OPTIONAL_EXTRAS else die)(f"could not add {what}: {error}")
+        else:
             done.add(extra)
             write_stamp(done)
-        elif extra in OPTIONAL_EXTRAS:
-            say(f"could not add {what}, continuing without them (more in build/setup.log)")
-        else:
-            die(f"could not add {what}: {error}")
     if extras or ready is None:
         say("ready")
 

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Symbolic derivations of the paper's equations and of the lean dataflow, and their pages derivation.md and lean.md."""
 
-import sys
 from collections.abc import Mapping
+from pathlib import Path
 
 from model.dataflow.lean import SECTIONS
 from scripts.generate.render import render
 from scripts.paper.derivation import lean, paper
-from scripts.paper.derivation.proofs import Step, aligned, derive, failures, tex
+from scripts.paper.derivation.proofs import ProofError, Step, aligned, derive, failures, tex
 from tb.sim.env import GENERATED
 
 STEPS = {"derivation": paper.STEPS, "lean": lean.STEPS}  # page -> its steps
@@ -27,13 +27,9 @@ def page(name: str, steps: Mapping[str, Step]) -> str:
     return render(name, proofs=proofs, sections=sections, halves=aligned(halves))
 
 
-def write() -> int:
-    """Derive and write both pages; if statements do not hold, print them and return 1."""
-    for name, functions in STEPS.items():
-        steps = derive(functions)
-        if wrong := failures(steps):
-            print(*wrong, f"{name}.md not written", sep="\n", file=sys.stderr)
-            return 1
-        (GENERATED / f"{name}.md").write_text(page(name, steps), encoding="utf-8")
-        print(f"wrote {name}.md: {len(steps)} steps, {sum(len(step.statements) for step in steps.values())} statements")
-    return 0
+def texts() -> dict[Path, str]:
+    """Derive; return the pages by path. Raises ProofError if statements do not hold."""
+    steps = {name: derive(functions) for name, functions in STEPS.items()}
+    if wrong := [line for proved in steps.values() for line in failures(proved)]:
+        raise ProofError("\n".join(wrong))
+    return {GENERATED / f"{name}.md": page(name, proved) for name, proved in steps.items()}

@@ -8,9 +8,9 @@ import sympy as sp
 
 from model.reference import cga, geometry
 from model.reference.cga import symbol
-from scripts.paper.derivation.proofs import HALF_CIRCLE, PRINTED, Step, symbols, vector
+from scripts.paper.derivation.proofs import HALF_CIRCLE, PRINTED, Step, symbols
 
-P_W, P_E, PI = vector("p_w"), vector("p_e"), vector("pi_swivel")
+P_W, P_E, PI = (sp.Matrix(symbols(f"{name}_x {name}_y {name}_z")) for name in ("p_w", "p_e", "pi_swivel"))
 D1, D2 = symbols("d1 d2")
 PAIR = [f"pp_{name}" for name in ("i", "j", "k", "14", "15", "24", "25", "34", "35")]
 BLADES = ("e23", "e13", "e12", "e14", "e15", "e24", "e25", "e34", "e35")

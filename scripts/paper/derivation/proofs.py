@@ -32,14 +32,12 @@ def corrected(number: str, name: str) -> str:
 # -- names and formulas ----------------------------------------------------------------------------------------------
 
 TEX = {
-    "phi": r"\phi", "d1": "d_1", "d2": "d_2", "d_sum": "d_+", "d_dif": "d_-", "rho_sq": r"\rho^2", "a_far": "A",
-    "b_near": "B", "k_law": "K", "l_sw": "|L_{sw}|", "l_m": "|L_m|", "pi": r"\pi_{swivel}", "pi_abs": r"|\pi_{swivel}|",
-    "inf_pp": r"\mathrm{inf}_{PP}", "tmp1": r"\mathrm{tmp}_1", "tmp2": r"\mathrm{tmp}_2", "c3": "c_3", "c4": "c_4",
-    "tmp_sqr": r"\mathrm{tmp}_{sqr}", "sign_raw": r"\mathrm{side}", "abs_side": r"|\mathrm{side}|",
-    "sign": r"\mathrm{sign}", "q3_scalar": r"q_{3,scalar}", "q3_k": "q_{3k}", "rho": r"\rho", "dist": "|p|",
-    "lam": r"\lambda", "gamma": r"\gamma", "sigma": r"\sigma", "length_sq": "|q|^2", "c_plus": "c_+",
-    "s_plus": "s_+", "c_minus": "c_-", "s_minus": "s_-", "sqrt_a": r"\sqrt A", "sqrt_b": r"\sqrt B",
-    "cc": r"\mathrm{cc}", "ss": r"\mathrm{ss}", "sc": r"\mathrm{sc}", "cs": r"\mathrm{cs}", "abs_w": "|r_w|",
+    "phi": r"\phi", "d1": "d_1", "d2": "d_2", "a_far": "A", "b_near": "B", "k_law": "K", "l_sw": "|L_{sw}|",
+    "l_m": "|L_m|", "pi": r"\pi_{swivel}", "pi_abs": r"|\pi_{swivel}|", "inf_pp": r"\mathrm{inf}_{PP}",
+    "tmp1": r"\mathrm{tmp}_1", "tmp2": r"\mathrm{tmp}_2", "tmp_sqr": r"\mathrm{tmp}_{sqr}", "c3": "c_3", "c4": "c_4",
+    "sign_raw": r"\mathrm{side}", "abs_side": r"|\mathrm{side}|", "sign": r"\mathrm{sign}", "abs_w": "|r_w|",
+    "q3_scalar": r"q_{3,scalar}", "q3_k": "q_{3k}", "rho": r"\rho", "dist": "|p|", "gamma": r"\gamma",
+    "sigma": r"\sigma", "length_sq": "|q|^2", "sqrt_a": r"\sqrt A", "sqrt_b": r"\sqrt B",
 }  # fmt: skip
 PATTERNS = (
     (r"p_([we])_([xyz])", r"p_{\1\2}"),
@@ -55,8 +53,6 @@ PATTERNS = (
     (r"(cos|sin)_(\w\w)", r"\\\1_{\2}"),
     (r"(cos|sin)_phi", r"\\\1\\phi"),
     (r"(cos|sin)([34])", r"\\\1\\frac{\\theta_\2}{2}"),
-    (r"(inv|root)_rho", r"\\mathrm{\1}_\\rho"),
-    (r"(inv|root)_(\w+)", r"\\mathrm{\1}_{\2}"),
     (r"sqrt_(\w)", r"\\sqrt{d_\1}"),
     (r"(az|tilt|arm)_([cs])", r"\\mathrm{\1}_\2"),
     (r"(az|tilt|arm)_sq", r"|\\mathrm{\1}|^2"),
@@ -75,21 +71,12 @@ def symbols(names: str) -> list[sp.Symbol]:
     return [symbol(name) for name in names.split()]
 
 
-def vector(name: str) -> sp.Matrix:
-    """Return the vector of the symbols name_x, name_y, name_z."""
-    return sp.Matrix([symbol(f"{name}_{axis}") for axis in "xyz"])
-
-
-class rsqrt(sp.Function):  # noqa: N801 - the name in the tables
-    """Reciprocal square root as one operation."""
-
-
 COS_H, SIN_H = symbols("cos_h sin_h")
 HALF_PHI = {sp.cos(symbol("phi") / 2): COS_H, sp.sin(symbol("phi") / 2): SIN_H}
 HALF_CIRCLE = "sin_h**2 = 1 - cos_h**2"
 
 FUNCTIONS: dict[str, Any] = {
-    "sqrt": sp.sqrt, "Abs": sp.Abs, "cos": sp.cos, "sin": sp.sin, "rsqrt": rsqrt,
+    "sqrt": sp.sqrt, "Abs": sp.Abs, "cos": sp.cos, "sin": sp.sin,
     "dot": lambda a, b: a.dot(b), "cross": lambda a, b: a.cross(b), "sq": lambda a: a.dot(a),
     "vec": lambda *parts: sp.Matrix(parts),
 }  # fmt: skip
@@ -113,10 +100,7 @@ def _call(form: str) -> Callable[..., sp.Symbol]:
 
 SHOWN = {
     "sq": _call("|{}|^2"),
-    "rsqrt": _call(r"\frac{{1}}{{\sqrt{{{}}}}}"),
     "vec": _call(r"\left({}\right)"),
-    "half_c": _call("h_c({})"),
-    "half_s": _call("h_s({})"),
     "dot": lambda a, b: sp.Mul(a, sp.Symbol(r"\cdot"), b),
     "cross": lambda a, b: sp.Mul(a, sp.Symbol(r"\times"), b),
 }
@@ -143,6 +127,10 @@ def parts(left: Any, right: Any) -> list[sp.Expr]:
 
 
 # -- proofs ----------------------------------------------------------------------------------------------------------
+
+
+class ProofError(Exception):
+    """Statements that do not hold, a line each."""
 
 
 class Step:

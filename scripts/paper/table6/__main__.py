@@ -21,11 +21,11 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import click
 import numpy as np
 
 from model.dataflow import fixed
@@ -53,19 +53,13 @@ REPEATS = 7
 SHORT = 0.02
 """Minimum duration of a measurement (s); faster functions are repeated within it."""
 
-WIDTH = 32
-DATAPATH = "lean"
+WIDTH, DATAPATH = 32, "lean"
 BUS, LATENCY = 128, 34
 """Bits of the bus and clocks of the memory in the path from memory to memory."""
 CHUNK = 20_000
 """Random targets per run of the bit-true model."""
 STREAMS = "stream to stream"
 """Path through the logic around the datapath of `ik_axis`; `ik_axi` has the other one, memory to memory."""
-
-
-def report(text: str) -> None:
-    """Print progress."""
-    print(text, file=sys.stderr, flush=True)
 
 
 def machine() -> dict[str, Any]:
@@ -126,21 +120,21 @@ def row(contender: Contender, reach: Targets, random: Targets) -> dict[str, Any]
     return cells
 
 
-def stream_to_stream(datapath: str) -> dict:
+def stream_to_stream() -> dict:
     """Run the 100 targets of `reach` through the RTL without stalls. Return the clocks to the first and last result,
     the clocks per result, and the largest hand error / reach."""
     words, _ = to_words(make("reach"), WIDTH)
-    (run,) = simulate([Job("reach", words)], simulator=SIMULATORS[0], datapath=datapath, width=WIDTH)
+    (run,) = simulate([Job("reach", words)], simulator=SIMULATORS[0], datapath=DATAPATH, width=WIDTH)
     if run.bit_mismatches:
-        raise SimulationError(f"{datapath}: the RTL differs from the model: {run.first_mismatch}")
+        raise SimulationError(f"{DATAPATH}: the RTL differs from the model: {run.first_mismatch}")
     first, last = run.latency_cycles, run.total_cycles
     return {"first": first, "last": last, "each": (last - first) / len(words), "reach_error": reach_error(run.results)}
 
 
-def memory_to_memory(datapath: str) -> dict:
+def memory_to_memory() -> dict:
     """Return the same figures for jobs of `ik_axi`: register CLOCKS after a job of one target and after a job of all,
     clocks of channel R per target in a long job, error of the results in memory."""
-    (row,) = measured(SIMULATORS[0], {"DATAPATH": int(datapath == "lean"), "DATA_W": BUS}, LATENCY)
+    (row,) = measured(SIMULATORS[0], {"DATAPATH": 1, "DATA_W": BUS}, LATENCY)
     clocks = {name: row[name] for name in ("first", "last", "each")}
     return {**clocks, "reach_error": reach_error(np.array(row["results"]))}
 
@@ -155,21 +149,21 @@ PATHS = {STREAMS: stream_to_stream, f"memory to memory, {BUS} bits, latency {LAT
 """Path -> function that measures its clocks and error."""
 
 
-def random_error(words: np.ndarray, datapath: str) -> float:
+def random_error(words: np.ndarray) -> float:
     """Return the largest hand error / reach over input words, from the bit-true model (the RTL is bit-identical)."""
     parts = np.array_split(words, -(-len(words) // CHUNK))
-    answers = (result_values(fixed.run(part, WIDTH, datapath).results, WIDTH) for part in parts)
+    answers = (result_values(fixed.run(part, WIDTH, DATAPATH).results, WIDTH) for part in parts)
     errors = (hand_errors(a, from_words(p, 0, WIDTH, "random")) for a, p in zip(answers, parts, strict=True))
     return float(max(error.max() for error in errors))
 
 
 def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
     """Yield the rows of the core."""
-    report(f"{DATAPATH} RTL, {len(words)} random targets through its model ...")
-    worst = figure(random_error(words, DATAPATH))
+    click.echo(f"{DATAPATH} RTL, {len(words)} random targets through its model ...", err=True)
+    worst = figure(random_error(words))
     for path, clocks in PATHS.items():
-        report(f"{DATAPATH} RTL, {path} ...")
-        yield {"datapath": DATAPATH, "path": path, "width": WIDTH, "random_error": worst, **clocks(DATAPATH)}
+        click.echo(f"{DATAPATH} RTL, {path} ...", err=True)
+        yield {"datapath": DATAPATH, "path": path, "width": WIDTH, "random_error": worst, **clocks()}
 
 
 # -- the page ---------------------------------------------------------------------------------------------------------
@@ -177,17 +171,17 @@ def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
 BUSY = 0.3  # load per processor core above which the page warns that the computer was busy
 
 
-def clock_of(fpga: dict, row: dict) -> float:
-    """Return the clock of a hardware row (MHz): the datapath's, or for memory-to-memory rows that of ``ik_axi``."""
-    return clock(fpga, row["datapath"] if row["path"] == STREAMS else "memory", row["width"])
-
-
 def page(figures: dict, fpga: dict) -> str:
     """Return table6.md."""
+
+    def clock_of(row: dict) -> float:
+        """Return a hardware row's clock (MHz): the datapath's, or for memory-to-memory rows the clock of ``ik_axi``."""
+        return clock(fpga, row["datapath"] if row["path"] == STREAMS else "memory", row["width"])
+
     machine = figures["machine"]
     unanswered = [r for r in figures["software"] if r["key"][:2] == "c-" and r["random"]["unanswered"]]
     more = {"c_unanswered": unanswered, "busy": machine["load"] > BUSY * machine["cores"], "paper": tables}
-    return render("table6", figures=figures, machine=machine, clock_of=partial(clock_of, fpga), **more)
+    return render("table6", figures=figures, machine=machine, clock_of=clock_of, **more)
 
 
 def write(figures: dict[str, Any]) -> int:
@@ -224,7 +218,7 @@ def main(options: SimpleNamespace) -> int:
     rows, before = {}, {one["key"]: one for one in kept["software"]}
     today = {"date": datetime.date.today().isoformat()}
     for n, one in enumerate(chosen, 1):
-        report(f"[{n}/{len(chosen)}] {one.group}: {one.name} {one.lacks or '...'}")
+        click.echo(f"[{n}/{len(chosen)}] {one.group}: {one.name} {one.lacks or '...'}", err=True)
         elsewhere = one.lacks and "date" in before.get(one.key, {})
         rows[one.key] = before[one.key] if elsewhere else row(one, reach, random)
     if options.only:

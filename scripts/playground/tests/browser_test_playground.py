@@ -93,8 +93,7 @@ def test_every_core_equals_the_model(page, browser, tmp_path, machine):
     """Words, flags, clocks and all named nodes equal the model for 200 targets from trajectories and hard cases."""
     width = machine.width
     built_in = [to_words(trajectories.make(name), width)[0][::10] for name in trajectories.TRAJECTORIES]
-    words = np.concatenate([*built_in, stimuli.mixed(60, width, seed=15)])
-    words = np.concatenate([words, stimuli.mixed(max(0, 200 - len(words)), width, seed=16)])[:200]
+    words = np.concatenate([*built_in, stimuli.mixed(200, width, seed=15)])[:200]
     if machine not in BUILT:
         parts = ["--datapath", machine.datapath, "--width", str(width), "--out", str(tmp_path)]
         assert playground.main(parts) == 0
@@ -112,8 +111,9 @@ def test_double_precision(page):
     answers = page.run(f"{json.dumps(words.tolist())}.map((words) => playground.solve(words, 32))")
     asked = from_words(words, 0, 32, "mixed")
     exact = solve_lean(*(getattr(asked, name) for name in FIELDS))
-    for names, of in ((("qs_w", "qs_i", "qs_j", "qs_k"), "qs"), (("qe_w", "qe_i"), "qe")):
-        ours, theirs = np.array([answer[of] for answer in answers]), np.column_stack([exact[name] for name in names])
+    for of, parts in (("qs", "wijk"), ("qe", "wi")):
+        ours = np.array([answer[of] for answer in answers])
+        theirs = np.column_stack([exact[f"{of}_{part}"] for part in parts])
         same_sign = np.sign((ours * theirs).sum(axis=1))  # at k = 0 either sign is right
         assert np.abs(ours * same_sign[:, None] - theirs).max() < 1e-12
     bit = {flag["name"]: flag["bit"] for flag in playground.data([])["flags"]}
@@ -178,11 +178,9 @@ def test_the_background_turns_the_view_and_keys_move_the_wrist(page):
     assert page.run(PLACE) == before
     assert abs(page.run("playground.state.view.azimuth") - view + 1.0) < 0.1
     page.run("document.getElementById('scene').focus()")
-    places = [page.run(PLACE)]
     for key in ("ArrowLeft", "ArrowUp", "PageUp"):
         page.press(key)
-        places.append(page.run(PLACE))
-    assert len({tuple(place) for place in places}) == 4
+    assert (np.array(page.run(PLACE)) != before).all()
     page.run("document.activeElement.blur()")
     page.press("Space")
     assert page.run("document.documentElement.dataset.flow") == "run"
@@ -236,27 +234,12 @@ def test_the_hand_turns_and_the_joints_follow(page, name, touch):
     assert pose.over_limit.any() == (name != "arm")
 
 
-def test_flags_are_shown_with_a_reason(page):
-    page.run("Object.assign(playground.ui.target, { x: 0.7, y: 0, z: 0 })")
+@pytest.mark.parametrize(("x", "z", "flag"), [(0.7, 0, "too_far"), (0, 0.4, "on_axis")])
+def test_flags_are_shown(page, x, z, flag):
+    page.run(f"Object.assign(playground.ui.target, {{ x: {x}, y: 0, z: {z} }})")
     step(page, LEAN + 2)
-    lit = "[...document.querySelectorAll('#flags .on')].map((e) => e.textContent)"
-    assert page.run(lit) == ["too_far"]
-    assert "straight" in page.text("plain")
-    page.run("Object.assign(playground.ui.target, { x: 0, y: 0, z: 0.4 })")
-    step(page, LEAN + 2)
-    assert page.run(lit) == ["on_axis"]
+    assert page.run("[...document.querySelectorAll('#flags .on')].map((e) => e.textContent)") == [flag]
     assert page.run("playground.state.runs[0].now.flags === playground.state.runs[0].now.owed")
-
-
-def test_a_step_is_a_clock(page):
-    clock, sent = page.run(f"[{MACHINE}.clock, {MACHINE}.sent]")
-    step(page, 3)
-    assert page.run(f"[{MACHINE}.clock, {MACHINE}.sent]") == [clock + 3, sent + 3]
-    step(page, LEAN)
-    assert page.run(f"{MACHINE}.flying.length") == LEAN
-    page.click("#lane-title")
-    assert page.run(f"{MACHINE}.clock") == clock + 3 + LEAN, "no other click is"
-    assert page.text("clock") == f"clock {clock + 3 + LEAN}"
 
 
 def test_a_receiver_that_stalls_loses_nothing(page):
@@ -297,11 +280,8 @@ def test_a_target_is_followed_through_its_nodes(page):
         return [box.x + (at(node.time) + at(node.time + 1)) / 2, box.y + ui.laid.yOf(node) + 4];
     })()""")
     page.drag((x, y), (x, y))
-    text = page.run("document.getElementById('node').innerText")
-    assert "k_law = s + sum_dif" in text and "Q" in text and "guard" in text
     assert page.run("playground.ui.watched.at(-1)").endswith("k_law")
-    word = int(page.run("document.querySelectorAll('#node dd')[5].textContent"), 16)
-    assert [word] == bits(model["k_law"])
+    assert [int(page.run("document.querySelectorAll('#node dd')[5].textContent"), 16)] == bits(model["k_law"])
 
 
 @pytest.mark.parametrize("machine", BUILT, ids=lambda machine: machine.name)
@@ -329,12 +309,12 @@ def test_the_vcd_holds_every_node(page, tmp_path, machine):
 
 def test_signals_are_shown_and_hidden(page):
     step(page, 5)
-    for there in (True, False):
-        page.choose("watch", "g_fifo.u_credits.u_fifo.wr_ptr")
-        assert page.run("playground.ui.watched.includes('g_fifo.u_credits.u_fifo.wr_ptr')") == there
     wide = page.picture("waves")
     page.choose("zoom", "20")
     assert page.picture("waves") != wide
+    for there in (True, False):
+        page.choose("watch", "g_fifo.u_credits.u_fifo.wr_ptr")
+        assert page.run("playground.ui.watched.includes('g_fifo.u_credits.u_fifo.wr_ptr')") == there
 
 
 def test_two_cores_side_by_side(page):
@@ -346,8 +326,6 @@ def test_two_cores_side_by_side(page):
     page.run(FLOW.format("step"))
     first, second = page.run("playground.state.runs.map(({ now: { one } }) => [one.words, one.result, one.latency])")
     assert first[:2] == second[:2] and [first[2], second[2]] == [LEAN, fixed.latency("fold", 32)]
-    badges = page.run("[...document.querySelectorAll('#now .badge')].map((b) => b.textContent)")
-    assert badges == ["lean-W32", "fold-W32"]
 
 
 @pytest.mark.parametrize("size", [WIDE, (900, 700), NARROW], ids=str)
@@ -358,9 +336,6 @@ def test_page_fits(page, size, scheme):
     assert page.run(FITS)
     scrolls = STICKING_OUT.replace(".map(", ".filter((e) => !e.closest('.wide, .scrolls')).map(")
     assert page.run(scrolls) == []
-    if size != NARROW:
-        assert page.run("((e) => e.scrollWidth <= e.clientWidth)(document.querySelector('.scrolls'))"), "all columns"
-        assert page.run("[...document.querySelectorAll('label')].every((e) => e.clientHeight < 40)"), "one line each"
     unnamed = """[...document.querySelectorAll('input, select, button, canvas, [tabindex]')]
         .filter((e) => !(e.labels?.length || e.ariaLabel || e.textContent.trim() || e.getAttribute('aria-labelledby')))
         .map((e) => e.id)"""
@@ -379,4 +354,3 @@ def test_page_is_one_file(written, page):
     for machine in BUILT:
         packed = machines.wasm(machine)  # gzipped
         assert len(packed) < 2**20 and str(ROOT).encode() not in gzip.decompress(packed)
-    assert "zig" in page.text("tools")

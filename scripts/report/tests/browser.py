@@ -37,7 +37,8 @@ class Page:
         self._page.on("console", lambda message: self.problems.append(f"console.{message.type}: {message.text}"))
         self._page.on("request", lambda request: self.requests.append(request.url))
         self.call = self._context.new_cdp_session(self._page).send
-        self.click, self.run, self.close = self._page.click, self._page.evaluate, self._context.close
+        self.click, self.press, self.run = self._page.click, self._page.keyboard.press, self._page.evaluate
+        self.close = self._context.close
         self.resize(width, height, **media)
 
     def resize(self, width: int, height: int, **media: str) -> None:
@@ -67,9 +68,6 @@ class Page:
     def picture(self, name: str = "scene") -> str:
         """Return the picture of the canvas with this id."""
         return self.run(f"document.getElementById('{name}').toDataURL()")
-
-    def press(self, key: str) -> None:
-        self._page.keyboard.press(key)
 
     def drag(self, start: tuple[float, float], end: tuple[float, float], *, touch: bool = False) -> None:
         """Press the mouse or a finger at one point and release it at another; the same point twice is a click."""

@@ -12,7 +12,7 @@ import pytest
 from model.io import trajectories
 from model.io.files import format_csv
 from scripts.report import __main__ as report
-from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE, Page
+from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE
 from scripts.report.tests.conftest import write_without_rtl
 from scripts.report.tests.test_page import data_in
 from scripts.tests.conftest import LATENCY
@@ -54,13 +54,6 @@ def assert_plots_move_to_the_pointer(page, plots, last, script=AT):
         assert abs(page.run(script) - last * page.run(MIDDLE.format(plot))) < 2, plot
 
 
-def assert_files(page, address, names):
-    """Assert that the page links exactly to these files next to it, and that they exist."""
-    links = [Path(href) for href in page.run("[...document.querySelectorAll('#files a')].map((a) => a.pathname)")]
-    assert links == [Path(address.removeprefix("file://")).parent / name for name in names]
-    assert all(path.is_file() for path in links)
-
-
 def assert_fits(page, what=None):
     assert page.run(FITS) and page.run("document.documentElement.dataset.fits") == "true", what
     assert page.run(STICKING_OUT) == [], what
@@ -84,9 +77,8 @@ def test_playback(written, browser):
     page = browser(written)
     assert page.requests == [written], "nothing but the file itself is loaded"
     page.wait_for(f"{AT} >= 3")
-    first, before = page.run(AT), page.picture()
+    first = page.run(AT)
     page.wait_for(f"{AT} > {first} + 5")
-    assert page.picture() != before
     page.wait_for(f"{AT} < {first}")  # the motion restarts after its end
     page.click("#play")
     at = stays(page, 0.4)
@@ -95,7 +87,7 @@ def test_playback(written, browser):
     page.run("document.activeElement.blur()")
     page.press("Space")
     stays(page, 0.4)
-    for target, at in (("-5", 0), ("1000", 99), ("x", 0), ("", 0)):
+    for target, at in (("-5", 0), ("1000", 99), ("x", 0)):
         page.open(f"{written}#trajectory=none&target={target}")
         assert stays(page) == at and page.run("document.getElementById('trajectory').value") == NAMES[0]
     assert stays(browser(written, reduced_motion="reduce"), 0.4) == 0
@@ -130,14 +122,14 @@ def test_controls(written, browser):
     assert abs(page.run(AT) - (page.run(MIDDLE.format("#pipeline")) * (100 + LATENCY) - LATENCY)) < 2
 
     cards = "[...document.querySelectorAll('#cards button')]"
-    assert page.run(f"{cards}.map((b) => b.dataset.name)") == NAMES
-    assert page.run(f"{cards}.every((b) => b.querySelector('.good'))")
+    assert page.run(f"{cards}.filter((b) => b.querySelector('.good')).map((b) => b.dataset.name)") == NAMES
     assert len(set(page.run(f"{cards}.map((b) => b.querySelector('canvas').toDataURL())"))) == len(NAMES)
-    for name in ("punch", "out_of_reach"):
-        page.click(f"#cards button[data-name={name}]")
-        assert page.run("document.getElementById('trajectory').value") == name
-        assert page.run(f"{cards}.filter((b) => b.ariaPressed === 'true').map((b) => b.dataset.name)") == [name]
-    assert_files(page, written, (f"{name}/results.csv", f"{name}/results.npz", "score.json"))
+    page.click("#cards button[data-name=punch]")
+    assert page.run("document.getElementById('trajectory').value") == "punch"
+    links = [Path(href) for href in page.run("[...document.querySelectorAll('#files a')].map((a) => a.pathname)")]
+    files = ("punch/results.csv", "punch/results.npz", "score.json")
+    assert links == [Path(written.removeprefix("file://")).parent / name for name in files]
+    assert all(path.is_file() for path in links)
 
     for node in page.call("Accessibility.getFullAXTree")["nodes"]:
         role = node.get("role", {}).get("value")
@@ -186,15 +178,11 @@ def test_window_and_colours_change(written, browser):
 
 def test_a_clip_is_played_by_frames(clip, browser):
     page = browser(clip + "#frame=0")
-    assert page.run("document.getElementById('scrub').max") == "60"
     keys = [("ArrowRight", 1), ("ArrowLeft", 0), ("End", 60)]
     walk(page, [(key, [frame, 2 * frame]) for key, frame in keys], f"[{FRAME}, {AT}]")
     page.choose("arm", 1)
     assert [page.run(FRAME), page.run(AT)] == [60, 121], "the other arm, at the same time"
     assert_plots_move_to_the_pointer(page, ("#joints", "#hand", "#angles"), 60, FRAME)
-    page.click("#pipeline")
-    assert page.run(AT) % 2 == 1
-    assert page.run("document.getElementById('overview').clientHeight") == 0
     page.press("Home")
     page.choose("speed", 0.1)
     page.press("Space")
@@ -280,24 +268,14 @@ def test_datapaths_side_by_side(three, browser, size, scheme):
         assert len(axes) == 1 or canvas == "pipeline", f"{canvas}: one scale"
     place = "document.getElementById('{}').getBoundingClientRect().x"
     assert (page.run(place.format("hand2")) > page.run(place.format("hand"))) == (size[0] >= 900), "where there is room"
-    assert page.run(
-        "[...document.querySelectorAll('[id]')].every((e, i, all) => all.filter((o) => o.id === e.id).length < 2)"
-    )
     assert_plots_move_to_the_pointer(page, ("#hand2", "#angles3"), 19)
-    assert_files(page, three, (*(f"{d}/results.{k}" for d in names for k in ("csv", "npz")), "score.json"))
 
 
 SINGULAR = "0,0,0.5,1\n0.6,0,0,1\n0.59999,0,0,1\n0.000001,0,0.5,1\n0.27,0,0.33,0.0001\n0.6,0.6,0.1,1\n0,0,0,1\n"
-
-
 THOUSANDS = "".join(f"0.3,{k / 15_000},-0.2,3\n" for k in range(3000))
 
 
-@pytest.mark.parametrize(
-    "rows",
-    ["0.3,0.1,-0.2,3\n", "0.3,0.1,-0.2,3\n" * 2, SINGULAR, THOUSANDS],
-    ids=["one", "two that rest", "singular", "thousands"],
-)
+@pytest.mark.parametrize("rows", ["0.3,0.1,-0.2,3\n", "0.3,0.1,-0.2,3\n" * 2, SINGULAR, THOUSANDS])
 def test_other_targets(simulator, browser, rows, tmp_path):
     """Any number of targets; a name that is markup is text."""
     name = "<img src=x onerror=console.log(1)>&'" + "long" * 30
@@ -316,22 +294,3 @@ def test_other_targets(simulator, browser, rows, tmp_path):
         page.choose("scrub", n)
         page.click(f"#paper-choice button:nth-child({number})")
         assert page.run(f"{PIXELS}('paper', [null])")[0][1] >= 2, (n, number)
-
-
-SPOILT = """
-setTimeout(() => { throw new Error('on purpose'); });
-console.warn('a warning');
-document.body.append(Object.assign(new Image(), { src: 'http://localhost/x.png' }));
-"""
-
-
-def test_problems_are_noticed(written, chromium, tmp_path):
-    path = tmp_path / "spoilt.html"
-    text = Path(written.removeprefix("file://")).read_text()
-    path.write_text(text.replace("\nstart();\n", f"\nstart();\n{SPOILT}\n"))
-    page = Page(chromium, *WIDE).open(path.as_uri())
-    page.run("new Promise((done) => setTimeout(done, 200))")
-    page.close()
-    assert len(page.problems) == 3
-    for part in ("on purpose", "a warning", "Content Security Policy"):
-        assert any(part in problem for problem in page.problems), part

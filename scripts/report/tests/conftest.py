@@ -22,12 +22,12 @@ def without_rtl(patch):
 
 
 def write(folder, *options):
+    """Write a page into a folder; return its address."""
     assert report.main([*options, "--sim", simulator_name(), "--out", str(folder)]) == 0
     return (folder / "report.html").as_uri()
 
 
 def write_without_rtl(folder, *options):
-    """Write a page into a folder; return its address."""
     with pytest.MonkeyPatch.context() as patch:
         without_rtl(patch)
         return write(folder, *options)

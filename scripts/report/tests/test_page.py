@@ -22,7 +22,7 @@ from model.io.words import JOINTS
 from model.motion import clip as clips
 from model.motion.arms import ROBOTS
 from model.motion.tests import figure
-from model.reference.kinematics import angle_between, conjugate, forward, matrix, rotate
+from model.reference.kinematics import angle_between, conjugate, forward, rotate
 from scripts import run
 from scripts.report import __main__ as report
 from scripts.report.figure import FORE, UPPER
@@ -55,29 +55,27 @@ def shown(cli):
     return shown
 
 
-def test_data_agree_with_the_score(cli, command, simulator, files):
+def test_data_agree_with_the_score(cli, command, simulator):
     """Plots have the maxima that `make run` writes; drawn arms reach their targets and lie in the swivel plane."""
     assert cli("--trajectory", "all") == (0, [f"wrote {PAGE}"], [])
-    assert len(simulator.calls) == 1 and len(files()) == 2 * len(trajectories.TRAJECTORIES) + 2
-    assert PAGE.stat().st_size < 2_000_000
+    assert len(simulator.calls) == 1 and PAGE.stat().st_size < 2_000_000
     command(run.main, "--trajectory", "all", "--datapath", "lean")
     scores = json.loads(Path("build/run/score.json").read_text())
     for shown, score in zip(data_in(PAGE), scores, strict=True):
         assert shown["name"] == score["trajectory"]
         clamped = np.array(shown["clamped"])
-        for key, where, figure_of in [
-            ("hand", ~clamped, "hand_error_max"),
-            ("predicted", ~clamped, "hand_error_predicted"),
-            ("shoulderAngle", ~clamped, "shoulder_angle_error_max"),
-            ("elbowAngle", ~clamped, "elbow_angle_error_max"),
-            ("hand", clamped, "clamped_error_max"),
-        ]:
+        in_reach = {"hand": "hand_error_max", "predicted": "hand_error_predicted"}
+        in_reach |= {f"{joint}Angle": f"{joint}_angle_error_max" for joint in ("shoulder", "elbow")}
+        cases = [(key, ~clamped, figure_of) for key, figure_of in in_reach.items()]
+        for key, where, figure_of in [*cases, ("hand", clamped, "clamped_error_max")]:
             most = np.array(shown[key])[where].max() if where.any() else None
             assert most == (score[figure_of] and pytest.approx(score[figure_of], rel=1e-6)), (shown["name"], figure_of)
-        assert shown["tolerance"] == score["hand_error_tolerance"]
-        assert [shown[key] for key in ("outcome", "latency", "cycles")] == [
-            score[key] for key in ("outcome", "latency_cycles", "total_cycles")
-        ]
+        for key, figure_of in (
+            ("tolerance", "hand_error_tolerance"),
+            ("outcome", "outcome"),
+            ("cycles", "total_cycles"),
+        ):
+            assert shown[key] == score[figure_of]
         joints = forward(shown["qs"], shown["qe"], *np.transpose(shown["lengths"]))
         np.testing.assert_allclose(joints, (shown["elbow"], shown["wrist"]), atol=1e-6)
         for point in ("elbow", "wrist"):
@@ -95,8 +93,6 @@ def test_several_datapaths(cli, command, simulator):
     simulator.spoil = spoil
     status, _, errors = cli("--datapath", "lean,paper")
     assert status == 1 and len(errors) == 1 and errors[0].startswith("report, paper datapath: reach fails: ")
-    assert [call["datapath"] for call in simulator.calls] == ["lean", "paper"]
-    assert (simulator.calls[0]["jobs"][0].words == simulator.calls[1]["jobs"][0].words).all()
     (first,) = data_in(PAGE)
     (second,) = first["beside"]
     assert (first["tolerance"], second["tolerance"]) == (tolerances.LEAN[32], tolerances.REGULAR)
@@ -106,7 +102,7 @@ def test_several_datapaths(cli, command, simulator):
     for datapath in ("lean", "paper"):
         command(run.main, "--datapath", datapath, "--out", datapath)
         assert (PAGE.parent / datapath / "results.csv").read_bytes() == Path(datapath, "results.csv").read_bytes()
-    names = [f"{d}/results.{kind}" for d in ("lean", "paper") for kind in ("csv", "npz")]
+    names = [f"{datapath}/results.{kind}" for datapath in ("lean", "paper") for kind in ("csv", "npz")]
     assert data_in(PAGE, "files") == {"reach": names, "": ["score.json"]}
 
 
@@ -170,14 +166,6 @@ def test_the_page_is_self_contained_and_reproducible(cli, shown, tmp_path):
     assert cli("--trajectory", name)[0] == 0 and PAGE.read_text(encoding="utf-8") == text
 
 
-def points(clip):
-    """Return nodes (F, K, 3) and the clip's elbows and wrists (F, 2 A, 3) in the page's frame and the clip's unit."""
-    nodes, limbs = (np.array(clip[key], dtype=float).reshape(len(clip[key]), -1, 3) for key in ("nodes", "own"))
-    root = nodes[:, :1].copy()
-    nodes[:, 1:] += root
-    return nodes * clip["unit"], (limbs + root) * clip["unit"]
-
-
 FORWARD = {"x": ("y", (1, 0, 0)), "y": ("y", (0, 0, -1)), "z": ("z", (0, 1, 0))}
 """`up` argument of a test figure -> its up axis and facing direction in the clip."""
 
@@ -185,24 +173,25 @@ FORWARD = {"x": ("y", (1, 0, 0)), "y": ("y", (0, 0, -1)), "z": ("z", (0, 1, 0))}
 @pytest.mark.parametrize(("up", "phi", "still"), [("x", "clip", False), ("y", "1.5", True), ("z", "clip", True)])
 def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
     mine = clips.read(figure.write(Path("t.bvh").absolute(), up=up, frames=40))
+    height = "xyz".index(FORWARD[up][0])
     if still:  # it neither climbs nor flies
-        mine.table[:, "xyz".index(FORWARD[up][0])] *= 0.01
+        mine.table[:, height] *= 0.01
         Path("t.bvh").write_bytes(mine.content())
         mine = clips.read(Path("t.bvh").absolute())
     data = shown("--trajectory", "t.bvh", "--phi", phi)
     clip = data["clip"]
-    nodes, limbs = points(clip)
     turn, unit = np.array(clip["place"]), clip["unit"]
-    assert np.linalg.det(turn) == pytest.approx(1) and turn[2]["xyz".index(FORWARD[up][0])] == 1
+    nodes, limbs = (unit * np.reshape(clip[key], (40, -1, 3)) for key in ("nodes", "own"))
+    root = nodes[:, :1].copy()
+    nodes[:, 1:], limbs = nodes[:, 1:] + root, limbs + root
+    assert np.linalg.det(turn) == pytest.approx(1) and turn[2][height] == 1
     turned = clips.read(PAGE.parent / "clip.bvh")
-    assert clip["parents"][0] == -1 and len(clip["parents"]) == len(turned.nodes) == nodes.shape[1]
     np.testing.assert_allclose(nodes, turned.positions @ turn.T, atol=2 * unit)
     for n, (arm, names) in enumerate(zip(clips.arms(mine), clip["arms"], strict=True)):
-        assert names["side"] == arm.side
-        for k, part in enumerate(("fore", "hand")):
+        for k, (part, point) in enumerate((("fore", "elbow"), ("hand", "wrist"))):
             theirs = mine.positions[:, getattr(arm, part)] @ turn.T
             np.testing.assert_allclose(limbs[:, 2 * n + k], theirs, atol=2 * unit)
-            core = np.array(data["elbow" if part == "fore" else "wrist"])[n::2] @ turn.T
+            core = np.array(data[point])[n::2] @ turn.T
             np.testing.assert_allclose(nodes[:, names[part]] - nodes[:, names["upper"]], core, atol=3 * unit)
         assert clip["parts"][names["fore"]] == UPPER and clip["parts"][names["hand"]] == FORE
     assert clip["parts"].count(UPPER) == 2 and clip["parts"].count(FORE) == 2
@@ -212,15 +201,12 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
 
     assert clip["rate"] == pytest.approx(120, rel=1e-4) and data["arm"] == [0, 1] * 40
     low, high = nodes[..., 2].min(), nodes[..., 2].max()
-    assert low == pytest.approx(clip["floor"], abs=2 * unit)
-    centre = nodes[:, :1].copy()
+    centre, middle = nodes[:, :1].copy(), (low + high) / 2 if still else None
     if still:
-        assert clip["middle"] == pytest.approx((low + high) / 2, abs=2 * unit)
-        centre[..., 2] = clip["middle"]
-    else:
-        assert clip["middle"] is None
+        centre[..., 2] = middle
     far = np.linalg.norm(np.concatenate((nodes, limbs), axis=1) - centre, axis=2).max()
-    assert far == pytest.approx(clip["radius"], abs=2 * unit)
+    for key, expected in (("floor", low), ("middle", middle), ("radius", far)):
+        assert clip[key] == (expected and pytest.approx(expected, abs=2 * unit)), key
 
 
 @pytest.mark.parametrize(("up", "sides"), [("x", "both"), ("y", "left"), ("z", "right")])
@@ -269,7 +255,7 @@ def turn(v, axis, angle):
     """Rotate v about an axis by an angle, right-handed."""
     a = axis / np.linalg.norm(axis, axis=1, keepdims=True)
     half = np.broadcast_to(angle, len(v))[:, None] / 2
-    return (matrix(np.hstack((np.cos(half), np.sin(half) * a))) @ v[:, :, None])[:, :, 0]
+    return rotate(np.hstack((np.cos(half), np.sin(half) * a)), v)
 
 
 def assert_near(a, b, what):
