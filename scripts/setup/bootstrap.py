@@ -198,11 +198,13 @@ def set_up(needs):
         what = f"the packages of requirements/{extra}.lock"
         say(f"adding {what} to .venv (a minute or so) ...")
         error = pip_install(extra)
-        if error:
-            (say if extra in OPTIONAL_EXTRAS else die)(f"could not add {what}: {error}")
-        else:
+        if not error:
             done.add(extra)
             write_stamp(done)
+        elif extra in OPTIONAL_EXTRAS:
+            say(f"could not add {what}, continuing without them: {error}")
+        else:
+            die(f"could not add {what}: {error}")
     if extras or ready is None:
         say("ready")
 
