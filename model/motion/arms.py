@@ -18,7 +18,7 @@ from ..io.words import DEFAULT_D1, DEFAULT_D2, Targets
 from ..reference import joints
 from ..reference.kinematics import about, conjugate, matrix, multiply, quaternion, rotate
 from .hands import Hands, checked_limits
-from .pose import ArmPose, Floats, hanging, solve
+from .pose import Floats, Pose, hanging, solve
 from .swivels import Swivels, feasible_swivel
 
 UNIT = (1.0, 0.0, 0.0, 0.0)
@@ -111,7 +111,7 @@ class Arm:
         lengths: dict[str, Any] = {"d1": self.d1, "d2": self.d2, "tool": self.tool[None], "default_arm": ()}
         return replace(poses, phi=phi, hand=q, origin=self.base, frame=conjugate(self.mount), **lengths)
 
-    def solve(self, points: ArrayLike, hand: ArrayLike, phi: ArrayLike | None = None, branch: ArrayLike = 0) -> ArmPose:
+    def solve(self, points: ArrayLike, hand: ArrayLike, phi: ArrayLike | None = None, branch: ArrayLike = 0) -> Pose:
         """Return the poses for tips at points (N, 3) with orientations (N, 4), or for a single tip.
 
         joints are :meth:`positions`.  The swivel angle phi (rad, a number or (N,)) is measured from axis 1; None is

@@ -14,10 +14,10 @@ axis to z, and multiplies Qs by R~ afterwards.
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import product
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -59,6 +59,13 @@ class Pose:
     * flags (N,): bits of :class:`Flag`; 0 where the hand is at the target
     * elbow, wrist (N, 3): from forward kinematics, in the unit of the targets
     * phi (N,): the requested swivel angle, rad; in words, rounded
+
+    Of poses of a hand, otherwise empty:
+
+    * qw (N, 4): wrist quaternion, (Qs Rx(th4))~ Qh
+    * hand (N, 3): the hand's point from forward kinematics
+    * joints (N, 7): th1 .. th7, rad in -pi to pi
+    * over_limit (N, 7): True for a joint outside its limits
     """
 
     qs: Floats
@@ -68,6 +75,10 @@ class Pose:
     wrist: Floats
     phi: Floats
     order: Order = "wxyz"
+    qw: Floats = field(default_factory=lambda: np.empty((0, 4)))
+    hand: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    joints: Floats = field(default_factory=lambda: np.empty((0, 7)))
+    over_limit: NDArray[np.bool_] = field(default_factory=lambda: np.empty((0, 7), dtype=bool))
 
     def to_scipy(self) -> "tuple[Rotation, Rotation]":
         """Return shoulder and elbow as :class:`scipy.spatial.transform.Rotation` (matrices, Euler angles, slerp)."""
@@ -75,56 +86,6 @@ class Pose:
 
         first = self.order == "wxyz"
         return Rotation.from_quat(self.qs, scalar_first=first), Rotation.from_quat(self.qe, scalar_first=first)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ArmPose(Pose):
-    """N poses of the whole arm.
-
-    * qw (N, 4): wrist quaternion, (Qs Rx(th4))~ Qh
-    * hand (N, 3): the hand's point from forward kinematics
-    * joints (N, 7): th1 .. th7, rad in -pi to pi
-    * over_limit (N, 7): True for a joint outside its limits
-    """
-
-    qw: Floats
-    hand: Floats
-    joints: Floats
-    over_limit: NDArray[np.bool_]
-
-
-@overload
-def solve(
-    points: ArrayLike,
-    phi: ArrayLike | None = None,
-    d1: ArrayLike = DEFAULT_D1,
-    d2: ArrayLike = DEFAULT_D2,
-    *,
-    axis: Axis = "z",
-    width: int | None = None,
-    datapath: str = "lean",
-    order: Order = "wxyz",
-    nan: Literal["raise", "pass"] = "raise",
-) -> Pose: ...
-
-
-@overload
-def solve(
-    points: ArrayLike,
-    phi: ArrayLike | None = None,
-    d1: ArrayLike = DEFAULT_D1,
-    d2: ArrayLike = DEFAULT_D2,
-    *,
-    axis: Axis = "z",
-    width: int | None = None,
-    datapath: str = "lean",
-    order: Order = "wxyz",
-    nan: Literal["raise", "pass"] = "raise",
-    hand: ArrayLike,
-    tool: ArrayLike = 0.0,
-    branch: ArrayLike = 0,
-    limits: ArrayLike | None = None,
-) -> ArmPose: ...
 
 
 def solve(
@@ -185,7 +146,7 @@ def solve(
             values[missing] = np.nan if values.dtype.kind == "f" else 0
         if name in ("qs", "qe", "qw"):
             arrays[name] = _rolled(order, values, -1)
-    return Pose(**arrays, order=order) if hands is None else ArmPose(**arrays, order=order)
+    return Pose(**arrays, order=order)
 
 
 def _check_options(width: int | None, datapath: str, order: str, nan: str) -> None:

@@ -56,7 +56,8 @@ class Solver(NamedTuple):
         arm = hands.in_words(self._targets(table), self.exponent, self.width, limits)
         pose = self._pose(table, Results(arm.results, arm.flags, arm.phi))
         offset = hands.offset_of(pose["qs"].T, arm.results[4:], arm.qw)
-        return pose | _of_hands(pose["wrist"] + offset.T, arm.qw, arm.joints, arm.over_limit)
+        hand = {"qw": arm.qw.T, "joints": arm.joints.T, "over_limit": arm.over_limit.T}
+        return pose | hand | {"hand": pose["wrist"] + offset.T}
 
     def _hands_in_double(self, table: Floats, hands: Hands, limits: Floats | None) -> dict[str, Any]:
         wrists = np.concatenate((table[:3] - hands.offset, table[3:]))
@@ -68,7 +69,7 @@ class Solver(NamedTuple):
         if limits is not None:
             th = joints.settled(th, limits)
             over = joints.outside(th, limits)
-        return pose | _of_hands(pose["wrist"] + hands.offset.T, qw, th, over)
+        return pose | {"qw": qw.T, "hand": pose["wrist"] + hands.offset.T, "joints": th.T, "over_limit": over.T}
 
     def _targets(self, table: Floats, hand: Any = None, tool: Any = 0.0) -> Targets:
         x, y, z, phi, d1, d2 = table
@@ -97,8 +98,3 @@ class Solver(NamedTuple):
         whole_qe = np.zeros((len(qe), 4))
         whole_qe[:, :2] = qe
         return {"qs": qs, "qe": whole_qe, "flags": core.flags, "elbow": elbow, "wrist": wrist, "phi": core.phi}
-
-
-def _of_hands(point: Floats, qw: Floats, th: Floats, over: NDArray[np.bool_]) -> dict[str, Any]:
-    """Return the fields that `pose.ArmPose` adds, from points (N, 3) and arrays with components first."""
-    return {"qw": qw.T, "hand": point, "joints": th.T, "over_limit": over.T}
