@@ -17,7 +17,6 @@ import numpy as np
 from ..io.files import QUATERNION
 from ..io.words import Targets
 from ..reference.kinematics import conjugate, multiply, rotate
-from . import bvh
 from .bvh import Clip, ClipError, parse
 from .pose import Axis, direction, swivel, to_z
 
@@ -71,8 +70,9 @@ class Limb:
 
 
 def read(path: Path, up: str | None = None) -> Clip:
-    """Read a clip.  up: a name of :data:`pose.NAMED_AXES`; None is :func:`up_axis`.  Raises :class:`ClipError`."""
-    clip = bvh.read(path)
+    """Read a clip.  up: a name of :data:`pose.NAMED_AXES`; None is :func:`up_axis`.  Raises OSError, and
+    :class:`ClipError` for a file that is not BVH."""
+    clip = parse(path.read_bytes(), path)
     return replace(clip, up=up or up_axis(clip))
 
 

@@ -36,6 +36,7 @@ BAD_INPUT = [
     ("run --out o", "--out 'o/score.json' folder"),
     ("run --trajectory o/results.csv --out o", "--out input 'o/results.csv'"),
     ("run --trajectory reech", "--trajectory 'reech' all, reach, circle,"),
+    ("run --trajectory none.bvh", "'none.bvh': No such file"),
     ("run --trajectory bad.csv", "bad.csv: row 3, column y: 'two'"),
     ("run --trajectory t.csv --d1 0", "--d1 0.0"),
     ("run --trajectory t.csv --phi nan", "--phi 'nan' finite"),

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from model.motion.bvh import read
+from model.motion.clip import read
 
 NAMES = {
     "cmu": ("{Side}Shoulder", "{Side}Arm", "{Side}ForeArm", "{Side}Hand"),

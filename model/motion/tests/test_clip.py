@@ -280,12 +280,11 @@ def spoil(text, line, column, word):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda text: "", "the file is empty"),
         (lambda text: "x,y,z\n1,2,3\n", "line 1: 'x,y,z' is not ROOT"),
         (lambda text: "HIERARCHY\n", "no BVH clip: no ROOT"),
         (lambda text: text.partition("MOTION")[0], "no BVH clip: no MOTION"),
         (lambda text: text.replace("Frames", "Pictures"), r"line \d+: MOTION without 'Frames:' and 'Frame Time:'"),
-        (lambda text: text[:300].rpartition("C")[0], r"line \d+: the hierarchy ends where .* is expected"),
+        (lambda text: text[:300].rpartition("C")[0], r"line 12, joint Head: the hierarchy ends where .* is expected"),
         (lambda text: text.partition("Time: 0.008")[0] + "Time: 0.008", "the clip has no frames"),
         (lambda text: spoil(text, 5, 3, "abc"), r"line \d\d, joint Hips: 'abc' is not a finite number"),
         (lambda text: spoil(text, 5, 3, ""), r"line \d\d: 38 numbers, not 39"),
@@ -293,28 +292,20 @@ def spoil(text, line, column, word):
         (lambda text: re.sub(r"(?m)^(-?\d.*)$", r"\1 0", text), r"line \d\d: 40 numbers, not 39"),
         (lambda text: spoil(text, 5, 3, "nan"), r"line \d\d, joint Hips: 'nan' is not a finite number"),
         (lambda text: spoil(text, 5, 3, "1_0"), r"line \d\d, joint Hips: '1_0' is not a finite number"),
-        (lambda text: spoil(text, 5, 3, "-1.#IND00"), r"line \d\d, joint Hips: '-1.#IND00' is not a finite number"),
         (lambda text: spoil(text, 1, 1, "many"), r"line \d\d: 'many' is not a finite number"),
-        (lambda text: spoil(text, 2, 2, "nan"), r"line \d\d: 'nan' is not a finite number"),
-        (lambda text: text.replace("0.000000 1.0", "inf 1.0", 1), r"line 8: 'inf' is not a finite number .joint Spine"),
-        (lambda text: text.replace("Zrotation", "Wrotation", 1), "line 5: 'Wrotation' is not a position or rotation"),
-        (lambda text: text.replace("CHANNELS 6", "CHANNELS 6.5"), "line 5: '6.5' is not a whole number"),
-        (lambda text: text.replace("OFFSET", "OFFSTE", 1), "line 4: 'OFFSTE' is not .*, JOINT, End Site or }"),
-        (lambda text: text.replace("JOINT Spine", "ROOT Spine"), "line 6: 'ROOT' is not OFFSET, CHANNELS, JOINT"),
+        (lambda text: text.replace("0.000000 1.0", "inf 1.0", 1), r"line 8, joint Spine: 'inf' is not a finite number"),
+        (lambda text: text.replace("Zrotation", "Wrotation", 1), "line 5, joint Hips: 'Wrotation' is not a position"),
+        (lambda text: text.replace("JOINT Spine", "ROOT Spine"), "line 6, joint Hips: 'ROOT' is not OFFSET, CHANNELS"),
         (lambda text: text.replace("ROOT", "JOINT"), "line 2: 'JOINT' is not ROOT"),
         (lambda text: text.replace("{", "", 1), "line 4: 'OFFSET' is not {"),
-        (lambda text: b"\xff\xfe\x00" * 51, "no BVH clip: not text"),
-        (lambda text: b"\x00 \x02" * 50, "no BVH clip: not text"),
+        (lambda text: "\0", "no BVH clip: not text"),
     ],
 )
 def test_a_file_that_is_no_clip(tmp_path, change, message):
     path = figure.write(tmp_path / "clip.bvh")
-    path.write_bytes(content if isinstance(content := change(path.read_text()), bytes) else content.encode())
-    with pytest.raises(ClipError, match=message) as raised:
+    path.write_text(change(path.read_text()))
+    with pytest.raises(ClipError, match=f"^{path}: {message}"):
         read(path)
-    assert str(raised.value).startswith(f"{path}: ") and "\n" not in str(raised.value)
-    with pytest.raises(ClipError, match="none.bvh: cannot be read: No such file"):
-        read(tmp_path / "none.bvh")
 
 
 @pytest.mark.parametrize(
