@@ -8,7 +8,7 @@ from .io.flags import Flag
 from .motion import arms
 from .motion.arms import Arm
 from .motion.pose import Pose, forward, hanging, soft_reach, solve, swivel, swivel_toward
-from .motion.swivels import Swivels, choose_swivel, continuous_joints, feasible_swivel
+from .motion.swivels import Swivels, continuous_joints, feasible_swivel
 from .reference.joints import Branch
 from .reference.kinematics import continuous
 
@@ -19,7 +19,6 @@ __all__ = [
     "Pose",
     "Swivels",
     "arms",
-    "choose_swivel",
     "continuous",
     "continuous_joints",
     "feasible_swivel",

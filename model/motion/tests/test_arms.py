@@ -80,7 +80,7 @@ def test_urdf_and_back(name, tmp_path):
         assert_same(tips(chain, pose.joints), (points, m), 1e-13)
         np.testing.assert_allclose(pose.hand, points, rtol=0, atol=1e-13)
         np.testing.assert_array_equal(pose.over_limit, (pose.joints < low) | (pose.joints > high))
-        chosen = arm.choose_swivel(points, q, branch, near=0.4)
+        chosen = arm.feasible_swivel(points, q, branch).nearest(0.4)
         some = np.isfinite(chosen)
         safe = arm.solve(points[some], q[some], chosen[some], branch).joints
         assert some.mean() > 0.2 and ((safe >= low) & (safe <= high)).all()
@@ -95,8 +95,8 @@ def moved(joint, xyz=None, axis=None):
 @pytest.mark.parametrize(
     ("chain", "given", "message"),
     [
-        (moved(6, (0.088, 0, 0)), {}, "wrist do not meet; .* 5 and 6: 0, 5 and 7: 0.088, 6 and 7: 0.088"),
-        (moved(1, (0.03, 0, 0)), {}, "shoulder do not meet; .* 1 and 2: 0.03, 1 and 3: 0.03, 2 and 3: 0$"),
+        (moved(6, (0.088, 0, 0)), {}, "axes of the wrist do not meet: they miss by 0.0"),
+        (moved(1, (0.03, 0, 0)), {}, "axes of the shoulder do not meet: they miss by 0.0"),
         (moved(1, axis=(0, 1, 1)), {}, "axes 1 and 2 are 45 degrees apart, not 90"),
         (moved(3, O), {}, "axis 4 passes through the shoulder"),
         (moved(4, O), {}, "axis 4 passes through the wrist"),
@@ -161,7 +161,7 @@ def test_human():
     assert ((HUMAN.limits[:, 0] <= 0) & (HUMAN.limits[:, 1] > 0)).all()
     th = np.random.default_rng(3).uniform(*HUMAN.limits.T, (500, 7))
     points, q = HUMAN.forward(th)
-    pose = HUMAN.solve(points, q, HUMAN.choose_swivel(points, q, near=0.0))
+    pose = HUMAN.solve(points, q, HUMAN.feasible_swivel(points, q).nearest(0.0))
     assert not pose.over_limit.any()
     assert_same(HUMAN.forward(pose.joints), (points, matrix(q)), 1e-13)
 
