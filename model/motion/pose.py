@@ -135,10 +135,7 @@ def solve(
     count, step = table.shape[1], LONG_CHUNK if width or hands else CHUNK
     arrays: dict[str, Any] = {}
     for rows in (slice(start, start + step) for start in range(0, max(count, 1), step)):
-        if hands is None:
-            pose = solver.wrists(table[:, rows])
-        else:
-            pose = solver.hands(table[:, rows], hands.part(rows), joint_limits)
+        pose = solver.poses(table[:, rows], hands and hands.part(rows), joint_limits)
         for name, values in pose.items():
             arrays.setdefault(name, np.empty((count, *values.shape[1:]), values.dtype))[rows] = values
     for name, values in arrays.items():
@@ -174,7 +171,8 @@ def _table(
         raise ValueError(f"points have the shape {position.shape}, not (N, 3)")
     columns = [np.asarray(v, dtype=np.float64) for v in (phi, d1, d2)]
     sizes = dict(zip(("points", *FIELDS[3:]), (len(position), *(v.size for v in columns)), strict=True))
-    sizes |= hands.sizes if hands else {}
+    if hands:
+        sizes |= {"hand": len(hands.q.T), "tool": hands.tool.size, "branch": hands.branch.size}
     if len(counts := set(sizes.values()) - {1} or {1}) > 1:
         listed = ", ".join(f"{name} has {size}" for name, size in sizes.items())
         raise ValueError(f"numbers of rows do not broadcast: {listed}")
