@@ -198,16 +198,13 @@ def test_elbow_jumps_are_found_with_a_better_axis(aside, rows):
     ("arguments", "message"),
     [
         ({"points": (1, 2)}, r"shape \(2,\)"),
-        ({"points": (0, 0, np.nan)}, "points: not finite in row 0$"),
         ({"points": np.full((9, 3), np.nan)}, "points: not finite in rows 0, 1, 2 and 6 more$"),
         ({"phi": np.inf, "nan": "pass"}, "phi: not finite"),
         ({"d1": [0.3, -1]}, "d1: not positive in row 1$"),
         ({"nan": "skip"}, "nan 'skip'"),
         ({"width": 33}, "width 33 must be None or one of 16, "),
-        ({"width": 32.0}, "width 32.0"),
         ({"datapath": "thin"}, "datapath 'thin' is none of"),
         ({"order": "wxzy"}, "order 'wxzy'"),
-        ({"axis": "up"}, "axis 'up'"),
         ({"points": np.zeros((3, 3)), "phi": np.zeros(2)}, "broadcast"),
         ({"points": (100, 0, 0), "width": 32}, "too far out"),
     ],
@@ -234,14 +231,8 @@ def test_axis_becomes_z(axis):
         assert set(np.abs(q) * 2) <= {0, 1, 2}
 
 
-@pytest.mark.parametrize(("text", "axis"), [("-x", "-x"), ("0.3,1,0", (0.3, 1.0, 0.0)), (" 0, -1e3 ,2", (0, -1e3, 2))])
-def test_parse(text, axis):
-    assert parse_axis(text) == axis
-
-
-@pytest.mark.parametrize(
-    "axis", ["", "w", "+z", "1,2", "0,0,0", "1,nan,0", "1,,0", "a,b,c", None, 3, ("a", 1, 2), [[1, 2, 3]]]
-)
-def test_bad_axes_are_refused(axis):
-    with pytest.raises(ValueError, match=f"^axis {re.escape(repr(axis))} must be z, "):
-        (parse_axis if isinstance(axis, str) else direction)(axis)
+def test_parse_axis():
+    assert parse_axis("-x") == "-x" and parse_axis(" 0, -1e3 ,2") == (0, -1e3, 2)
+    for axis in ("", "+z", "1,2", "0,0,0", "1,nan,0", "a,b,c", None, ("a", 1, 2), [[1, 2, 3]]):
+        with pytest.raises(ValueError, match=f"^axis {re.escape(repr(axis))} must be z, "):
+            (parse_axis if isinstance(axis, str) else direction)(axis)
