@@ -11,7 +11,6 @@ import pytest
 from pygltflib.validator import validate
 from scipy.spatial.transform import Rotation
 
-from model.bounds import tolerances
 from model.motion import clip as clips
 from model.motion.clip import ClipError, arms, motion, read, turned
 from model.motion.gltf import animated
@@ -34,25 +33,6 @@ def followed(clip, axis, width=None, phi=None):
 
 def off(ours, theirs, move):
     return np.linalg.norm(ours - theirs, axis=1) / (move.d1 + move.d2)
-
-
-@pytest.mark.parametrize("axis", ["torso", "z", (0.3, 1, 0)])
-@pytest.mark.parametrize("width", ELBOW)
-@pytest.mark.parametrize("way", [{}, {"up": "z"}, {"up": "x", "order": "XZY"}, {"order": "YXZ"}])
-def test_hand_and_elbow_of_a_figure(tmp_path, way, width, axis):
-    clip = read(figure.write(tmp_path / "clip.bvh", **way))
-    moves = followed(clip, axis, width)
-    assert [move.limb.side for move, *_ in moves] == ["left", "right"]
-    for move, qs, qe in moves:
-        assert (move.d1[0], move.d2[-1]) == pytest.approx((figure.UPPER, figure.FORE), abs=1e-5)
-        elbow, wrist = forward(qs, qe, move.d1, move.d2)
-        # Near a singular pose, rounding of the target moves the elbow further.
-        beside = np.linalg.norm(rotate(move.frame, move.wrist)[:, :2], axis=1) / np.linalg.norm(move.wrist, axis=1)
-        bent = np.linalg.norm(np.cross(move.elbow, move.wrist), axis=1) / (move.d1 * move.d2)
-        regular = (beside > 0.3) & (bent > 0.3)
-        assert regular.sum() > 20
-        assert off(elbow, move.elbow, move)[regular].max() <= ELBOW[width]
-        assert off(wrist, move.wrist, move).max() <= (tolerances.lean(width) if width else 1e-14)
 
 
 @pytest.mark.parametrize(("up", "axes"), [("y", {"left": (-1, 1, 0), "right": (1, 1, 0)}), ("z", {"right": (1, 0, 1)})])
@@ -104,17 +84,6 @@ def test_angles_stay_near_the_original_ones(tmp_path):
     np.testing.assert_allclose(read(again).table, clip.table, atol=1e-4)
 
 
-def hinged(path):
-    """Make the elbow a hinge, as in the core."""
-
-    def bend(clip):
-        for arm in arms(clip):
-            columns = [channel.column for channel in clip.nodes[arm.fore].channels]  # ZYX
-            clip.table[:, columns] = (0.0, 1.0, 0.0) * (20 + np.abs(clip.table[:, columns]))
-
-    return changed(path, bend)
-
-
 def test_twist_of_the_core(tmp_path):
     """The core's hinge is the elbow's own if the elbow is a hinge; no bone turns about itself faster than it swings."""
     path = figure.write(tmp_path / "clip.bvh")
@@ -122,8 +91,13 @@ def test_twist_of_the_core(tmp_path):
     with pytest.raises(AssertionError):
         figure.compare(path, free[0])
     figure.compare(path, *free)
-    clip = hinged(path)
-    figure.compare(path, written(path, clip, "core")[0])
+
+    def bend(clip):  # only about one axis
+        for arm in arms(clip):
+            columns = [channel.column for channel in clip.nodes[arm.fore].channels]  # ZYX
+            clip.table[:, columns] = (0.0, 1.0, 0.0) * (20 + np.abs(clip.table[:, columns]))
+
+    figure.compare(path, written(path, changed(path, bend), "core")[0])
 
 
 def changed(path, change):
@@ -132,20 +106,6 @@ def changed(path, change):
     change(clip)
     path.write_bytes(clip.content())
     return read(path)
-
-
-def test_an_elbow_that_bends_backwards_does_not_roll(tmp_path):
-    """An elbow that straightens, and bends the wrong way by 2 degrees."""
-    path = figure.write(tmp_path / "clip.bvh", up="z", frames=4)
-
-    def bend(clip):
-        clip.table[:] = 0
-        clip.table[:, [clip.nodes[arm.fore].channels[0].column for arm in arms(clip)]] = [[20], [2], [-2], [0]]
-
-    clip = changed(path, bend)
-    figure.compare(path, written(path, clip)[0])
-    with pytest.raises(AssertionError, match="'LeftArm', np.float64.3.1"):
-        figure.compare(path, written(path, clip, "core")[0])
 
 
 @pytest.mark.parametrize("first", [0, 1])
@@ -247,16 +207,6 @@ def test_arms_whose_joints_have_the_same_names(tmp_path):
     assert (left.upper, left.hand, right.upper, right.hand) == (5, 7, 10, 12)
     path.write_text(path.read_text().replace("Palm", "Hand"))
     assert arms(read(path), joints=("Arm", "ForeArm", "Hand") * 2) == [left, right]
-
-
-def test_a_wrist_at_the_shoulder(tmp_path):
-    joints = ("ROOT LeftArm", 0), ("JOINT LeftForeArm", 3), ("JOINT LeftHand", -3)
-    turns = "CHANNELS 3 Xrotation Yrotation Zrotation"
-    text = "\n".join(f"{name} {{\nOFFSET {x} 0 0\n{turns}" for name, x in joints) + "}" * 3
-    (tmp_path / "clip.bvh").write_text(f"{text}\nMOTION\nFrames: 1\nFrame Time: 0.1\n{'0 ' * 9}")
-    clip = read(tmp_path / "clip.bvh")
-    move = motion(clip, *arms(clip, "left"), "z")
-    assert not move.wrist.any() and np.isfinite(move.phi).all()
 
 
 def test_an_elbow_without_all_channels(tmp_path):
