@@ -108,38 +108,29 @@ def changed(path, change):
     return read(path)
 
 
-@pytest.mark.parametrize("first", [0, 1])
-@pytest.mark.parametrize("head", ["Head", "mixamorig:Head", "Bob_Neck1", "DEF-spine.006"])
-def test_up_does_not_depend_on_the_first_frame(tmp_path, first, head):
-    path = figure.write(tmp_path / "clip.bvh", frames=3)
-    path.write_text(path.read_text().replace("Head", head).replace("Leg", "Bob_LeftFoot"))
-
-    def lie(clip):
-        clip.table[:] = 0
-        clip.table[first, 5] = -90  # about x
-
-    path.write_text(re.sub(r"(Shoulder\n{\nOFFSET) (-?)0.5", r"\1 \g<2>2.5", path.read_text().replace("-0.5", "1.5")))
-    clip = changed(path, lie)
-    assert clip.up == "y" and (read(path, "-z").up, clip.notes) == ("-z", ())
-    left, right = (clips.outward_and_up(clip, arm) for arm in arms(clip))
-    np.testing.assert_allclose((left, right), [(-1, 1, 0), (1, 1, 0)], atol=1e-12)
-
-
 @pytest.mark.parametrize(
-    ("head", "foot"), [("Head", "Leg"), ("Neck", "Bob_LeftFoot"), ("Head", "ankle_r"), ("DEF-spine.006", "Leg")]
+    ("up", "rows", "head", "foot"),
+    [
+        ("y", 0, "Head", "Leg"),
+        ("y", 1, "mixamorig:Head", "Bob_LeftFoot"),
+        ("z", slice(None), "Bob_Neck1", "ankle_r"),
+        ("z", slice(None), "DEF-spine.006", "Leg"),
+    ],
 )
-def test_up_of_a_body_whose_rest_pose_lies(tmp_path, head, foot):
-    """The rest pose lies and the frames stand: the torso's axis comes from the rest pose."""
-    path = figure.write(tmp_path / "clip.bvh", up="z")
-    path.write_text(path.read_text().replace("Head", head).replace("Leg", foot))
+def test_up(tmp_path, up, rows, head, foot):
+    """A single frame lies, or the rest pose lies and the frames stand: the torso's axis comes from the rest pose."""
+    path = figure.write(tmp_path / "clip.bvh", frames=3, up=up)
+    text = path.read_text().replace("Head", head).replace("Leg", foot).replace("-0.5", "1.5")
+    path.write_text(re.sub(r"(Shoulder\n{\nOFFSET) (-?)0.5", r"\1 \g<2>2.5", text))
 
-    def stand(clip):
+    def turn(clip):
         clip.table[:] = 0
-        clip.table[:, 5] = -90
+        clip.table[rows, 5] = -90  # about x
 
-    clip = changed(path, stand)
-    assert clip.up == "y"
-    np.testing.assert_allclose(clips.outward_and_up(clip, arms(clip, "left")[0]), (-1, 0, 1), atol=1e-12)
+    clip = changed(path, turn)
+    assert clip.up == "y" and (read(path, "-z").up, clip.notes) == ("-z", ())
+    axes = [(-1, 1, 0), (1, 1, 0)] if up == "y" else [(-1, 0, 1), (1, 0, 1)]
+    np.testing.assert_allclose([clips.outward_and_up(clip, arm) for arm in arms(clip)], axes, atol=1e-12)
 
 
 @pytest.mark.parametrize(("reach", "unit"), [(53, "cm"), (0.6, "m"), (550, "mm"), (21, "inch"), (8.4, "cmu")])
