@@ -3,10 +3,7 @@
 
     python -m scripts.follow --target 42 [--trajectory NAME|FILE] [--sim icarus|verilator] [--waves] ...
 
-Prints a line for each node: clock, clocks since admission, the paper's equation, name, word and value in RTL and model,
-and the node's equation. A `!` marks a node that differs; the first one and its operands follow at the end.
-The trajectory runs as in `make run`; targets count from 0.
-With --waves: OUT/waves.vcd, OUT/aligned.vcd with all nodes of a target in one clock, and save files.
+A `!` marks a node that differs; the first one and its operands follow at the end. The trajectory runs as in `make run`.
 """
 
 import sys
@@ -41,11 +38,6 @@ def chosen(arguments: SimpleNamespace) -> Prepared:
         last = len(item.words) - 1
         raise InputError(f"argument --target: {item.targets.name} has targets 0 to {last}, not {arguments.target}")
     return item
-
-
-def _operand(node: Node, of: Node) -> str:
-    """Return the name of an operand of the node `of`, with its section if that is another one."""
-    return node.name if node.section == of.section or node.kind == "input" else f"{node.section}.{node.name}"
 
 
 HEADINGS = ("clock", "after", "paper", "node", "RTL word", "model word", "RTL value", "model value", "equation")
@@ -84,7 +76,9 @@ def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterat
     yield f"        equation: {first.node.name} = {first.node.right_side}"
     for node in first.node.operands:
         word, clock = recording.word(node, target), recording.admitted[target] + node.time
-        name = _operand(node, first.node)
+        name = (
+            node.name if node.kind == "input" or node.section == first.node.section else f"{node.section}.{node.name}"
+        )
         yield f"                  {name} at clock {clock}: {hexadecimal(word)} ({value(word, node.format)})"
     if len(differing) > 1:
         more = len(differing) - 1

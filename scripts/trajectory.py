@@ -250,18 +250,13 @@ def score_runs(
     arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool = True
 ) -> list[tuple[Run, Score]]:
     """Return each run with its score, and with predicted errors if `predict` is set."""
-    core = {
-        "width": arguments.width,
-        "datapath": datapath,
-        "simulator": arguments.sim,
-        "tolerance": arguments.tolerance,
-    }
+    core = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim}
     scored = []
     for item, run in zip(prepared, runs, strict=True):
         wrists = item.targets.hand is None
         predicted = predicted_error(item.words, arguments.width, datapath) if predict and wrists else None
         places = placed(item, run, arguments.width) if item.clip else None
-        more = {"predicted": predicted, "placed": places, "limits": item.limits}
+        more = {"tolerance": arguments.tolerance, "predicted": predicted, "placed": places, "limits": item.limits}
         scored.append((run, score(item.targets, item.words, item.exponent, run, **core, **more)))
     return scored
 
@@ -307,10 +302,11 @@ def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
     (N, 4)."""
     clip = turned(item, ran, width)
     at, limbs = clip.positions, [move.limb for move in item.moves]
-    by_limb = [[at[:, limb.fore] - at[:, limb.upper] for limb in limbs]]
-    by_limb += [[at[:, limb.hand] - at[:, limb.upper] for limb in limbs]]
-    by_limb += [[clips.hands(clip, limb) for limb in limbs]] if item.targets.hand is not None else []
-    return tuple(np.concatenate(np.stack(values, axis=1)) for values in by_limb)
+    upper, fore, hand = ([getattr(limb, name) for limb in limbs] for name in ("upper", "fore", "hand"))
+    places = [(at[:, joints] - at[:, upper]).reshape(-1, 3) for joints in (fore, hand)]
+    if item.targets.hand is not None:
+        places.append(np.stack([clips.hands(clip, limb) for limb in limbs], axis=1).reshape(-1, 4))
+    return tuple(places)
 
 
 # -- files ------------------------------------------------------------------------------------------
@@ -355,10 +351,10 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 clip = turned(item, ran, result.width)
                 files(path.with_name("clip.bvh")).write_bytes(clip.content())
                 files(path.with_name("clip.glb")).write_bytes(gltf.animated(clip, targets.name, item.scale))
-            robot = item.robot
-            more = (
-                dict(zip(robot.names, robot.positions(result.per_target.hand.joints).T, strict=True)) if robot else {}
-            )
+            more = {}
+            if item.robot:
+                joints_of_robot = item.robot.positions(result.per_target.hand.joints)
+                more = dict(zip(item.robot.names, joints_of_robot.T, strict=True))
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))
