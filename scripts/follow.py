@@ -76,9 +76,8 @@ def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterat
     yield f"        equation: {first.node.name} = {first.node.right_side}"
     for node in first.node.operands:
         word, clock = recording.word(node, target), recording.admitted[target] + node.time
-        name = (
-            node.name if node.kind == "input" or node.section == first.node.section else f"{node.section}.{node.name}"
-        )
+        here = node.kind == "input" or node.section == first.node.section
+        name = node.name if here else f"{node.section}.{node.name}"
         yield f"                  {name} at clock {clock}: {hexadecimal(word)} ({value(word, node.format)})"
     if len(differing) > 1:
         more = len(differing) - 1

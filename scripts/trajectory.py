@@ -303,7 +303,7 @@ def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
     clip = turned(item, ran, width)
     at, limbs = clip.positions, [move.limb for move in item.moves]
     upper, fore, hand = ([getattr(limb, name) for limb in limbs] for name in ("upper", "fore", "hand"))
-    places = [(at[:, joints] - at[:, upper]).reshape(-1, 3) for joints in (fore, hand)]
+    places = [(at[:, ends] - at[:, upper]).reshape(-1, 3) for ends in (fore, hand)]
     if item.targets.hand is not None:
         places.append(np.stack([clips.hands(clip, limb) for limb in limbs], axis=1).reshape(-1, 4))
     return tuple(places)
