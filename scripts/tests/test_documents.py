@@ -191,7 +191,7 @@ def test_examples_of_the_package(installed, tmp_path):
     for example in EXAMPLES:
         code = f"import os, cga_ik.motion.gltf\nos.chdir({str(tmp_path)!r})\n{example}"
         assert "nan" not in python(installed, code)
-    figure.compare(tmp_path / "clip.bvh", tmp_path / "turned.bvh", positions=1e-3, angles=1e-3)
+    figure.compare(tmp_path / "clip.bvh", tmp_path / "turned.bvh", tolerance=1e-3)
 
 
 def test_only_the_model_is_installed_and_needs_numpy_and_mpmath_only(installed):
