@@ -17,7 +17,7 @@ from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Node
 from scripts.console import InputError, command, option, output, switch, whole
 from scripts.options import trajectory_options
-from scripts.trajectory import Prepared, datapaths, prepare, simulated, sources
+from scripts.trajectory import datapaths, prepare, simulated, sources
 from scripts.waves import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
 from tb.sim.job import Difference, answer, hexadecimal, value
 from tb.sim.simulate import SimulationError
@@ -27,17 +27,6 @@ OPTIONS = [
     *trajectory_options("build/follow", "the waves"),
     switch("--waves", f"also write OUT/{VCD} and OUT/{ALIGNED}, a target's nodes in one clock, and GTKWave save files"),
 ]
-
-
-def chosen(arguments: SimpleNamespace) -> Prepared:
-    """Return the trajectory to run. Raises InputError or TargetError."""
-    item, *others = prepare(arguments)
-    if others:
-        raise InputError("argument --trajectory: --target needs a single trajectory")
-    if arguments.target >= len(item.words):
-        last = len(item.words) - 1
-        raise InputError(f"argument --target: {item.targets.name} has targets 0 to {last}, not {arguments.target}")
-    return item
 
 
 HEADINGS = ("clock", "after", "paper", "node", "RTL word", "model word", "RTL value", "model value", "equation")
@@ -92,10 +81,14 @@ def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterat
     fails="one differs",
 )
 def main(arguments: SimpleNamespace) -> int:
-    item = chosen(arguments)
-    target, (datapath,), width = arguments.target, datapaths(arguments, [item]), arguments.width
+    item, *others = prepare(arguments)
+    target, total = arguments.target, len(item.words)
+    if others:
+        raise InputError("argument --trajectory: --target needs a single trajectory")
+    if target >= total:
+        raise InputError(f"argument --target: {item.targets.name} has targets 0 to {total - 1}, not {target}")
+    (datapath,), width = datapaths(arguments, [item]), arguments.width
     nodes = list(answer(item.words, width, datapath, item.limits).bits.nodes.values())
-    total = len(item.words)
     with ExitStack() as stack:
         out = arguments.out if arguments.waves else Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="ik_")))
         written = [out / name for name in WAVES]

@@ -81,14 +81,15 @@ OF_CLIPS = (("axis", TORSO), ("phi", "clip"), ("phi", "constant"))
 
 def _kind(name: str) -> str:
     """Return the kind of --trajectory. Raises InputError."""
-    if name in ("all", *trajectories.TRAJECTORIES, *trajectories.HANDS):
+    names = "all", *trajectories.TRAJECTORIES, *trajectories.HANDS
+    if name in names:
         return BUILT_IN
     if name.lower().endswith(".bvh"):
         return CLIP
     if name.lower().endswith(".csv") or os.sep in name or os.path.exists(name):
         return CSV
-    valid = ", ".join(("all", *trajectories.TRAJECTORIES, *trajectories.HANDS))
-    raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}, a CSV file or a BVH clip")
+    valid = f"{', '.join(names)}, a CSV file or a BVH clip"
+    raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}")
 
 
 def _load(arguments: SimpleNamespace) -> list[Prepared]:

@@ -123,7 +123,14 @@ def solve(
     An unreachable target gets the nearest pose, and a flag.  Warns if phi exceeds a turn.  Raises ValueError for wrong
     arguments, and its subclass TargetError for a target that does not fit the core's format together with the others.
     """
-    _check_options(width, datapath, order, nan)
+    if datapath not in CONFIGURATIONS:
+        raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
+    widths = [w for w in CONFIGURATIONS[datapath].widths if w in WIDTHS]
+    if width is not None and (not isinstance(width, (int, np.integer)) or width not in widths):
+        raise ValueError(f"width {width!r} must be None or one of {', '.join(map(str, widths))}")
+    check_order(order)
+    if nan not in ("raise", "pass"):
+        raise ValueError(f"nan {nan!r} is neither 'raise' nor 'pass'")
     if hand is not None and width is not None and datapath != "lean":
         raise ValueError(f"datapath {datapath!r}: with hand and width it must be 'lean'")
     hands = None if hand is None else Hands.checked(hand, tool, branch, order, nan)
@@ -144,18 +151,6 @@ def solve(
         if name in ("qs", "qe", "qw"):
             arrays[name] = _rolled(order, values, -1)
     return Pose(**arrays, order=order)
-
-
-def _check_options(width: int | None, datapath: str, order: str, nan: str) -> None:
-    """Raise ValueError for an option of :func:`solve` with an unknown value."""
-    if datapath not in CONFIGURATIONS:
-        raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
-    widths = [w for w in CONFIGURATIONS[datapath].widths if w in WIDTHS]
-    if width is not None and (not isinstance(width, (int, np.integer)) or width not in widths):
-        raise ValueError(f"width {width!r} must be None or one of {', '.join(map(str, widths))}")
-    check_order(order)
-    if nan not in ("raise", "pass"):
-        raise ValueError(f"nan {nan!r} is neither 'raise' nor 'pass'")
 
 
 def _table(
