@@ -41,7 +41,6 @@ LIMBS = {"arms": ("arm",), "legs": ("leg",), "all": ("arm", "leg")}
 
 HEADS = ("head", "neck")
 FEET = ("foot|feet|ankle", "toe|toes|toebase", "leg|lowerleg|lowleg|shin|calf|knee|shank")
-LIKELY = {"arm": "arm|hand|wrist|palm|elbow|shldr|shoulder|humerus", "leg": "leg|hip|thigh|knee|shin|calf|foot|ankle"}
 DROPPED = {"joint", "jnt", "bone", "bind", "bend", "stretch"}
 
 
@@ -89,20 +88,16 @@ def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None, l
     (kind,), sides = LIMBS[limbs], SIDES if which == "both" else (which,)
     named_joints: dict[str, tuple[int, int, int]] = {}
     if joints is not None:
-        text = f"joints {','.join(joints)}"
-        if len(sides) == 2 and len(joints) == 3:
-            raise ClipError(f"{clip.path}: {text} name one {kind}: choose its side, ARM=left or ARM=right")
         if len(joints) != 3 * len(sides):
-            raise ClipError(f"{clip.path}: {text}: expected three per side, such as upper arm, forearm and hand")
+            hint = "upper arm, forearm and hand of each side; ARM=left or ARM=right chooses one"
+            raise ClipError(f"{clip.path}: joints {','.join(joints)}: expected {hint}")
         for n, side in enumerate(sides):
             named_joints[side] = _chosen(clip, joints[3 * n : 3 * n + 3], list(named_joints.values()))
     known = {side: three for side in SIDES if (three := named_joints.get(side) or _known(clip, side, NAMES[kind]))}
     for side in sides:
         if side not in known:
-            likely = [name for name in _joint_names(clip) if re.search(LIKELY[kind], "".join(_words(name)))]
-            names = ", ".join((likely or _joint_names(clip))[:40])
             hint = "".join(f"ARM={other} runs the other, or " for other in known)
-            hint += f"choose its three with JOINTS= from {names}"
+            hint += f"choose its three with JOINTS= from {', '.join(_joint_names(clip))}"
             raise ClipError(f"{clip.path}: no {side} {kind} recognized; {hint}")
     above = [set(clip.ancestors(upper)) for upper, *_ in known.values()]
     result = []
