@@ -35,6 +35,9 @@ REST = np.array((1, 0.3, 0)) / np.hypot(1, 0.3)
 
 UPPER, FORE = 3.1, 2.6
 
+TURNS = {"x": ((0, 1, 0), (0, 0, 1), (1, 0, 0)), "y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)), "z": np.eye(3)}
+"""Up axis -> matrix from x to the right, y forward, z up."""
+
 
 def joints(names: str, side: str) -> tuple[str, ...]:
     """Return collar bone, upper arm, forearm and hand of a side."""
@@ -47,13 +50,9 @@ def write(path, names="cmu", up="y", order="ZYX", frames=60, sides=("left", "rig
     rich: each joint has position channels, which move it near its OFFSET, and each upper arm a joint within.
     """
     random = np.random.default_rng(1)
-    spot = {"z": (0, 1, 2), "y": (0, 2, 1), "x": (2, 0, 1)}[up]  # positions of right, forward and up
-    flip = np.array((1, -1 if up == "y" else 1, 1))  # keeps the frame right-handed
 
     def offset(vector) -> str:
-        out = np.zeros(3)
-        out[list(spot)] = np.asarray(vector, dtype=float) * flip
-        return " ".join(f"{value:.6f}" for value in out)
+        return " ".join(f"{value:.6f}" for value in TURNS[up] @ np.asarray(vector, dtype=float))
 
     lines, channels, places = ["HIERARCHY"], 0, {}
 
