@@ -180,7 +180,7 @@ def _of_clip(arguments: SimpleNamespace) -> Prepared:
     pole = arguments.pole
     if pole is not None:
         at = clip.positions[:, clips.named(clip, pole)[0]] if isinstance(pole, str) else np.asarray(pole)
-        pole = np.stack([at - clip.positions[:, arm.upper] for arm in limbs], axis=1).reshape(-1, 3)
+        pole = clips.interleaved([at - clip.positions[:, arm.upper] for arm in limbs])
     # Hands go through the whole arm, unless a datapath of wrist targets is given.
     by_hand = "datapath" not in arguments.given and all(move.hand is not None for move in moves)
     targets = _guided(clips.targets(clip, moves, phi, arguments.width, by_hand), pole, arguments.soft)
@@ -267,7 +267,7 @@ def score_runs(
 
 def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
     """Return the distances between the elbows and the clip's elbows, relative to the reach, (N,)."""
-    elbow = np.stack([move.elbow for move in item.moves], axis=1).reshape(-1, 3)
+    elbow = clips.interleaved([move.elbow for move in item.moves])
     ours = np.ldexp(result.per_target.elbow, -result.scale_exponent)
     return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
 
@@ -306,7 +306,7 @@ def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
     upper, fore, hand = ([getattr(limb, name) for limb in limbs] for name in ("upper", "fore", "hand"))
     places = [(at[:, ends] - at[:, upper]).reshape(-1, 3) for ends in (fore, hand)]
     if item.targets.hand is not None:
-        places.append(np.stack([clips.hands(clip, limb) for limb in limbs], axis=1).reshape(-1, 4))
+        places.append(clips.interleaved([clips.hands(clip, limb) for limb in limbs]))
     return tuple(places)
 
 

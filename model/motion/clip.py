@@ -316,20 +316,21 @@ def targets(
         distance, reach = np.linalg.norm(move.wrist, axis=1, keepdims=True), (move.d1 + move.d2)[:, None]
         longer = reach * (1 + 2 * ulp) / np.maximum(distance, reach / 2)
         wrists.append(move.wrist * np.where(distance >= reach * (1 - 2 * ulp), longer, 1.0))
-    x, y, z = np.stack(wrists, axis=1).reshape(-1, 3).T
-    columns = [(np.broadcast_to(angle, count), move.d1, move.d2) for angle, move in zip(phi, moves, strict=True)]
-    angles, d1, d2 = np.array(columns).transpose(1, 2, 0).reshape(3, -1)
-    arm = np.tile([move.limb.label for move in moves], count)
+    arm, hand = np.tile([move.limb.label for move in moves], count), None
     others = {"frame": np.arange(count).repeat(len(moves)).astype(str).tolist(), "arm": arm.tolist()}
-    frame = np.stack([move.frame for move in moves], axis=1).reshape(-1, 4)
-    wrist_targets = Targets(
-        clip.path.stem, x, y, z, angles, d1, d2, str(clip.path), others=others, frame=frame, arm=arm
-    )
-    if not by_hand:
-        return wrist_targets
-    hand = np.stack([move.hand for move in moves if move.hand is not None], axis=1).reshape(-1, 4)
-    quaternion = {name: [*map(repr, q)] for name, q in zip(QUATERNION, hand.T.tolist(), strict=True)}
-    return replace(wrist_targets, hand=hand, others=others | quaternion)
+    if by_hand:
+        hand = interleaved([move.hand for move in moves if move.hand is not None])
+        others |= {name: [*map(repr, q)] for name, q in zip(QUATERNION, hand.T.tolist(), strict=True)}
+    angles = interleaved([np.broadcast_to(angle, count) for angle in phi])
+    d1, d2, frame = (interleaved([getattr(move, name) for move in moves]) for name in ("d1", "d2", "frame"))
+    x, y, z = interleaved(wrists).T
+    path = clip.path
+    return Targets(path.stem, x, y, z, angles, d1, d2, str(path), others=others, frame=frame, arm=arm, hand=hand)
+
+
+def interleaved(arrays: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the rows of arrays of F rows in turn, frame by frame."""
+    return np.concatenate(np.stack(arrays, axis=1))
 
 
 # -- the turned clip ---------------------------------------------------------------------------------------------------
