@@ -266,11 +266,10 @@ def motion(clip: Clip, limb: Limb, axis: Axis = TORSO) -> Motion:
     """Return the motion of a limb for a reference axis of the world's frame, or "torso": outward and up from it."""
     for joint in (limb.upper, limb.fore):
         if not clip.can_turn(joint):
-            message = "has no rotation channel for each axis, so the core cannot turn it"
-            raise ClipError(f"{clip.path}: joint {clip.names[joint]} {message}")
-    shoulder, elbow, wrist = (clip.positions[:, joint] for joint in (limb.upper, limb.fore, limb.hand))
-    rest = [clip.rest[joint] for joint in (limb.upper, limb.fore, limb.hand)]
-    d1, d2 = (_lengths(b - a, d - c) for a, b, c, d in ((*rest[:2], shoulder, elbow), (*rest[1:], elbow, wrist)))
+            raise ClipError(f"{clip.path}: joint {clip.names[joint]} has no rotation channel for each axis")
+    joints = [limb.upper, limb.fore, limb.hand]
+    shoulder, elbow, wrist = np.moveaxis(clip.positions[:, joints], 1, 0)
+    d1, d2 = map(_lengths, np.diff(clip.rest[joints], axis=0), (elbow - shoulder, wrist - elbow))
     if min(d1.min(), d2.min()) == 0:
         raise ClipError(f"{clip.path}: the {limb.side} {limb.kind} has a bone without length")
     if isinstance(axis, str) and axis == TORSO:
