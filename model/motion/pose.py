@@ -165,13 +165,8 @@ def _table(
     if position.ndim != 2 or position.shape[1] != 3:
         raise ValueError(f"points have the shape {position.shape}, not (N, 3)")
     columns = [np.asarray(v, dtype=np.float64) for v in (phi, d1, d2)]
-    sizes = dict(zip(("points", *FIELDS[3:]), (len(position), *(v.size for v in columns)), strict=True))
-    if hands:
-        sizes |= {"hand": len(hands.q.T), "tool": hands.tool.size, "branch": hands.branch.size}
-    if len(counts := set(sizes.values()) - {1} or {1}) > 1:
-        listed = ", ".join(f"{name} has {size}" for name, size in sizes.items())
-        raise ValueError(f"numbers of rows do not broadcast: {listed}")
-    table = np.empty((len(FIELDS), *counts))
+    arrays = position[:, 0], *columns, *((hands.q[0], hands.tool, hands.branch) if hands else ())
+    table = np.empty((len(FIELDS), *np.broadcast_shapes(*((v.size,) for v in arrays))))
     table[:3], table[3], table[4], table[5] = position.T, *columns
     missing: Any = None
     if hands and hands.missing.any():
