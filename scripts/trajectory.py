@@ -76,8 +76,6 @@ GOES_WITH |= dict.fromkeys(("robot",), (CSV, BUILT_IN))
 GOES_WITH |= dict.fromkeys(("arm", "limb", "joints", "up", "twist", "scale"), (CLIP,))
 """Options that only some kinds of trajectories take."""
 
-OF_CLIPS = (("axis", TORSO), ("phi", "clip"), ("phi", "constant"))
-
 
 def _kind(name: str) -> str:
     """Return the kind of --trajectory. Raises InputError."""
@@ -107,11 +105,10 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
             raise InputError(f"--{one} and --{other} exclude each other")
     if kind == CLIP:
         return [_of_clip(arguments)]
-    if isinstance(arguments.pole, str):
-        raise InputError(f"argument --pole: {arguments.pole!r} is not x,y,z; a joint's name applies to a {CLIP}")
-    for option, word in OF_CLIPS:
-        if getattr(arguments, option) == word:
-            raise InputError(f"argument --{option}: {word} applies to a {CLIP}, not to a {kind} ({name})")
+    words = {"axis": axis if axis == TORSO else None, "phi": arguments.phi, "pole": arguments.pole}
+    for option, word in words.items():
+        if isinstance(word, str):
+            raise InputError(f"argument --{option}: {word!r} applies to a {CLIP}, not to a {kind} ({name})")
     robot = _robot(arguments)
     notes = (f"the poses are for ROBOT={usual}",) if arguments.robot != usual and usual else ()
     if kind == CSV:

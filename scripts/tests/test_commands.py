@@ -41,7 +41,7 @@ BAD_INPUT = [
     ("run --trajectory t.csv --phi nan", "--phi 'nan' finite"),
     ("run --trajectory reach --d1 0.4", "--d1 (reach)"),
     ("run --trajectory t.csv --axis torso", "--axis torso (t.csv)"),
-    ("run --trajectory t.csv --pole Hips", "--pole 'Hips' x,y,z joint's name"),
+    ("run --trajectory t.csv --pole Hips", "--pole 'Hips' BVH (t.csv)"),
     ("run --axis up", "--axis 'up' z, -z, x"),
     ("run --trajectory pick_and_place --robot kuka", "--robot 'kuka' iiwa14, human, URDF"),
     ("run --trajectory pick_and_place --robot iiwa14 --base l1", "--base --tip URDF"),
