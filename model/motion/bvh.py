@@ -90,8 +90,7 @@ class Clip:
     @cached_property
     def local(self) -> np.ndarray:
         """Quaternions (F, K, 4) of the nodes relative to their parents."""
-        quaternions = np.zeros((len(self.table), len(self.nodes), 4))
-        quaternions[..., 0] = 1
+        quaternions = np.tile((1.0, 0.0, 0.0, 0.0), (len(self.table), len(self.nodes), 1))
         for k, node in enumerate(self.nodes):
             for _, axis, column in node.of("rotation"):
                 quaternions[:, k] = multiply(quaternions[:, k], about(axis, np.radians(self.table[:, column])))
