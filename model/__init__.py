@@ -7,20 +7,18 @@ Installed with `pip install .`, this is the package cga_ik; `help(cga_ik.solve)`
 from .io.flags import Flag
 from .motion import arms
 from .motion.arms import Arm
-from .motion.pose import ArmPose, Pose, forward, hanging, soft_reach, solve, swivel, swivel_toward
-from .motion.swivels import Swivels, choose_swivel, continuous_joints, feasible_swivel
+from .motion.pose import Pose, forward, hanging, soft_reach, solve, swivel, swivel_toward
+from .motion.swivels import Swivels, continuous_joints, feasible_swivel
 from .reference.joints import Branch
 from .reference.kinematics import continuous
 
 __all__ = [
     "Arm",
-    "ArmPose",
     "Branch",
     "Flag",
     "Pose",
     "Swivels",
     "arms",
-    "choose_swivel",
     "continuous",
     "continuous_joints",
     "feasible_swivel",

@@ -208,27 +208,8 @@ def some_of(valid: Sequence[str], most: int) -> Callable[[str], list[str]]:
     return check
 
 
-class Whole(click.IntRange):
-    """An option type: a whole number in a range; the help omits the upper end LARGEST."""
-
-    def _describe_range(self) -> str:
-        return f"x>={self.min}" if self.max == LARGEST else super()._describe_range()
-
-    def convert(self, value, param, context) -> int:
-        try:
-            return super().convert(value, param, context)
-        except click.BadParameter:
-            bounds = f"of at least {self.min}" if self.max == LARGEST else f"from {self.min} to {self.max}"
-            self.fail(f"{value!r} is not a whole number {bounds}", param, context)
-
-
-LARGEST = 10**15
-WORD_LENGTH = Whole(WIDTHS[0], WIDTHS[-1])
-
-
-def whole(least: int) -> Whole:
-    """Return an option type: a whole number of at least `least`."""
-    return Whole(least, LARGEST)
+whole = click.IntRange  # option type: a whole number, with its least value and, if any, its largest
+WORD_LENGTH = whole(WIDTHS[0], WIDTHS[-1])
 
 
 class Finite(click.FloatRange):
@@ -270,34 +251,22 @@ def swivel_angle(text: str) -> float | str:
 # -- files and tables ------------------------------------------------------------------------------
 
 
-@contextlib.contextmanager
-def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> Iterator[Place]:
-    """Make the folders of `paths`; check that they are writable and that no path is an input; on exit remove empty new
-    folders. Yields the function of `whole_files`, so that all outputs appear at once.
+def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> contextlib.AbstractContextManager[Place]:
+    """Make the folders of `paths`; check that they are writable and that no path is an input or a folder; return
+    `whole_files`, so that all outputs appear at once.
 
-    Raises InputError.
+    Raises InputError, and OSError for a folder.
     """
     for path, source in itertools.product(paths, inputs):
         if os.path.realpath(path) == os.path.realpath(source):
             raise InputError(f"argument --out: {str(path)!r} is the input {str(source)!r}, which must not be replaced")
-    folders = dict.fromkeys([out, *(path.parent for path in paths)])
-    new = {each for folder in folders for each in (folder, *folder.parents) if not os.path.exists(each)}
-    try:
-        for folder in folders:
-            try:
-                folder.mkdir(parents=True, exist_ok=True)
-                tempfile.TemporaryFile(dir=folder).close()
-            except OSError as exc:
-                raise InputError(f"argument --out: cannot write in {os.fspath(folder)!r}: {exc.strerror}") from None
-        for path in paths:
-            if path.is_dir():
-                raise InputError(f"argument --out: {os.fspath(path)!r} is a folder, not a file")
-        with whole_files() as files:
-            yield files
-    finally:
-        for folder in sorted(new, key=lambda path: -len(path.parts)):
-            with contextlib.suppress(OSError):  # not empty
-                folder.rmdir()
+    for path in paths:
+        if path.is_dir():
+            raise InputError(f"argument --out: {os.fspath(path)!r} is a folder, not a file")
+    for folder in dict.fromkeys([out, *(path.parent for path in paths)]):
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    return whole_files()
 
 
 def show(*tables: Table) -> None:

@@ -3,10 +3,7 @@
 
     python -m scripts.follow --target 42 [--trajectory NAME|FILE] [--sim icarus|verilator] [--waves] ...
 
-Prints a line for each node: clock, clocks since admission, the paper's equation, name, word and value in RTL and model,
-and the node's equation. A `!` marks a node that differs; the first one and its operands follow at the end.
-The trajectory runs as in `make run`; targets count from 0.
-With --waves: OUT/waves.vcd, OUT/aligned.vcd with all nodes of a target in one clock, and save files.
+A `!` marks a node that differs; the first one and its operands follow at the end. The trajectory runs as in `make run`.
 """
 
 import sys
@@ -20,7 +17,7 @@ from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Node
 from scripts.console import InputError, command, option, output, switch, whole
 from scripts.options import trajectory_options
-from scripts.trajectory import Prepared, datapaths, prepare, simulated, sources
+from scripts.trajectory import datapaths, prepare, simulated, sources
 from scripts.waves import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
 from tb.sim.job import Difference, answer, hexadecimal, value
 from tb.sim.simulate import SimulationError
@@ -30,22 +27,6 @@ OPTIONS = [
     *trajectory_options("build/follow", "the waves"),
     switch("--waves", f"also write OUT/{VCD} and OUT/{ALIGNED}, a target's nodes in one clock, and GTKWave save files"),
 ]
-
-
-def chosen(arguments: SimpleNamespace) -> Prepared:
-    """Return the trajectory to run. Raises InputError or TargetError."""
-    item, *others = prepare(arguments)
-    if others:
-        raise InputError("argument --trajectory: --target needs a single trajectory")
-    if arguments.target >= len(item.words):
-        last = len(item.words) - 1
-        raise InputError(f"argument --target: {item.targets.name} has targets 0 to {last}, not {arguments.target}")
-    return item
-
-
-def _operand(node: Node, of: Node) -> str:
-    """Return the name of an operand of the node `of`, with its section if that is another one."""
-    return node.name if node.section == of.section or node.kind == "input" else f"{node.section}.{node.name}"
 
 
 HEADINGS = ("clock", "after", "paper", "node", "RTL word", "model word", "RTL value", "model value", "equation")
@@ -84,7 +65,8 @@ def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterat
     yield f"        equation: {first.node.name} = {first.node.right_side}"
     for node in first.node.operands:
         word, clock = recording.word(node, target), recording.admitted[target] + node.time
-        name = _operand(node, first.node)
+        here = node.kind == "input" or node.section == first.node.section
+        name = node.name if here else f"{node.section}.{node.name}"
         yield f"                  {name} at clock {clock}: {hexadecimal(word)} ({value(word, node.format)})"
     if len(differing) > 1:
         more = len(differing) - 1
@@ -99,10 +81,14 @@ def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterat
     fails="one differs",
 )
 def main(arguments: SimpleNamespace) -> int:
-    item = chosen(arguments)
-    target, (datapath,), width = arguments.target, datapaths(arguments, [item]), arguments.width
+    item, *others = prepare(arguments)
+    target, total = arguments.target, len(item.words)
+    if others:
+        raise InputError("argument --trajectory: --target needs a single trajectory")
+    if target >= total:
+        raise InputError(f"argument --target: {item.targets.name} has targets 0 to {total - 1}, not {target}")
+    (datapath,), width = datapaths(arguments, [item]), arguments.width
     nodes = list(answer(item.words, width, datapath, item.limits).bits.nodes.values())
-    total = len(item.words)
     with ExitStack() as stack:
         out = arguments.out if arguments.waves else Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="ik_")))
         written = [out / name for name in WAVES]

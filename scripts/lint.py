@@ -110,21 +110,16 @@ def lint_module(source: Path) -> tuple[str, str]:
     macros = [[], *([f"-D{name}"] for name in sorted(set(re.findall(r"`ifdef (\w+)", text))))]
     messages, lines = {}, []  # several parameter sets may give the same message
     for top, values, macro in itertools.product(modules, sets, macros):
+        parameters = [f"-G{k}={v}" for k, v in values.items()]
         verilator = ["--lint-only", "-Wall", "--default-language", "1364-2001", "--top-module", top, *macro]
-        verilator += [
-            *where,
-            *(f"-G{k}={v}" for k, v in values.items()),
-            str(ROOT / "rtl" / "lint.vlt"),
-            str(source),
-        ]
+        verilator += [*where, *parameters, str(ROOT / "rtl" / "lint.vlt"), str(source)]
         for program in verilators() if values == sets[0] else verilators()[:1]:
             messages[findings([*program, *verilator])] = None
         icarus = ["iverilog", "-g2001", "-Wall", "-t", "null", "-s", top, *macro]
         icarus += [*where, *(f"-P{top}.{k}={v}" for k, v in values.items()), str(source)]
         messages[findings(icarus)] = None
         slang = ["slang", "-Wextra", *(f"-Wno-{warning}" for warning in WAIVED), "--top", top, *macro]
-        slang += [*where, *(f"-G{k}={v}" for k, v in values.items()), str(source)]
-        lines.append(shlex.join(slang))
+        lines.append(shlex.join([*slang, *where, *parameters, str(source)]))
     if importlib.util.find_spec("pyslang"):
         messages[findings([sys.executable, "-c", SLANG, *lines])] = None
     at = ", ".join(" ".join(f"{k}={v}" for k, v in values.items()) or "defaults" for values in sets)

@@ -18,7 +18,6 @@ from scripts.paper.tables import table_of_datapaths
 from scripts.score_tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import (
     SCORES,
-    Done,
     datapaths,
     outputs,
     prepare,
@@ -35,16 +34,6 @@ OPTIONS = [
     switch("--waves", f"also write OUT/{VCD}, for a single trajectory OUT/{ALIGNED}, and GTKWave save files"),
     switch("--list", "list the built-in trajectories and stop"),
 ]
-
-
-def _show(done: Done) -> None:
-    """Print a table for each datapath, or for several on one trajectory a single table next to the paper's."""
-    if len(done) > 1 and len(done[0]) == 1:
-        show(table_of_datapaths([(result, ran.flags) for ((ran, result),) in done]))
-        return
-    for ran in done:
-        runs, scores = zip(*ran, strict=True)
-        show(table_of_many(scores) if len(ran) > 1 else table_of_one(scores[0], runs[0].flags))
 
 
 @command(
@@ -79,10 +68,12 @@ def main(arguments: SimpleNamespace) -> int:
                 write_save_file(files(vcd), datapath, arguments.width, files(vcd.with_suffix(".gtkw")), VCD)
         write_results(files, out, folders.values(), prepared, done)
 
-    _show(done)
     if (count := len(prepared)) == 1:
+        scored = [(result, ran.flags) for ((ran, result),) in done]
+        show(table_of_datapaths(scored) if len(scored) > 1 else table_of_one(*scored[0]))
         tables = [path for folder in folders.values() for path in result_paths(folder, prepared)]
     else:
+        show(*(table_of_many([result for _, result in scored]) for scored in done))
         kinds = [f"*/results.{kind} ({count} files)" for kind in ("csv", "npz")]
         tables = [folder / kind for folder in folders.values() for kind in kinds]
     print(*(f"wrote {path}" for path in (*tables, out / SCORES, *waves)), sep="\n")

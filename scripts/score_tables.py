@@ -136,19 +136,15 @@ def table_of_soak(what: str, core: Core, totals: Found, rate: float) -> Table:
     most, norm = tolerances.hand(core.width, core.datapath), tolerances.norm(core.width, core.datapath)
     ratio = totals.by_hand[0].hand_error / totals.by_hand[0].tolerance if totals.by_hand else 0.0
     table = empty_table(f"soak: {what}", ("figure", "measured", "tolerance"))
-    for row in (
-        ("targets", str(totals.targets)),
-        ("of them in reach", str(totals.reachable)),
-        ("bits that differ from the bit-true model", "0", "0"),
-        (
-            f"{MODELS[core.datapath].error}, largest",
-            f"{totals.hand_error_max:.2e}",
-            "none" if most is None else f"{most:.2e}",
-        ),
-        (f"hand error / {'tolerance' if most else 'prediction'}, largest", f"{ratio:.3f}", "1" if most else ""),
-        *([] if most else [("targets seen above their prediction", str(totals.above))]),
-        ("abs(norm^2 - 1) of Qs and Qe, largest", f"{totals.norm_error_max:.2e}", f"{norm:.2e}"),
-        ("targets a second, build excluded", f"{rate:.0f}"),
-    ):
-        table.add_row(*row)
+    table.add_row("targets", str(totals.targets))
+    table.add_row("of them in reach", str(totals.reachable))
+    table.add_row("bits that differ from the bit-true model", "0", "0")
+    permitted = "none" if most is None else f"{most:.2e}"
+    table.add_row(f"{MODELS[core.datapath].error}, largest", f"{totals.hand_error_max:.2e}", permitted)
+    divisor, permitted = ("tolerance", "1") if most else ("prediction", "")
+    table.add_row(f"hand error / {divisor}, largest", f"{ratio:.3f}", permitted)
+    if not most:
+        table.add_row("targets seen above their prediction", str(totals.above))
+    table.add_row("abs(norm^2 - 1) of Qs and Qe, largest", f"{totals.norm_error_max:.2e}", f"{norm:.2e}")
+    table.add_row("targets a second, build excluded", f"{rate:.0f}")
     return table

@@ -76,19 +76,18 @@ GOES_WITH |= dict.fromkeys(("robot",), (CSV, BUILT_IN))
 GOES_WITH |= dict.fromkeys(("arm", "limb", "joints", "up", "twist", "scale"), (CLIP,))
 """Options that only some kinds of trajectories take."""
 
-OF_CLIPS = (("axis", TORSO), ("phi", "clip"), ("phi", "constant"))
-
 
 def _kind(name: str) -> str:
     """Return the kind of --trajectory. Raises InputError."""
-    if name in ("all", *trajectories.TRAJECTORIES, *trajectories.HANDS):
+    names = "all", *trajectories.TRAJECTORIES, *trajectories.HANDS
+    if name in names:
         return BUILT_IN
     if name.lower().endswith(".bvh"):
         return CLIP
     if name.lower().endswith(".csv") or os.sep in name or os.path.exists(name):
         return CSV
-    valid = ", ".join(("all", *trajectories.TRAJECTORIES, *trajectories.HANDS))
-    raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}, a CSV file or a BVH clip")
+    valid = f"{', '.join(names)}, a CSV file or a BVH clip"
+    raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}")
 
 
 def _load(arguments: SimpleNamespace) -> list[Prepared]:
@@ -106,11 +105,10 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
             raise InputError(f"--{one} and --{other} exclude each other")
     if kind == CLIP:
         return [_of_clip(arguments)]
-    if isinstance(arguments.pole, str):
-        raise InputError(f"argument --pole: {arguments.pole!r} is not x,y,z; a joint's name applies to a {CLIP}")
-    for option, word in OF_CLIPS:
-        if getattr(arguments, option) == word:
-            raise InputError(f"argument --{option}: {word} applies to a {CLIP}, not to a {kind} ({name})")
+    words = {"axis": axis if axis == TORSO else None, "phi": arguments.phi, "pole": arguments.pole}
+    for option, word in words.items():
+        if isinstance(word, str):
+            raise InputError(f"argument --{option}: {word!r} applies to a {CLIP}, not to a {kind} ({name})")
     robot = _robot(arguments)
     notes = (f"the poses are for ROBOT={usual}",) if arguments.robot != usual and usual else ()
     if kind == CSV:
@@ -179,7 +177,7 @@ def _of_clip(arguments: SimpleNamespace) -> Prepared:
     pole = arguments.pole
     if pole is not None:
         at = clip.positions[:, clips.named(clip, pole)[0]] if isinstance(pole, str) else np.asarray(pole)
-        pole = np.stack([at - clip.positions[:, arm.upper] for arm in limbs], axis=1).reshape(-1, 3)
+        pole = clips.interleaved([at - clip.positions[:, arm.upper] for arm in limbs])
     # Hands go through the whole arm, unless a datapath of wrist targets is given.
     by_hand = "datapath" not in arguments.given and all(move.hand is not None for move in moves)
     targets = _guided(clips.targets(clip, moves, phi, arguments.width, by_hand), pole, arguments.soft)
@@ -250,18 +248,13 @@ def score_runs(
     arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool = True
 ) -> list[tuple[Run, Score]]:
     """Return each run with its score, and with predicted errors if `predict` is set."""
-    core = {
-        "width": arguments.width,
-        "datapath": datapath,
-        "simulator": arguments.sim,
-        "tolerance": arguments.tolerance,
-    }
+    core = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim}
     scored = []
     for item, run in zip(prepared, runs, strict=True):
         wrists = item.targets.hand is None
         predicted = predicted_error(item.words, arguments.width, datapath) if predict and wrists else None
         places = placed(item, run, arguments.width) if item.clip else None
-        more = {"predicted": predicted, "placed": places, "limits": item.limits}
+        more = {"tolerance": arguments.tolerance, "predicted": predicted, "placed": places, "limits": item.limits}
         scored.append((run, score(item.targets, item.words, item.exponent, run, **core, **more)))
     return scored
 
@@ -271,7 +264,7 @@ def score_runs(
 
 def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
     """Return the distances between the elbows and the clip's elbows, relative to the reach, (N,)."""
-    elbow = np.stack([move.elbow for move in item.moves], axis=1).reshape(-1, 3)
+    elbow = clips.interleaved([move.elbow for move in item.moves])
     ours = np.ldexp(result.per_target.elbow, -result.scale_exponent)
     return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
 
@@ -307,10 +300,11 @@ def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
     (N, 4)."""
     clip = turned(item, ran, width)
     at, limbs = clip.positions, [move.limb for move in item.moves]
-    by_limb = [[at[:, limb.fore] - at[:, limb.upper] for limb in limbs]]
-    by_limb += [[at[:, limb.hand] - at[:, limb.upper] for limb in limbs]]
-    by_limb += [[clips.hands(clip, limb) for limb in limbs]] if item.targets.hand is not None else []
-    return tuple(np.concatenate(np.stack(values, axis=1)) for values in by_limb)
+    upper, fore, hand = ([getattr(limb, name) for limb in limbs] for name in ("upper", "fore", "hand"))
+    places = [(at[:, ends] - at[:, upper]).reshape(-1, 3) for ends in (fore, hand)]
+    if item.targets.hand is not None:
+        places.append(clips.interleaved([clips.hands(clip, limb) for limb in limbs]))
+    return tuple(places)
 
 
 # -- files ------------------------------------------------------------------------------------------
@@ -355,10 +349,10 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 clip = turned(item, ran, result.width)
                 files(path.with_name("clip.bvh")).write_bytes(clip.content())
                 files(path.with_name("clip.glb")).write_bytes(gltf.animated(clip, targets.name, item.scale))
-            robot = item.robot
-            more = (
-                dict(zip(robot.names, robot.positions(result.per_target.hand.joints).T, strict=True)) if robot else {}
-            )
+            more = {}
+            if item.robot:
+                joints_of_robot = item.robot.positions(result.per_target.hand.joints)
+                more = dict(zip(item.robot.names, joints_of_robot.T, strict=True))
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))

@@ -7,13 +7,9 @@ target in one clock, and GTKWave save files with signals in groups and fixed-poi
 writes a save file for a VCD that a simulator of your own recorded.
 
 Words are sampled at the falling edge of the clock, as in the scoreboard (:mod:`tb.core.pipeline`), and found by their
-path below the top, which is the same in all simulators.
-
-The groups of a save file are the streams and the sections of the datapath (:mod:`model.dataflow.datapaths`). A node's
-label carries its equation and its clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after its admission.
-
-GTKWave shows a fixed-point word through its "fixed point shift", correct for words of more than 31 fraction bits since
-3.3.107. It cannot show a decimal word of more than 64 bits; only the first 64 bits of longer words are shown.
+path below the top, which is the same in all simulators. A node's label in a save file carries its equation and its
+clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after its admission. GTKWave cannot show a decimal word of
+more than 64 bits; only the first 64 bits of longer words are shown.
 """
 
 import os
@@ -22,6 +18,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
+from typing import NamedTuple
 
 import click
 import numpy as np
@@ -50,8 +47,7 @@ SHOWN_BITS = 64  # longest word that GTKWave shows as a decimal number
 STREAMS = ("s_axis_tvalid", "s_axis_tready", "s_axis_tuser", "m_axis_tvalid", "m_axis_tready", "m_axis_tuser")
 
 
-@dataclass(frozen=True)
-class Signal:
+class Signal(NamedTuple):
     """A signal of a VCD: name in GTKWave, with all scopes, identifier in the file, and bits."""
 
     name: str
@@ -126,10 +122,9 @@ def write_save_file(
 ) -> None:
     """Write ``path``, the save file for ``vcd``, a recording of a datapath with words of ``width`` bits.
 
-    ``dumpfile``: the VCD from the save file's folder. GTKWave finds it, as both are named without their folders.
-    Raises TargetError for a VCD of another design, OSError if a file cannot be read or written.
-    GTKWave opens at the time ``start``; with a ``first`` difference its section is open and its node red.
-    ``aligned``: the VCD is one by `write_aligned`, which has no streams.
+    ``dumpfile``: path of the VCD from the save file's folder. GTKWave opens at the time ``start``; with a ``first``
+    difference its section is open and its node red. ``aligned``: the VCD is one by `write_aligned`, which has no
+    streams. Raises TargetError for a VCD of another design.
     """
     nodes, of = fixed.nodes(datapath, width), MODELS[datapath]
     core = f"g_{of.rtl}", "u_core"
@@ -155,9 +150,8 @@ def write_save_file(
                 for name in (*STREAMS[3:], "m_axis_tdata"):
                     save.plain((name,))
                 for k, name in enumerate(of.results):
-                    bits = {"lowest": k * width, "of": len(of.results) * width}
                     label = name + " (half turns)" * (name in JOINTS)
-                    save.word(("m_axis_tdata",), nodes[name].format, label, **bits)
+                    save.word(("m_axis_tdata",), nodes[name].format, label, k * width)
                 for name in ("in_valid", "out_valid") if of.period == 1 else ("clock", "go"):
                     save.plain((*core, name))
         for section, what in of.sections.items():
@@ -166,7 +160,7 @@ def write_save_file(
                     if node.section == section and node.kind != "input":
                         label = " ".join(filter(None, (node.name, node.equation, f"+{node.time}")))
                         color = GTKWColor.red if first and first.node.name == node.name else None
-                        save.word(place(datapath, node), node.format, label, color=color)
+                        save.word(place(datapath, node), node.format, label, 0, color)
 
 
 class _Save:
@@ -182,12 +176,11 @@ class _Save:
         name = self.signals[path].name
         self.writer.trace(name, alias=path[-1], datafmt=shown if name.endswith("]") else "bin")
 
-    def word(
-        self, path: tuple[str, ...], fmt: Format, label: str, lowest: int = 0, of: int | None = None, color=None
-    ) -> None:
-        """Add a word as a number, from bit ``lowest`` of a signal of ``of`` bits (default: the word alone)."""
+    def word(self, path: tuple[str, ...], fmt: Format, label: str, lowest: int = 0, color=None) -> None:
+        """Add a word as a number, from bit ``lowest`` of a signal."""
+        signal = self.signals[path]
         if fmt.width == 1:
-            self.writer.trace(self.signals[path].name, alias=label, datafmt="bin", color=color)
+            self.writer.trace(signal.name, alias=label, datafmt="bin", color=color)
             return
         shown = min(fmt.width, SHOWN_BITS)
         frac = fmt.frac - (fmt.width - shown)
@@ -195,13 +188,11 @@ class _Save:
         options = {"datafmt": "signed" if fmt.signed else "dec", "extraflags": flags, "color": color}
         if frac:  # pyvcd does not write this line
             self.stream.write(f"[fpshift_count] {frac}\n")
-        if of is None and shown == fmt.width:
-            self.writer.trace(self.signals[path].name, alias=label, **options)
-            return
-        # Some bits of a signal: GTKWave counts them from the left.
-        first = (of or fmt.width) - lowest - fmt.width
-        bits = [(first + k, self.signals[path].name) for k in range(shown)]
-        self.writer.trace_combined(label, bits, **options)
+        if shown == signal.size:
+            self.writer.trace(signal.name, alias=label, **options)
+        else:  # GTKWave counts bits from the left
+            first = signal.size - lowest - fmt.width
+            self.writer.trace_combined(label, [(first + k, signal.name) for k in range(shown)], **options)
 
 
 # -- recordings ------------------------------------------------------------------------------------
@@ -284,33 +275,29 @@ def write_aligned(path: Path, recording: Recording, datapath: str, nodes: Nodes,
     """Write a VCD with every node delayed to the clock of the last one, so that all words of a clock belong to one
     target.
 
-    Names, scopes and times match the VCD of the run. A clock without a target is X. The signal
-    `target` is the target's number; `differs` is 1 for targets in `wrong`, which differ from the model in some node.
+    Names, scopes and times match the VCD of the run. A clock without a target is X. The signal `target` is the target's
+    number; `differs` is 1 for targets in `wrong`, which differ from the model in some node.
     """
     top = MODELS[datapath].top
-    with open(path, "w", encoding="ascii", newline="\n") as stream:
-        writer = VCDWriter(stream, timescale=recording.timescale, date="", version="", comment=f"{top}, aligned")
-        with writer:
-            number = variable(writer, (top, "target"), 32)
-            differs = variable(writer, (top, "differs"), 1)
-            lines = [variable(writer, (top, *place(datapath, node)), node.format.width) for node in nodes]
-            end = 0
-
-            def blank() -> None:
-                for line in (number, differs, *lines):
+    with (
+        open(path, "w", encoding="ascii", newline="\n") as stream,
+        VCDWriter(stream, recording.timescale, date="", version="", comment=f"{top}, aligned") as writer,
+    ):
+        lines = [variable(writer, (top, name), bits) for name, bits in (("target", 32), ("differs", 1))]
+        lines += [variable(writer, (top, *place(datapath, node)), node.format.width) for node in nodes]
+        end = 0
+        for target in range(len(recording.admitted)):
+            now = recording.time(column(recording, nodes, target)) - recording.period // 2
+            if end and end != now:
+                for line in lines:
                     writer.change(line, end, "x")
-
-            for target in range(len(recording.admitted)):
-                now = recording.time(column(recording, nodes, target)) - recording.period // 2
-                if end and end != now:
-                    blank()
-                writer.change(number, now, target)
-                writer.change(differs, now, int(target in wrong))
-                for line, node in zip(lines, nodes, strict=True):
-                    writer.change(line, now, recording.word(node, target))
-                end = now + recording.period
-            blank()
-            writer.close(end + recording.period)
+            values = target, int(target in wrong), *(recording.word(node, target) for node in nodes)
+            for line, bits in zip(lines, values, strict=True):
+                writer.change(line, now, bits)
+            end = now + recording.period
+        for line in lines:
+            writer.change(line, end, "x")
+        writer.close(end + recording.period)
 
 
 def variable(writer: VCDWriter, path: tuple[str, ...], bits: int):

@@ -8,7 +8,7 @@ in are `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, a left arm with anatomica
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -18,7 +18,7 @@ from ..io.words import DEFAULT_D1, DEFAULT_D2, Targets
 from ..reference import joints
 from ..reference.kinematics import about, conjugate, matrix, multiply, quaternion, rotate
 from .hands import Hands, checked_limits
-from .pose import ArmPose, Floats, hanging, solve
+from .pose import Floats, Pose, hanging, solve
 from .swivels import Swivels, feasible_swivel
 
 UNIT = (1.0, 0.0, 0.0, 0.0)
@@ -106,12 +106,12 @@ class Arm:
             raise ValueError("links are bent: the joints of ik_arm are along or across its bones")
         phi, q = poses.phi, multiply(poses.hand, conjugate(self.tip))
         if np.isnan(phi).all():
-            chosen = self.choose_swivel(poses.position, poses.hand, poses.branch, margin=0.1)
+            chosen = self.feasible_swivel(poses.position, poses.hand, poses.branch).nearest(margin=0.1)
             phi = np.where(np.isnan(chosen), hanging(), chosen)
         lengths: dict[str, Any] = {"d1": self.d1, "d2": self.d2, "tool": self.tool[None], "default_arm": ()}
         return replace(poses, phi=phi, hand=q, origin=self.base, frame=conjugate(self.mount), **lengths)
 
-    def solve(self, points: ArrayLike, hand: ArrayLike, phi: ArrayLike | None = None, branch: ArrayLike = 0) -> ArmPose:
+    def solve(self, points: ArrayLike, hand: ArrayLike, phi: ArrayLike | None = None, branch: ArrayLike = 0) -> Pose:
         """Return the poses for tips at points (N, 3) with orientations (N, 4), or for a single tip.
 
         joints are :meth:`positions`.  The swivel angle phi (rad, a number or (N,)) is measured from axis 1; None is
@@ -149,18 +149,6 @@ class Arm:
         wrists, q = self._wrists(points, hand)
         return feasible_swivel(wrists, q, self.d1, self.d2, limits=self.bounds, branch=branch, bent=self._bent)
 
-    def choose_swivel(
-        self,
-        points: ArrayLike,
-        hand: ArrayLike,
-        branch: ArrayLike = 0,
-        *,
-        near: ArrayLike | None = None,
-        margin: float = 0.0,
-    ) -> Floats:
-        """Return the feasible swivel angle (N,) that :meth:`Swivels.nearest` chooses, or nan."""
-        return self.feasible_swivel(points, hand, branch).nearest(near, margin)
-
     @classmethod
     def from_urdf(cls, path: str | Path, base: str | None = None, tip: str | None = None) -> "Arm":
         """Return the arm between two links of a URDF file, by default its only first and last link.
@@ -169,35 +157,19 @@ class Arm:
         do not meet.
         """
         try:
-            robot = ElementTree.parse(path).getroot()
-            parents, children = (
-                {_attributes(joint, side)["link"] for joint in robot.iter("joint") if joint.find(side) is not None}
-                for side in ("parent", "child")
-            )
-            base, tip = base or _only("base", parents - children), tip or _only("tip", children - parents)
-            chain = _chain(robot, base, tip)
-            return cls(**_from_axes(chain.axes, chain.points, chain.end), limits=chain.limits, names=chain.names)
+            return cls(**_chain(ElementTree.parse(path).getroot(), base, tip))
         except (ElementTree.ParseError, KeyError) as error:
             raise ValueError(f"{path}: not a URDF file: {error}") from None
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
 
 
-class _Chain(NamedTuple):
-    """Seven joints with axes (7, 3) through points (7, 3), and the tip's frame (4, 4), all joints at 0."""
-
-    names: list[str]
-    axes: Floats
-    points: Floats
-    limits: list[list[float]]
-    end: Floats
-
-
-def _chain(robot: ElementTree.Element, base: str, tip: str) -> _Chain:
-    """Return the joints of a URDF between two links."""
-    above = {
-        _attributes(joint, "child")["link"]: joint for joint in robot.iter("joint") if joint.find("child") is not None
-    }
+def _chain(robot: ElementTree.Element, base: str | None, tip: str | None) -> dict[str, Any]:
+    """Return the fields of the arm between two links of a URDF, by default its only first and last link."""
+    joints = [joint for joint in robot.iter("joint") if joint.find("child") is not None]
+    above = {_attributes(joint, "child")["link"]: joint for joint in joints}
+    parents = {_attributes(joint, "parent")["link"] for joint in joints}
+    base, tip = base or _only("base", parents - set(above)), tip or _only("tip", set(above) - parents)
     chain: list[ElementTree.Element] = []
     link = tip
     while link != base:
@@ -227,7 +199,7 @@ def _chain(robot: ElementTree.Element, base: str, tip: str) -> _Chain:
         limits.append([_numbers(joint, "limit", *side)[0] for side in sides])
     if len(names) != 7:
         raise ValueError(f"{len(names)} joints between {base} and {tip}; an arm has 7")
-    return _Chain(names, np.array(axes), np.array(points), limits, frame)
+    return _from_axes(np.array(axes), np.array(points), frame) | {"limits": limits, "names": names}
 
 
 def _only(what: str, links: set[str]) -> str:
@@ -255,7 +227,7 @@ def _placed(turn: Floats, point: Floats) -> Floats:
     return np.vstack((np.column_stack((turn, point)), (0, 0, 0, 1)))
 
 
-def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict:
+def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict[str, Any]:
     """Return the fields of an arm from its axes (7, 3) through points (7, 3), and the tip (4, 4), all joints at 0."""
     size = np.linalg.norm(np.ptp(np.vstack((points, end[:3, 3])), axis=0))
     centres = []
@@ -269,9 +241,7 @@ def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict:
         centre = np.linalg.solve(across.sum(axis=0), (across @ points[three, :, None]).sum(axis=0)[:, 0])
         away = np.linalg.norm(np.cross(centre - points[three], axes[three]), axis=1)
         if away.max() > TOLERANCE * size:
-            pairs = ((first, first + 1), (first, first + 2), (first + 1, first + 2))
-            apart = ", ".join(f"{a + 1} and {b + 1}: {_apart(axes, points, a, b):.6g}" for a, b in pairs)
-            raise ValueError(f"the axes of the {name} do not meet; distances of axes {apart}")
+            raise ValueError(f"the axes of the {name} do not meet: they miss by {away.max():.6g}")
         centres.append(centre)
     shoulder, wrist = centres
     elbow = points[3] + axes[3] * ((shoulder - points[3]) @ axes[3])
@@ -317,14 +287,6 @@ def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict:
         "upper": UNIT if spin(upper) is not None else turns[2],
         "fore": UNIT if spin(fore) is not None else turns[3],
     }
-
-
-def _apart(axes: Floats, points: Floats, one: int, other: int) -> float:
-    """Return the distance between two axes."""
-    across = np.cross(axes[one], axes[other])
-    if np.linalg.norm(across) < TOLERANCE:
-        return float(np.linalg.norm(np.cross(points[other] - points[one], axes[one])))
-    return float(abs((points[other] - points[one]) @ across) / np.linalg.norm(across))
 
 
 IIWA14 = Arm(

@@ -90,8 +90,7 @@ class Clip:
     @cached_property
     def local(self) -> np.ndarray:
         """Quaternions (F, K, 4) of the nodes relative to their parents."""
-        quaternions = np.zeros((len(self.table), len(self.nodes), 4))
-        quaternions[..., 0] = 1
+        quaternions = np.tile((1.0, 0.0, 0.0, 0.0), (len(self.table), len(self.nodes), 1))
         for k, node in enumerate(self.nodes):
             for _, axis, column in node.of("rotation"):
                 quaternions[:, k] = multiply(quaternions[:, k], about(axis, np.radians(self.table[:, column])))
@@ -185,18 +184,8 @@ def _angles(turn: np.ndarray, axes: list[int], near: np.ndarray) -> np.ndarray:
 # -- the reader --------------------------------------------------------------------------------------------------------
 
 
-def read(path: Path) -> Clip:
-    """Read a BVH file.  Raises :class:`ClipError`, with the line, for a file that is not BVH or cannot be read."""
-    try:
-        return parse(path.read_bytes(), path)
-    except OSError as error:
-        raise ClipError(f"{path}: cannot be read: {error.strerror}") from None
-
-
 def parse(content: bytes, path: Path) -> Clip:
-    """Parse the content of a BVH file; path: for messages.  Raises :class:`ClipError`."""
-    if not content.strip():
-        raise ClipError(f"{path}: the file is empty")
+    """Parse the content of a BVH file; path: for messages.  Raises :class:`ClipError`, with the line."""
     wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     encoding = "utf-16" if wide else "utf-8-sig" if content.startswith(codecs.BOM_UTF8) else "utf-8"
     try:
@@ -218,34 +207,32 @@ class _Parser:
         self.table = TABLE.search(self.plain)
         hierarchy = self.plain[: self.table.start() if self.table else None].split("\n")
         self.left = deque((n, word) for n, line in enumerate(hierarchy, 1) for word in WORD.findall(line))
-        self.line, self.word = 1, ""  # taken last
+        self.line, self.word, self.joint = 1, "", ""  # taken last
         self.nodes: list[Node] = []
         self.joint_of_column: list[str] = []
 
-    def error(self, line: int, message: str) -> ClipError:
-        return ClipError(f"{self.path}: line {line}: {message}")
+    def error(self, message: str) -> ClipError:
+        return ClipError(f"{self.path}: line {self.line}{self.joint and f', joint {self.joint}'}: {message}")
 
-    def line_of(self, position: int) -> int:
-        """Return the line of a position in the text."""
-        return self.plain.count("\n", 0, position) + 1
+    def wrong(self, expected: str) -> ClipError:
+        """Return the error of the word taken last."""
+        return self.error(f"{self.word[:40]!r} is not {expected}")
 
     def take(self, expected: str) -> str:
         """Return the next word of the hierarchy."""
         if not self.left:
-            raise self.error(self.line, f"the hierarchy ends where {expected} is expected")
+            raise self.error(f"the hierarchy ends where {expected} is expected")
         self.line, self.word = self.left.popleft()
         return self.word
 
-    def wrong(self, expected: str) -> ClipError:
-        """Return the error of the word taken last."""
-        return self.error(self.line, f"{self.word[:40]!r} is not {expected}")
-
-    def number(self, where: str, whole: bool = False) -> float:
-        """Return the next word of the hierarchy as a number."""
-        if (value := _finite(self.take("a number"))) is None:
-            raise self.wrong(f"a finite number{where}")
-        if whole and (value < 0 or value != int(value)):
-            raise self.wrong(f"a whole number{where}")
+    def number(self, word: str) -> float:
+        """Return a word as a number; it has to be finite, and not so large that its products may not be."""
+        try:
+            value = float(word)
+        except ValueError:
+            value = np.nan
+        if not abs(value) < 1e30 or "_" in word:
+            raise self.error(f"{word[:40]!r} is not a finite number")
         return value
 
     def label(self) -> str:
@@ -262,7 +249,7 @@ class _Parser:
         inside: list[int] = []
         while self.left or inside:
             node = self.nodes[inside[-1]] if inside else None
-            where = f" (joint {node.name or 'end site'})" if node else ""
+            self.joint = (node.name or "end site") if node else ""
             match self.take("}").lower(), node:
                 case ("root", None) | ("joint" | "end", Node(end=False)):
                     end = self.word.lower() == "end"
@@ -272,20 +259,24 @@ class _Parser:
                     if self.take("{") != "{":
                         raise self.wrong("{")
                 case "offset", Node():
-                    node.offset = (self.number(where), self.number(where), self.number(where))
+                    x, y, z = (self.number(self.take("a number")) for _ in "xyz")
+                    node.offset = x, y, z
                 case "channels", Node():
-                    for _ in range(int(self.number(where, whole=True))):
+                    count = self.number(self.take("a number"))
+                    if count % 1 or count < 0:
+                        raise self.wrong("a whole number")
+                    for _ in range(int(count)):
                         if not (kind := CHANNEL.fullmatch(self.take("a channel"))):
-                            raise self.wrong(f"a position or rotation channel{where}")
+                            raise self.wrong("a position or rotation channel")
                         channel = Channel(kind[2].lower(), "xyz".index(kind[1].lower()), len(self.joint_of_column))
                         node.channels += (channel,)
                         self.joint_of_column.append(node.name)
                 case "}", Node():
                     inside.pop()
                 case "motion", None:
-                    raise self.error(self.line, "MOTION without 'Frames:' and 'Frame Time:'")
+                    raise self.error("MOTION without 'Frames:' and 'Frame Time:'")
                 case _:
-                    raise self.wrong("ROOT" if node is None else f"OFFSET, CHANNELS, JOINT, End Site or }}{where}")
+                    raise self.wrong("OFFSET, CHANNELS, JOINT, End Site or }" if node else "ROOT")
 
     def clip(self) -> Clip:
         """Return the clip."""
@@ -294,11 +285,10 @@ class _Parser:
             raise ClipError(f"{self.path}: no BVH clip: no {'MOTION' if self.nodes else 'ROOT'}")
         stated = []
         for n in (1, 2):
-            if (value := _finite(self.table[n])) is None:
-                raise self.error(self.line_of(self.table.start(n)), f"{self.table[n][:40]!r} is not a finite number")
-            stated.append(value)
+            self.line, self.joint = self.plain.count("\n", 0, self.table.end(n)) + 1, ""
+            stated.append(self.number(self.table[n]))
         count, period = stated
-        rows, notes = self.rows(count, self.table.end())
+        rows, notes = self.rows(count)
         if not rows:
             raise ClipError(f"{self.path}: {' '.join(notes) or 'the clip has no frames'}")
         if count != len(rows):
@@ -309,39 +299,27 @@ class _Parser:
         head = self.text[:start], self.text[end : self.table.end()]
         return Clip(self.path, self.encoding, head, tuple(self.nodes), np.array(rows), period, tuple(notes))
 
-    def rows(self, count: float, start: int) -> tuple[list[list[float]], list[str]]:
+    def rows(self, count: float) -> tuple[list[list[float]], list[str]]:
         """Return the rows of the table, and notes on it.  Rows may be wrapped; `count` is the number that is stated."""
-        channels, first = len(self.joint_of_column), self.line_of(start)
-        if not channels:
+        if not (channels := len(self.joint_of_column)):
             raise ClipError(f"{self.path}: no joint has channels")
-        text = self.plain[start:].split("\n")
-        lines = [(number, words) for number, line in enumerate(text, first) if (words := line.split())]
+        text = self.plain[self.table.end() :].split("\n") if self.table else []
+        lines = [(number, words) for number, line in enumerate(text, self.line) if (words := line.split())]
         lengths = [len(words) for _, words in lines]
         if channels not in lengths and sum(lengths) == channels * count:  # lines break anywhere
             lines = [(number, [word]) for number, words in lines for word in words]
         rows: list[list[float]] = []
         row: list[float] = []
         began = 0
-        for number, words in lines:
-            began = began if row else number
+        for self.line, words in lines:
+            began = began if row else self.line
             if len(row) + len(words) > channels:
-                raise self.error(began, f"{len(row) or len(words)} numbers, not {channels}")
+                self.line, self.joint = began, ""
+                raise self.error(f"{len(row) or len(words)} numbers, not {channels}")
             for word in words:
-                if (value := _finite(word)) is None:
-                    joint = self.joint_of_column[len(row)]
-                    message = f"line {number}, joint {joint}: {word[:40]!r} is not a finite number"
-                    raise ClipError(f"{self.path}: {message}")
-                row.append(value)
+                self.joint = self.joint_of_column[len(row)]
+                row.append(self.number(word))
             if len(row) == channels:
                 rows.append(row)
                 row = []
         return rows, [f"line {began}: {len(row)} numbers, not {channels}: the frame is left out"] if row else []
-
-
-def _finite(word: str) -> float | None:
-    """Return a word as a number; None if it is not a finite one, or so large that its products may not be."""
-    try:
-        value = float(word)
-    except ValueError:
-        return None
-    return value if abs(value) < 1e30 and "_" not in word else None

@@ -17,7 +17,6 @@ import numpy as np
 from ..io.files import QUATERNION
 from ..io.words import Targets
 from ..reference.kinematics import conjugate, multiply, rotate
-from . import bvh
 from .bvh import Clip, ClipError, parse
 from .pose import Axis, direction, swivel, to_z
 
@@ -42,7 +41,6 @@ LIMBS = {"arms": ("arm",), "legs": ("leg",), "all": ("arm", "leg")}
 
 HEADS = ("head", "neck")
 FEET = ("foot|feet|ankle", "toe|toes|toebase", "leg|lowerleg|lowleg|shin|calf|knee|shank")
-LIKELY = {"arm": "arm|hand|wrist|palm|elbow|shldr|shoulder|humerus", "leg": "leg|hip|thigh|knee|shin|calf|foot|ankle"}
 DROPPED = {"joint", "jnt", "bone", "bind", "bend", "stretch"}
 
 
@@ -71,8 +69,9 @@ class Limb:
 
 
 def read(path: Path, up: str | None = None) -> Clip:
-    """Read a clip.  up: a name of :data:`pose.NAMED_AXES`; None is :func:`up_axis`.  Raises :class:`ClipError`."""
-    clip = bvh.read(path)
+    """Read a clip.  up: a name of :data:`pose.NAMED_AXES`; None is :func:`up_axis`.  Raises OSError, and
+    :class:`ClipError` for a file that is not BVH."""
+    clip = parse(path.read_bytes(), path)
     return replace(clip, up=up or up_axis(clip))
 
 
@@ -89,20 +88,16 @@ def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None, l
     (kind,), sides = LIMBS[limbs], SIDES if which == "both" else (which,)
     named_joints: dict[str, tuple[int, int, int]] = {}
     if joints is not None:
-        text = f"joints {','.join(joints)}"
-        if len(sides) == 2 and len(joints) == 3:
-            raise ClipError(f"{clip.path}: {text} name one {kind}: choose its side, ARM=left or ARM=right")
         if len(joints) != 3 * len(sides):
-            raise ClipError(f"{clip.path}: {text}: expected three per side, such as upper arm, forearm and hand")
+            hint = "upper arm, forearm and hand of each side; ARM=left or ARM=right chooses one"
+            raise ClipError(f"{clip.path}: joints {','.join(joints)}: expected {hint}")
         for n, side in enumerate(sides):
             named_joints[side] = _chosen(clip, joints[3 * n : 3 * n + 3], list(named_joints.values()))
     known = {side: three for side in SIDES if (three := named_joints.get(side) or _known(clip, side, NAMES[kind]))}
     for side in sides:
         if side not in known:
-            likely = [name for name in _joint_names(clip) if re.search(LIKELY[kind], "".join(_words(name)))]
-            names = ", ".join((likely or _joint_names(clip))[:40])
             hint = "".join(f"ARM={other} runs the other, or " for other in known)
-            hint += f"choose its three with JOINTS= from {names}"
+            hint += f"choose its three with JOINTS= from {', '.join(_joint_names(clip))}"
             raise ClipError(f"{clip.path}: no {side} {kind} recognized; {hint}")
     above = [set(clip.ancestors(upper)) for upper, *_ in known.values()]
     result = []
@@ -271,11 +266,10 @@ def motion(clip: Clip, limb: Limb, axis: Axis = TORSO) -> Motion:
     """Return the motion of a limb for a reference axis of the world's frame, or "torso": outward and up from it."""
     for joint in (limb.upper, limb.fore):
         if not clip.can_turn(joint):
-            message = "has no rotation channel for each axis, so the core cannot turn it"
-            raise ClipError(f"{clip.path}: joint {clip.names[joint]} {message}")
-    shoulder, elbow, wrist = (clip.positions[:, joint] for joint in (limb.upper, limb.fore, limb.hand))
-    rest = [clip.rest[joint] for joint in (limb.upper, limb.fore, limb.hand)]
-    d1, d2 = (_lengths(b - a, d - c) for a, b, c, d in ((*rest[:2], shoulder, elbow), (*rest[1:], elbow, wrist)))
+            raise ClipError(f"{clip.path}: joint {clip.names[joint]} has no rotation channel for each axis")
+    joints = [limb.upper, limb.fore, limb.hand]
+    shoulder, elbow, wrist = np.moveaxis(clip.positions[:, joints], 1, 0)
+    d1, d2 = map(_lengths, np.diff(clip.rest[joints], axis=0), (elbow - shoulder, wrist - elbow))
     if min(d1.min(), d2.min()) == 0:
         raise ClipError(f"{clip.path}: the {limb.side} {limb.kind} has a bone without length")
     if isinstance(axis, str) and axis == TORSO:
@@ -321,20 +315,21 @@ def targets(
         distance, reach = np.linalg.norm(move.wrist, axis=1, keepdims=True), (move.d1 + move.d2)[:, None]
         longer = reach * (1 + 2 * ulp) / np.maximum(distance, reach / 2)
         wrists.append(move.wrist * np.where(distance >= reach * (1 - 2 * ulp), longer, 1.0))
-    x, y, z = np.stack(wrists, axis=1).reshape(-1, 3).T
-    columns = [(np.broadcast_to(angle, count), move.d1, move.d2) for angle, move in zip(phi, moves, strict=True)]
-    angles, d1, d2 = np.array(columns).transpose(1, 2, 0).reshape(3, -1)
-    arm = np.tile([move.limb.label for move in moves], count)
+    arm, hand = np.tile([move.limb.label for move in moves], count), None
     others = {"frame": np.arange(count).repeat(len(moves)).astype(str).tolist(), "arm": arm.tolist()}
-    frame = np.stack([move.frame for move in moves], axis=1).reshape(-1, 4)
-    wrist_targets = Targets(
-        clip.path.stem, x, y, z, angles, d1, d2, str(clip.path), others=others, frame=frame, arm=arm
-    )
-    if not by_hand:
-        return wrist_targets
-    hand = np.stack([move.hand for move in moves if move.hand is not None], axis=1).reshape(-1, 4)
-    quaternion = {name: [*map(repr, q)] for name, q in zip(QUATERNION, hand.T.tolist(), strict=True)}
-    return replace(wrist_targets, hand=hand, others=others | quaternion)
+    if by_hand:
+        hand = interleaved([move.hand for move in moves if move.hand is not None])
+        others |= {name: [*map(repr, q)] for name, q in zip(QUATERNION, hand.T.tolist(), strict=True)}
+    angles = interleaved([np.broadcast_to(angle, count) for angle in phi])
+    d1, d2, frame = (interleaved([getattr(move, name) for move in moves]) for name in ("d1", "d2", "frame"))
+    x, y, z = interleaved(wrists).T
+    path = clip.path
+    return Targets(path.stem, x, y, z, angles, d1, d2, str(path), others=others, frame=frame, arm=arm, hand=hand)
+
+
+def interleaved(arrays: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the rows of arrays of F rows in turn, frame by frame."""
+    return np.concatenate(np.stack(arrays, axis=1))
 
 
 # -- the turned clip ---------------------------------------------------------------------------------------------------

@@ -1,47 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hands of poses: checks, wrist targets, and the seven joint angles of the arm that holds a hand."""
+"""Hands of poses: checks, wrist targets, limits of joints."""
 
 import math
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..dataflow import fixed
-from ..dataflow.datapaths import MODELS
-from ..io.flags import BAD_HAND, OVER_BIT
-from ..io.words import (
-    FIELDS,
-    JOINTS,
-    LENGTH_TOLERANCE,
-    RESULT_FIELDS,
-    WRIST_FIELDS,
-    Targets,
-    from_words,
-    result_values,
-    to_words,
-)
+from ..io.words import LENGTH_TOLERANCE
 from ..reference import joints
-from ..reference.kinematics import product
 
 Floats = NDArray[np.float64]
-
-
-class ArmWords(NamedTuple):
-    """Output of ``ik_arm`` for n hand poses.
-
-    * results (6, n): Qs and Qe, as ``RESULT_FIELDS``; flags (n,), without over_limit
-    * phi (n,): the swivel angle that the words represent, rad
-    * qw (4, n): wrist quaternion; joints (7, n): rad; over_limit (7, n)
-    """
-
-    results: Floats
-    flags: NDArray[np.int64]
-    phi: Floats
-    qw: Floats
-    joints: Floats
-    over_limit: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,11 +57,6 @@ class Hands:
         return cls(q, tools, branches, missing)
 
     @property
-    def sizes(self) -> dict[str, int]:
-        """Dict: argument name -> number of its rows."""
-        return {"hand": len(self.q.T), "tool": self.tool.size, "branch": self.branch.size}
-
-    @property
     def offset(self) -> Floats:
         """Vectors (3, N) from the wrist to the hand's point."""
         return joints.tool_offset(self.q, self.tool)
@@ -100,24 +64,6 @@ class Hands:
     def part(self, rows: slice) -> "Hands":
         """Return the hands of some poses."""
         return Hands(*(v if v.shape[-1:] in ((), (1,)) else v[..., rows] for v in vars(self).values()))
-
-    def in_words(self, targets: Targets, exponent: int, width: int, limits: Floats | None) -> ArmWords:
-        """Solve hand poses at ``targets`` with the bit-true model of ``ik_arm``."""
-        path, ends = MODELS["arm"], limit_words(limits, width)
-        words, _ = to_words(replace(targets, hand=self.q.T, tool=self.tool, branch=self.branch), width, exponent)
-        run = fixed.run(words[:, :-1], width, path.name, words[:, -1], ends)
-        over = run.flags >> OVER_BIT + np.arange(7)[:, None] & 1 > 0
-        over |= np.array([[high < low] for low, high in ends])  # limits with no word between them
-        value = dict(zip(path.results, result_values(run.results, width).T, strict=True))
-        results, qw, th = (np.array([value[k] for k in names]) for names in (RESULT_FIELDS, WRIST_FIELDS, JOINTS))
-        th *= np.pi / 2  # the word 1 is a quarter turn
-        phi = from_words(words[:, : len(FIELDS)], exponent, width, targets.name).phi
-        return ArmWords(results, run.flags & 2 * BAD_HAND - 1, phi, qw, th, over)
-
-    def offset_of(self, qs: Floats, qe: Floats, qw: Floats) -> Floats:
-        """Return vectors as `offset` for Qs (4, N), qe_w and qe_i (2, N), Qw (4, N); their lengths do not matter."""
-        q = product(product(qs, np.array((-qe[1], qe[0], 0 * qe[0], 0 * qe[0]))), qw)
-        return joints.tool_offset(q / np.linalg.norm(q, axis=0), self.tool)
 
 
 def limit_words(limits: Floats | None, width: int) -> list[tuple[int, int]]:

@@ -14,10 +14,10 @@ axis to z, and multiplies Qs by R~ afterwards.
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import product
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -59,6 +59,13 @@ class Pose:
     * flags (N,): bits of :class:`Flag`; 0 where the hand is at the target
     * elbow, wrist (N, 3): from forward kinematics, in the unit of the targets
     * phi (N,): the requested swivel angle, rad; in words, rounded
+
+    Of poses of a hand, otherwise empty:
+
+    * qw (N, 4): wrist quaternion, (Qs Rx(th4))~ Qh
+    * hand (N, 3): the hand's point from forward kinematics
+    * joints (N, 7): th1 .. th7, rad in -pi to pi
+    * over_limit (N, 7): True for a joint outside its limits
     """
 
     qs: Floats
@@ -68,6 +75,10 @@ class Pose:
     wrist: Floats
     phi: Floats
     order: Order = "wxyz"
+    qw: Floats = field(default_factory=lambda: np.empty((0, 4)))
+    hand: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    joints: Floats = field(default_factory=lambda: np.empty((0, 7)))
+    over_limit: NDArray[np.bool_] = field(default_factory=lambda: np.empty((0, 7), dtype=bool))
 
     def to_scipy(self) -> "tuple[Rotation, Rotation]":
         """Return shoulder and elbow as :class:`scipy.spatial.transform.Rotation` (matrices, Euler angles, slerp)."""
@@ -75,56 +86,6 @@ class Pose:
 
         first = self.order == "wxyz"
         return Rotation.from_quat(self.qs, scalar_first=first), Rotation.from_quat(self.qe, scalar_first=first)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ArmPose(Pose):
-    """N poses of the whole arm.
-
-    * qw (N, 4): wrist quaternion, (Qs Rx(th4))~ Qh
-    * hand (N, 3): the hand's point from forward kinematics
-    * joints (N, 7): th1 .. th7, rad in -pi to pi
-    * over_limit (N, 7): True for a joint outside its limits
-    """
-
-    qw: Floats
-    hand: Floats
-    joints: Floats
-    over_limit: NDArray[np.bool_]
-
-
-@overload
-def solve(
-    points: ArrayLike,
-    phi: ArrayLike | None = None,
-    d1: ArrayLike = DEFAULT_D1,
-    d2: ArrayLike = DEFAULT_D2,
-    *,
-    axis: Axis = "z",
-    width: int | None = None,
-    datapath: str = "lean",
-    order: Order = "wxyz",
-    nan: Literal["raise", "pass"] = "raise",
-) -> Pose: ...
-
-
-@overload
-def solve(
-    points: ArrayLike,
-    phi: ArrayLike | None = None,
-    d1: ArrayLike = DEFAULT_D1,
-    d2: ArrayLike = DEFAULT_D2,
-    *,
-    axis: Axis = "z",
-    width: int | None = None,
-    datapath: str = "lean",
-    order: Order = "wxyz",
-    nan: Literal["raise", "pass"] = "raise",
-    hand: ArrayLike,
-    tool: ArrayLike = 0.0,
-    branch: ArrayLike = 0,
-    limits: ArrayLike | None = None,
-) -> ArmPose: ...
 
 
 def solve(
@@ -162,7 +123,14 @@ def solve(
     An unreachable target gets the nearest pose, and a flag.  Warns if phi exceeds a turn.  Raises ValueError for wrong
     arguments, and its subclass TargetError for a target that does not fit the core's format together with the others.
     """
-    _check_options(width, datapath, order, nan)
+    if datapath not in CONFIGURATIONS:
+        raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
+    widths = [w for w in CONFIGURATIONS[datapath].widths if w in WIDTHS]
+    if width is not None and (not isinstance(width, (int, np.integer)) or width not in widths):
+        raise ValueError(f"width {width!r} must be None or one of {', '.join(map(str, widths))}")
+    check_order(order)
+    if nan not in ("raise", "pass"):
+        raise ValueError(f"nan {nan!r} is neither 'raise' nor 'pass'")
     if hand is not None and width is not None and datapath != "lean":
         raise ValueError(f"datapath {datapath!r}: with hand and width it must be 'lean'")
     hands = None if hand is None else Hands.checked(hand, tool, branch, order, nan)
@@ -174,10 +142,7 @@ def solve(
     count, step = table.shape[1], LONG_CHUNK if width or hands else CHUNK
     arrays: dict[str, Any] = {}
     for rows in (slice(start, start + step) for start in range(0, max(count, 1), step)):
-        if hands is None:
-            pose = solver.wrists(table[:, rows])
-        else:
-            pose = solver.hands(table[:, rows], hands.part(rows), joint_limits)
+        pose = solver.poses(table[:, rows], hands and hands.part(rows), joint_limits)
         for name, values in pose.items():
             arrays.setdefault(name, np.empty((count, *values.shape[1:]), values.dtype))[rows] = values
     for name, values in arrays.items():
@@ -185,19 +150,7 @@ def solve(
             values[missing] = np.nan if values.dtype.kind == "f" else 0
         if name in ("qs", "qe", "qw"):
             arrays[name] = _rolled(order, values, -1)
-    return Pose(**arrays, order=order) if hands is None else ArmPose(**arrays, order=order)
-
-
-def _check_options(width: int | None, datapath: str, order: str, nan: str) -> None:
-    """Raise ValueError for an option of :func:`solve` with an unknown value."""
-    if datapath not in CONFIGURATIONS:
-        raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
-    widths = [w for w in CONFIGURATIONS[datapath].widths if w in WIDTHS]
-    if width is not None and (not isinstance(width, (int, np.integer)) or width not in widths):
-        raise ValueError(f"width {width!r} must be None or one of {', '.join(map(str, widths))}")
-    check_order(order)
-    if nan not in ("raise", "pass"):
-        raise ValueError(f"nan {nan!r} is neither 'raise' nor 'pass'")
+    return Pose(**arrays, order=order)
 
 
 def _table(
@@ -212,12 +165,8 @@ def _table(
     if position.ndim != 2 or position.shape[1] != 3:
         raise ValueError(f"points have the shape {position.shape}, not (N, 3)")
     columns = [np.asarray(v, dtype=np.float64) for v in (phi, d1, d2)]
-    sizes = dict(zip(("points", *FIELDS[3:]), (len(position), *(v.size for v in columns)), strict=True))
-    sizes |= hands.sizes if hands else {}
-    if len(counts := set(sizes.values()) - {1} or {1}) > 1:
-        listed = ", ".join(f"{name} has {size}" for name, size in sizes.items())
-        raise ValueError(f"numbers of rows do not broadcast: {listed}")
-    table = np.empty((len(FIELDS), *counts))
+    arrays = position[:, 0], *columns, *((hands.q[0], hands.tool, hands.branch) if hands else ())
+    table = np.empty((len(FIELDS), *np.broadcast_shapes(*((v.size,) for v in arrays))))
     table[:3], table[3], table[4], table[5] = position.T, *columns
     missing: Any = None
     if hands and hands.missing.any():

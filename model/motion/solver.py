@@ -10,12 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dataflow import fixed
-from ..io.words import RESULT_FIELDS, Targets, from_words, result_values, scale_exponent, to_words
+from ..dataflow.datapaths import MODELS
+from ..io.flags import BAD_HAND, OVER_BIT
+from ..io.words import (
+    FIELDS,
+    JOINTS,
+    RESULT_FIELDS,
+    WRIST_FIELDS,
+    Targets,
+    from_words,
+    result_values,
+    scale_exponent,
+    to_words,
+)
 from ..reference import joints, kinematics
 from ..reference.equations import solve_clamped
-from ..reference.kinematics import conjugate, multiply
+from ..reference.kinematics import conjugate, multiply, product
 from ..reference.lean_equations import solve_direct
-from .hands import Floats, Hands
+from .hands import Floats, Hands, limit_words
 
 
 class Results(NamedTuple):
@@ -42,21 +54,30 @@ class Solver(NamedTuple):
         """Return the solver with the one scale that fits all targets."""
         if self.width is None or not table.size:
             return self
-        targets = self._targets(table) if hands is None else self._targets(table, hand=hands.q.T, tool=hands.tool)
-        return self._replace(exponent=scale_exponent(targets, self.width))
+        return self._replace(exponent=scale_exponent(self._targets(table, hands), self.width))
 
-    def wrists(self, table: Floats) -> dict[str, Any]:
-        """Solve wrist targets."""
-        return self._pose(table, self._core(table))
+    def poses(self, table: Floats, hands: Hands | None, limits: Floats | None) -> dict[str, Any]:
+        """Solve wrist targets, or hand poses, whose table has the hands' points."""
+        if hands is None:
+            return self._pose(table, self._core(table))
+        return (self._hands_in_double if self.width is None else self._hands_in_words)(table, hands, limits)
 
-    def hands(self, table: Floats, hands: Hands, limits: Floats | None) -> dict[str, Any]:
-        """Solve hand poses; a table has the hands' points."""
-        if self.width is None:
-            return self._hands_in_double(table, hands, limits)
-        arm = hands.in_words(self._targets(table), self.exponent, self.width, limits)
-        pose = self._pose(table, Results(arm.results, arm.flags, arm.phi))
-        offset = hands.offset_of(pose["qs"].T, arm.results[4:], arm.qw)
-        return pose | _of_hands(pose["wrist"] + offset.T, arm.qw, arm.joints, arm.over_limit)
+    def _hands_in_words(self, table: Floats, hands: Hands, limits: Floats | None) -> dict[str, Any]:
+        assert self.width
+        path, ends = MODELS["arm"], limit_words(limits, self.width)
+        words, _ = to_words(self._targets(table, hands), self.width, self.exponent)
+        run = fixed.run(words[:, :-1], self.width, path.name, words[:, -1], ends)
+        over = run.flags >> OVER_BIT + np.arange(7)[:, None] & 1 > 0
+        over |= np.array([[high < low] for low, high in ends])  # limits with no word between them
+        value = dict(zip(path.results, result_values(run.results, self.width).T, strict=True))
+        results, qw, th = (np.array([value[k] for k in names]) for names in (RESULT_FIELDS, WRIST_FIELDS, JOINTS))
+        th *= np.pi / 2  # the word 1 is a quarter turn
+        phi = from_words(words[:, : len(FIELDS)], self.exponent, self.width, "targets").phi
+        pose = self._pose(table, Results(results, run.flags & 2 * BAD_HAND - 1, phi))
+        w, i = results[4:]
+        q = product(product(pose["qs"].T, np.array((-i, w, 0 * w, 0 * w))), qw)
+        hand = pose["wrist"] + joints.tool_offset(q / np.linalg.norm(q, axis=0), hands.tool).T
+        return pose | {"qw": qw.T, "hand": hand, "joints": th.T, "over_limit": over.T}
 
     def _hands_in_double(self, table: Floats, hands: Hands, limits: Floats | None) -> dict[str, Any]:
         wrists = np.concatenate((table[:3] - hands.offset, table[3:]))
@@ -68,11 +89,12 @@ class Solver(NamedTuple):
         if limits is not None:
             th = joints.settled(th, limits)
             over = joints.outside(th, limits)
-        return pose | _of_hands(pose["wrist"] + hands.offset.T, qw, th, over)
+        return pose | {"qw": qw.T, "hand": pose["wrist"] + hands.offset.T, "joints": th.T, "over_limit": over.T}
 
-    def _targets(self, table: Floats, hand: Any = None, tool: Any = 0.0) -> Targets:
+    def _targets(self, table: Floats, hands: Hands | None = None) -> Targets:
         x, y, z, phi, d1, d2 = table
-        return Targets("targets", x, y, z, phi, d1, d2, frame=self.frame, hand=hand, tool=tool)
+        hand: dict[str, Any] = {"hand": hands.q.T, "tool": hands.tool, "branch": hands.branch} if hands else {}
+        return Targets("targets", x, y, z, phi, d1, d2, frame=self.frame, **hand)
 
     def _core(self, table: Floats) -> Results:
         """Return the core's results for wrist targets."""
@@ -97,8 +119,3 @@ class Solver(NamedTuple):
         whole_qe = np.zeros((len(qe), 4))
         whole_qe[:, :2] = qe
         return {"qs": qs, "qe": whole_qe, "flags": core.flags, "elbow": elbow, "wrist": wrist, "phi": core.phi}
-
-
-def _of_hands(point: Floats, qw: Floats, th: Floats, over: NDArray[np.bool_]) -> dict[str, Any]:
-    """Return the fields that `pose.ArmPose` adds, from points (N, 3) and arrays with components first."""
-    return {"qw": qw.T, "hand": point, "joints": th.T, "over_limit": over.T}

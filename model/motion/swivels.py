@@ -211,27 +211,6 @@ def _intervals(ends, flexion, bounds, branch, unreachable):
     return intervals, fewest
 
 
-def choose_swivel(
-    points: ArrayLike,
-    hand: ArrayLike,
-    d1: ArrayLike = DEFAULT_D1,
-    d2: ArrayLike = DEFAULT_D2,
-    tool: ArrayLike = 0.0,
-    limits: ArrayLike | None = None,
-    branch: ArrayLike = 0,
-    *,
-    near: ArrayLike | None = None,
-    margin: float = 0.0,
-    axis: Axis = "z",
-    order: Order = "wxyz",
-) -> Floats:
-    """Return the swivel angle (N,) nearest to ``near`` for which the joints are within their limits, or nan.
-
-    :func:`feasible_swivel` and :meth:`Swivels.nearest` describe the arguments.
-    """
-    return feasible_swivel(points, hand, d1, d2, tool, limits, branch, axis=axis, order=order).nearest(near, margin)
-
-
 def continuous_joints(angles: ArrayLike) -> Floats:
     """Return joints (N, 7) of a path without jumps: each pose in the branch and the turns nearest to the pose before.
 

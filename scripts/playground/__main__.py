@@ -45,7 +45,7 @@ def _robot(name: str, arm: Arm) -> dict[str, Any]:
     axis = next(axis for axis in NAMED_AXES if np.array_equal(matrix(to_z(axis)), matrix(conjugate(arm.mount))))
     tool, place = float(np.linalg.norm(arm.tool)), np.array((0.35, 0.1, -0.15)) * (arm.d1 + arm.d2) / 0.6
     point = arm.base + place + (tool, 0.0, 0.0)
-    phi = arm.choose_swivel(point[None], HAND, near=hanging(axis), margin=0.1).item()
+    phi = arm.feasible_swivel(point[None], HAND).nearest(hanging(axis), margin=0.1).item()
     target = dict(zip(FIELDS, (*place.tolist(), phi, arm.d1, arm.d2), strict=True)) | {"turn": HAND}
     middle, half = np.array(centred(arm.limits)).tolist()
     columns = arm.names, arm.signs.tolist(), arm.offsets.tolist(), middle, half

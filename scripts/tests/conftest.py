@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bit-true model in place of the simulators, for tests of commands."""
 
-from functools import partial
-
 import pytest
 from vcd.writer import VCDWriter
 
@@ -14,13 +12,11 @@ from tb.sim import native_run
 from tb.sim.job import Run, answer
 
 LATENCY = 44
-FIRST, GAP = 6, 3
-"""Clock in which the simulator admits target 0; idle clocks between targets 1 and 2."""
 
 
 def admissions(count):
-    """Return the admission clock of each target."""
-    return [FIRST + k + GAP * (k > 1) for k in range(count)]
+    """Return the admission clock of each target: the first is 6, and 3 clocks are idle after target 1."""
+    return [6 + k + 3 * (k > 1) for k in range(count)]
 
 
 def nodes_of(words, datapath="lean", width=32, limits=None):
@@ -58,20 +54,18 @@ class FakeSimulator:
         top = (of.top,)
         admitted = admissions(len(jobs[0].words)) if len(jobs) == 1 else [0]
         core = (*top, f"g_{of.rtl}", "u_core")
+        sizes = {(*top, name): 1 for name in ("clk", "rst")} | {(*core, name): 1 for name in ("in_valid", "out_valid")}
+        for side, words in (("s", of.inputs), ("m", of.results)):
+            bits = {"tvalid": 1, "tready": 1, "tuser": 8, "tdata": len(words) * width}
+            sizes |= {(*top, f"{side}_axis_{name}"): count for name, count in bits.items()}
+        sizes |= {(*top, *place(datapath, node)): node.format.width for node in nodes}
         with open(path, "w", encoding="ascii") as stream, VCDWriter(stream, timescale="1 ps") as writer:
-            line = partial(variable, writer)
-            plain = {name: line((*top, name), 1) for name in ("clk", "rst", "s_axis_tvalid", "s_axis_tready")}
-            for name, bits in (("tvalid", 1), ("tready", 1), ("tuser", 8), ("tdata", 0)):
-                for side, words in (("s", of.inputs), ("m", of.results))[bits == 1 :]:
-                    line((*top, f"{side}_axis_{name}"), bits or len(words) * width)
-            for name in ("in_valid", "out_valid"):
-                line((*core, name), 1)
-            lines = {node.name: line((*top, *place(datapath, node)), node.format.width) for node in nodes}
+            lines = {name[-1]: variable(writer, name, size) for name, size in sizes.items()}
             for clock in range(1, admitted[-1] + max(node.time for node in nodes) + 9):
                 rise = 10_000 * clock - 5_000
                 bits = {"clk": 1, "rst": clock < 4, "s_axis_tready": 1, "s_axis_tvalid": clock in admitted}
                 for name, bit in bits.items():
-                    writer.change(plain[name], rise, int(bit))
+                    writer.change(lines[name], rise, int(bit))
                 for node in nodes:
                     bits = "x"
                     if clock - node.time in admitted:
@@ -80,7 +74,7 @@ class FakeSimulator:
                         if (node.name, target) in self.wrong:
                             bits = format(int(bits, 2) ^ 1, f"0{len(bits)}b")
                     writer.change(lines[node.name], rise, bits)
-                writer.change(plain["clk"], 10_000 * clock, 0)
+                writer.change(lines["clk"], 10_000 * clock, 0)
 
 
 @pytest.fixture

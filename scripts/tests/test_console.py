@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""scripts/console.py: make's variables, exit status, signals, folders, progress."""
+"""scripts/console.py: make's variables, exit status, signals, progress."""
 
 import os
 import signal
@@ -11,71 +11,55 @@ from pathlib import Path
 import pytest
 
 from scripts import console
-from scripts.console import InputError
 from tb.sim.env import ROOT, environment
 from tb.sim.test_runner import alive
 
 OPTIONS = [
     console.option("--count", "", console.whole(2), default=3),
     console.option("--from", "", str),
+    console.option("--out", "", Path),
     console.switch("--keep", ""),
 ]
-
-
-def raising(error):
-    def work(_):
-        raise error
-
-    return console.command("some", "", OPTIONS)(work)
 
 
 @pytest.mark.parametrize(
     ("error", "status", "message"),
     [
-        (InputError("no"), 2, "no"),
+        (console.InputError("no"), 2, "no"),
         (KeyboardInterrupt(), 130, "interrupted"),
         (OSError(28, "disk full", "a/b"), 2, "cannot read or write 'a/b': disk full"),
         (OSError(28, "disk full"), 2, "cannot read or write a file: disk full"),
     ],
 )
 def test_errors_become_a_status_and_one_line(error, status, message, capsys):
-    assert raising(error)([]) == status
+    def work(_):
+        raise error
+
+    assert console.command("some", "", OPTIONS)(work)([]) == status
     assert capsys.readouterr().err == f"some: {message}\n"
 
 
 @pytest.mark.parametrize(
     ("words", "values"),
     [
-        ([], (3, None, False)),
-        (["COUNT=5", "FROM=a=b $x", "KEEP=1"], (5, "a=b $x", True)),
-        (["--count", "5", "FROM=", "KEEP=0"], (5, None, False)),
-        (["COUNT=1"], "argument COUNT=: '1' is not a whole number of at least 2"),
+        ([], (3, None, None, False)),
+        (["COUNT=5", "FROM=a=b $x", "OUT=~/x", "KEEP=1"], (5, "a=b $x", Path.home() / "x", True)),
+        (["--count", "5", "FROM=", "KEEP=0"], (5, None, None, False)),
+        (["COUNT=1"], "argument COUNT=: 1 is not in the range x>=2."),
         (["KEEP=yes"], "KEEP=yes: use 1 or 0"),
-        (["count=5"], "unknown variable count=; known: COUNT, FROM, HELP, KEEP"),
+        (["count=5"], "unknown variable count=; known: COUNT, FROM, HELP, KEEP, OUT"),
     ],
 )
 def test_variables_of_make_are_options(monkeypatch, capsys, words, values):
     monkeypatch.setattr(console, "end_with_parent", lambda: None)
     monkeypatch.setenv("MAKELEVEL", "1")
     parsed = []
-    main = console.command("some", "", OPTIONS)(lambda options: parsed.append(options) or 0)
-    status = main(words)
+    status = console.command("some", "", OPTIONS)(lambda options: parsed.append(options) or 0)(words)
     if isinstance(values, str):
         assert (status, capsys.readouterr().err) == (2, f"some: {values}\n")
     else:
-        assert status == 0 and (parsed[0].count, parsed[0].from_, parsed[0].keep) == values
-
-
-def test_new_empty_folders_are_removed(tmp_path):
-    (tmp_path / "old").mkdir()
-    with pytest.raises(KeyboardInterrupt), console.output(tmp_path / "old/a/b", [tmp_path / "old/a/c/file"]):
-        assert (tmp_path / "old/a/c").is_dir()
-        raise KeyboardInterrupt
-    assert list(tmp_path.rglob("*")) == [tmp_path / "old"]
-
-
-def test_a_path_may_begin_with_the_home_folder():
-    assert console.option("--out", "", Path).type("~/x") == Path.home() / "x"
+        (options,) = parsed
+        assert status == 0 and (options.count, options.from_, options.out, options.keep) == values
 
 
 def test_progress_is_printed_while_nothing_gets_done(monkeypatch, capsys):
@@ -103,26 +87,20 @@ sys.exit(main())
 
 
 @pytest.mark.parametrize(
-    ("number", "to", "message"),
-    [
-        (signal.SIGINT, "terminal", "interrupted"),
-        (signal.SIGTERM, "make", "terminated"),
-        (signal.SIGKILL, "make", "terminated"),
-    ],
+    ("number", "send", "message"), [(signal.SIGINT, os.killpg, "interrupted"), (signal.SIGKILL, os.kill, "terminated")]
 )
-def test_a_signal_ends_command_and_simulator(tmp_path, number, to, message):
+def test_a_signal_ends_command_and_simulator(tmp_path, number, send, message):
     """A terminal sends a signal to the process group, `kill` to make alone."""
     (tmp_path / "command.py").write_text(COMMAND)
     (tmp_path / "Makefile").write_text(f"run:\n\t@PYTHONPATH={ROOT} exec {sys.executable} command.py\n")
-    (tmp_path / "tmp").mkdir()
-    env = environment() | {"TMPDIR": str(tmp_path / "tmp")}
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "start_new_session": True, "text": True}
-    make = subprocess.Popen(["env", "--default-signal", "make", "run"], cwd=tmp_path, env=env, **streams)
+    words = ["env", "--default-signal", f"TMPDIR={tmp_path}", "make", "run"]
+    make = subprocess.Popen(words, cwd=tmp_path, env=environment(), **streams)
     processes = [int(pid) for pid in make.stdout.readline().split()]
     assert all(map(alive, processes))
-    (os.killpg if to == "terminal" else os.kill)(make.pid, number)
+    send(make.pid, number)
     assert f"some: {message}\n" in make.communicate(timeout=60)[1]  # also waits for the command, which shares stderr
     limit = time.monotonic() + 10
     while any(map(alive, processes)) and time.monotonic() < limit:
         time.sleep(0.05)
-    assert not any(map(alive, processes)) and os.listdir(tmp_path / "tmp") == []
+    assert not any(map(alive, processes)) and sorted(os.listdir(tmp_path)) == ["Makefile", "command.py"]

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from model.motion.bvh import read
+from model.motion.clip import read
 
 NAMES = {
     "cmu": ("{Side}Shoulder", "{Side}Arm", "{Side}ForeArm", "{Side}Hand"),
@@ -35,13 +35,11 @@ REST = np.array((1, 0.3, 0)) / np.hypot(1, 0.3)
 
 UPPER, FORE = 3.1, 2.6
 
+TURNS = {"x": ((0, 1, 0), (0, 0, 1), (1, 0, 0)), "y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)), "z": np.eye(3)}
+"""Up axis -> matrix from x to the right, y forward, z up."""
+
 
 def joints(names: str, side: str) -> tuple[str, ...]:
-    """Return upper arm, forearm and hand of a side."""
-    return called(names, side)[1:]
-
-
-def called(names: str, side: str) -> tuple[str, ...]:
     """Return collar bone, upper arm, forearm and hand of a side."""
     return tuple(form.format(Side=side.title(), S=side[0].upper(), s=side[0]) for form in NAMES[names])
 
@@ -52,13 +50,9 @@ def write(path, names="cmu", up="y", order="ZYX", frames=60, sides=("left", "rig
     rich: each joint has position channels, which move it near its OFFSET, and each upper arm a joint within.
     """
     random = np.random.default_rng(1)
-    spot = {"z": (0, 1, 2), "y": (0, 2, 1), "x": (2, 0, 1)}[up]  # positions of right, forward and up
-    flip = np.array((1, -1 if up == "y" else 1, 1))  # keeps the frame right-handed
 
     def offset(vector) -> str:
-        out = np.zeros(3)
-        out[list(spot)] = np.asarray(vector, dtype=float) * flip
-        return " ".join(f"{value:.6f}" for value in out)
+        return " ".join(f"{value:.6f}" for value in TURNS[up] @ np.asarray(vector, dtype=float))
 
     lines, channels, places = ["HIERARCHY"], 0, {}
 
@@ -77,7 +71,7 @@ def write(path, names="cmu", up="y", order="ZYX", frames=60, sides=("left", "rig
 
     def arm(side):
         mirror = np.array((1 if side == "right" else -1, 1, 1))
-        collar, upper, fore, hand = called(names, side)
+        collar, upper, fore, hand = joints(names, side)
         rest = mirror * REST
         below = (fore, rest * UPPER / (2 if rich else 1), [(hand, rest * FORE, [(None, rest * 0.5, [])])])
         below = (f"{upper}.001", rest * UPPER / 2, [below]) if rich else below
@@ -119,20 +113,16 @@ def kinematics(clip):
     return np.array(positions), turns
 
 
-def compare(path, again, free=(), positions=1e-6, angles=1e-6, frames=slice(None)):
-    """Check that a written clip has the original's nodes, positions and orientations.
-
-    Tolerances: `positions` relative to the body's size, `angles` in rad.
-
-    `free` joints, by number, may move and turn.
-    """
+def compare(path, again, free=(), tolerance=1e-6):
+    """Check that a written clip has the original's nodes, positions and orientations, except of `free` joints, by
+    number; tolerance: relative to the body's size, and in rad."""
     clip, clip_again = read(Path(path)), read(Path(again))
     (places, turns), (places_again, turns_again) = kinematics(clip), kinematics(clip_again)
     assert clip.nodes == clip_again.nodes and clip.table.shape == clip_again.table.shape
     kept = [k for k in range(len(clip.nodes)) if k not in free]
     size = np.ptp(places[:, 0], axis=0).max()
-    away = np.linalg.norm(places_again - places, axis=2)[kept][:, frames] / size
-    assert away.max() <= positions, (clip.nodes[kept[int(away.max(axis=1).argmax())]].name, away.max())
+    away = np.linalg.norm(places_again - places, axis=2)[kept] / size
+    assert away.max() <= tolerance, (clip.nodes[kept[int(away.max(axis=1).argmax())]].name, away.max())
     for k in kept:
-        turned = (turns[k].inv() * turns_again[k]).magnitude()[frames]
-        assert turned.max() <= angles, (clip.nodes[k].name, turned.max())
+        turned = (turns[k].inv() * turns_again[k]).magnitude()
+        assert turned.max() <= tolerance, (clip.nodes[k].name, turned.max())

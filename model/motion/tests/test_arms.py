@@ -36,11 +36,8 @@ def urdf(path, chain, tip=TIP, limits=((-2.9, 2.9),) * 7, kind="revolute"):
     """Write a URDF from link base through l1, l2, ... to tip; joints without limits are `continuous`."""
     text, links = '<robot name="r">', ["base", *(f"l{n}" for n in range(1, 8)), "tip"]
     for n, (xyz, rpy, axis) in enumerate([*chain, (*tip, Z)]):
-        bound = (
-            f'<limit lower="{limits[n][0]}" upper="{limits[n][1]}" effort="1" velocity="1"/>'
-            if n < 7 and limits[n]
-            else ""
-        )
+        low, high = n < 7 and limits[n] or (None, None)
+        bound = "" if low is None else f'<limit lower="{low}" upper="{high}" effort="1" velocity="1"/>'
         sort = "fixed" if n == 7 else kind if bound else "continuous"
         xyz, rpy, axis = (" ".join(map(str, v)) for v in (xyz, rpy, axis))
         text += f"""<joint name="j{n + 1}" type="{sort}"><parent link="{links[n]}"/><child link="{links[n + 1]}"/>
@@ -69,7 +66,7 @@ def assert_same(one, other, atol):
 def test_urdf_and_back(name, tmp_path):
     chain, random = CHAINS[name], np.random.default_rng(4)
     limits = [(-0.35, 5.6), (-2.4, 2.4), (-2.6, 2.7), (-2.3, 2.3), None, (-2.2, 2.3), (-5.8, 0.35)]
-    arm = Arm.from_urdf(urdf(tmp_path / "arm.urdf", chain, limits=limits), "base", "tip")
+    arm = Arm.from_urdf(urdf(tmp_path / "arm.urdf", chain, limits=limits))
     assert arm.names == tuple(f"j{n}" for n in range(1, 8))
     np.testing.assert_array_equal(arm.limits, [limit or (-np.inf, np.inf) for limit in limits])
     th, (low, high) = random.uniform(-2, 2, (300, 7)), arm.limits.T + [[-1e-8], [1e-8]]
@@ -80,7 +77,7 @@ def test_urdf_and_back(name, tmp_path):
         assert_same(tips(chain, pose.joints), (points, m), 1e-13)
         np.testing.assert_allclose(pose.hand, points, rtol=0, atol=1e-13)
         np.testing.assert_array_equal(pose.over_limit, (pose.joints < low) | (pose.joints > high))
-        chosen = arm.choose_swivel(points, q, branch, near=0.4)
+        chosen = arm.feasible_swivel(points, q, branch).nearest(0.4)
         some = np.isfinite(chosen)
         safe = arm.solve(points[some], q[some], chosen[some], branch).joints
         assert some.mean() > 0.2 and ((safe >= low) & (safe <= high)).all()
@@ -95,22 +92,18 @@ def moved(joint, xyz=None, axis=None):
 @pytest.mark.parametrize(
     ("chain", "given", "message"),
     [
-        (moved(6, (0.088, 0, 0)), {}, "wrist do not meet; .* 5 and 6: 0, 5 and 7: 0.088, 6 and 7: 0.088"),
-        (moved(1, (0.03, 0, 0)), {}, "shoulder do not meet; .* 1 and 2: 0.03, 1 and 3: 0.03, 2 and 3: 0$"),
+        (moved(6, (0.088, 0, 0)), {}, "axes of the wrist do not meet: they miss by 0.0"),
+        (moved(1, (0.03, 0, 0)), {}, "axes of the shoulder do not meet: they miss by 0.0"),
         (moved(1, axis=(0, 1, 1)), {}, "axes 1 and 2 are 45 degrees apart, not 90"),
         (moved(3, O), {}, "axis 4 passes through the shoulder"),
-        (moved(4, O), {}, "axis 4 passes through the wrist"),
         (moved(4, (0, 0.01, 0.4)), {}, "0.01 apart along axis 4"),
         (moved(2, axis=O), {}, "joint j3 has the axis 0 0 0"),
         (moved(2, axis=(1, 2)), {}, "joint j3: axis xyz '1 2'"),
-        (moved(2, (0, np.nan, 0)), {}, "joint j3: origin xyz '0 nan 0'"),
         (IIWA, {"tip": "l6"}, "6 joints between base and l6; an arm has 7"),
-        (IIWA, {"tip": "hand"}, "no chain of joints leads from base to hand"),
         (IIWA, {"kind": "prismatic"}, "joint j1 is prismatic"),
         (IIWA, {"limits": [(1, 2), (3, 2), *[(1, 2)] * 5]}, "limits of joint 2: 3 to 2"),
         (IIWA, {"replaced": ("</robot>", "")}, "not a URDF"),
         (IIWA, {"replaced": (' type="fixed"', "")}, "not a URDF"),
-        (IIWA, {"replaced": ("0.42", "a")}, "'a'"),
         (IIWA, {"replaced": ('"l7"', '"tip"')}, "no chain of joints"),  # a joint is its own parent
     ],
 )
@@ -119,8 +112,9 @@ def test_refused_chains(chain, given, message, tmp_path):
     path.write_text(path.read_text().replace(*given.get("replaced", ("", ""))))
     with pytest.raises(ValueError, match=f"arm.urdf: .*{message}"):
         Arm.from_urdf(path, "base", given.get("tip", "tip"))
-    with pytest.raises(OSError, match=r"absent\.urdf"):
-        Arm.from_urdf(tmp_path / "absent.urdf", "base", "tip")
+
+
+def test_refused_shapes():
     with pytest.raises(ValueError, match=r"signs of the arm: shape \(6,\)"):
         Arm(0.3, 0.3, signs=np.ones(6))
 
@@ -129,17 +123,11 @@ def test_iiwa14(tmp_path):
     (up, along), (q, _) = IIWA14.forward([np.zeros(7), np.radians((0, 90, 0, 0, 0, 0, 0))])
     np.testing.assert_allclose((up, along), ((0, 0, 0.36 + 0.42 + 0.4 + 0.126), (0.946, 0, 0.36)), atol=1e-15)
     np.testing.assert_allclose(matrix(q), np.eye(3), atol=1e-15)
-    chain, tip, bounds = (
-        bones(SERIAL, (0, 0, 0.36)),
-        ((0, 0, 0.126), O),
-        np.radians((170, 120, 170, 120, 170, 120, 175)),
-    )
+    chain, tip, bounds = bones(SERIAL, (0, 0, 0.36)), ((0, 0, 0.126), O), np.radians((170, 120) * 3 + (175,))
     th = np.random.default_rng(2).uniform(*IIWA14.limits.T, (200, 7))
     points, q = IIWA14.forward(th)
     assert_same((points, q), tips(chain, th, tip), 1e-14)
-    arm = Arm.from_urdf(
-        urdf(tmp_path / "iiwa14.urdf", chain, tip, np.stack((-bounds, bounds), axis=1).tolist()), "base", "tip"
-    )
+    arm = Arm.from_urdf(urdf(tmp_path / "iiwa14.urdf", chain, tip, np.stack((-bounds, bounds), axis=1).tolist()))
     np.testing.assert_array_equal(IIWA14.limits, arm.limits)
     one, other = (robot.solve(points, q, 0.3, np.arange(200) % 8) for robot in (arm, IIWA14))
     assert apart(one.joints, other.joints).max() < 1e-12
@@ -161,7 +149,7 @@ def test_human():
     assert ((HUMAN.limits[:, 0] <= 0) & (HUMAN.limits[:, 1] > 0)).all()
     th = np.random.default_rng(3).uniform(*HUMAN.limits.T, (500, 7))
     points, q = HUMAN.forward(th)
-    pose = HUMAN.solve(points, q, HUMAN.choose_swivel(points, q, near=0.0))
+    pose = HUMAN.solve(points, q, HUMAN.feasible_swivel(points, q).nearest(0.0))
     assert not pose.over_limit.any()
     assert_same(HUMAN.forward(pose.joints), (points, matrix(q)), 1e-13)
 
@@ -191,11 +179,7 @@ def test_pinocchio_reaches_the_same_tips(tmp_path):
     import pinocchio as pin
 
     path = urdf(tmp_path / "arm.urdf", bones(SERIAL, elbow=(0, 0, 0.37), wrist=(0, 0, 0.28)))
-    arm, robot, random = (
-        Arm.from_urdf(path, "base", "tip"),
-        pin.buildModelFromXML(path.read_text()),
-        np.random.default_rng(6),
-    )
+    arm, robot, random = Arm.from_urdf(path), pin.buildModelFromXML(path.read_text()), np.random.default_rng(6)
     data, frame = robot.createData(), robot.getFrameId("tip")
     for branch, th in enumerate(random.uniform(-2.5, 2.5, (50, 7))):
         point, q = (one[0] for one in arm.forward(th))

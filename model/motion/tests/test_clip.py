@@ -11,7 +11,6 @@ import pytest
 from pygltflib.validator import validate
 from scipy.spatial.transform import Rotation
 
-from model.bounds import tolerances
 from model.motion import clip as clips
 from model.motion.clip import ClipError, arms, motion, read, turned
 from model.motion.gltf import animated
@@ -20,39 +19,15 @@ from model.motion.tests import figure
 from model.reference.kinematics import angle_between, conjugate, forward, multiply, rotate
 
 MOCAP = sorted((Path(__file__).parents[4] / "shared" / "mocap").glob("*.bvh"))
-ELBOW = {None: 1e-12, 32: 2e-8, 18: 2e-4}
 
 
-def followed(clip, axis, width=None, phi=None):
+def followed(clip, width=32, phi=lambda move: move.phi):
     """Solve each arm of a clip: motion, shoulder and elbow quaternion in the clip's frame."""
-    moves = [motion(clip, arm, axis) for arm in arms(clip)]
-    targets = clips.targets(clip, moves, [move.phi if phi is None else phi(move) for move in moves], width or 52)
+    moves = [motion(clip, arm) for arm in arms(clip)]
+    targets = clips.targets(clip, moves, [phi(move) for move in moves], width or 52)
     pose = solve(targets.core_position, targets.phi, targets.d1, targets.d2, width=width)
     qs = targets.from_core(pose.qs)
     return [(move, qs[n :: len(moves)], pose.qe[n :: len(moves)]) for n, move in enumerate(moves)]
-
-
-def off(ours, theirs, move):
-    return np.linalg.norm(ours - theirs, axis=1) / (move.d1 + move.d2)
-
-
-@pytest.mark.parametrize("axis", ["torso", "z", (0.3, 1, 0)])
-@pytest.mark.parametrize("width", ELBOW)
-@pytest.mark.parametrize("way", [{}, {"up": "z"}, {"up": "x", "order": "XZY"}, {"order": "YXZ"}])
-def test_hand_and_elbow_of_a_figure(tmp_path, way, width, axis):
-    clip = read(figure.write(tmp_path / "clip.bvh", **way))
-    moves = followed(clip, axis, width)
-    assert [move.limb.side for move, *_ in moves] == ["left", "right"]
-    for move, qs, qe in moves:
-        assert (move.d1[0], move.d2[-1]) == pytest.approx((figure.UPPER, figure.FORE), abs=1e-5)
-        elbow, wrist = forward(qs, qe, move.d1, move.d2)
-        # Near a singular pose, rounding of the target moves the elbow further.
-        beside = np.linalg.norm(rotate(move.frame, move.wrist)[:, :2], axis=1) / np.linalg.norm(move.wrist, axis=1)
-        bent = np.linalg.norm(np.cross(move.elbow, move.wrist), axis=1) / (move.d1 * move.d2)
-        regular = (beside > 0.3) & (bent > 0.3)
-        assert regular.sum() > 20
-        assert off(elbow, move.elbow, move)[regular].max() <= ELBOW[width]
-        assert off(wrist, move.wrist, move).max() <= (tolerances.lean(width) if width else 1e-14)
 
 
 @pytest.mark.parametrize(("up", "axes"), [("y", {"left": (-1, 1, 0), "right": (1, 1, 0)}), ("z", {"right": (1, 0, 1)})])
@@ -74,18 +49,17 @@ def test_typical_angle_is_that_of_a_bent_arm(tmp_path):
     assert replace(move, phi=np.array([0.0, 3.1, -3.1])).typical_phi == pytest.approx(np.pi)
 
 
-def written(path, clip, *options, width=32):
-    """Write the turned clip next to `path`; return its path and its arms' joints."""
+def written(path, clip, *options):
+    """Write the turned clip next to `path`; return its path."""
     again = path.with_name("again.bvh")
-    again.write_bytes(turned(clip, followed(clip, "torso", width), *options).content())
-    return again, [joint for arm in arms(clip) for joint in (arm.upper, arm.fore, arm.hand)]
+    again.write_bytes(turned(clip, followed(clip), *options).content())
+    return again
 
 
 @pytest.mark.parametrize("way", [{}, {"up": "z", "order": "YXZ"}, {"up": "x", "order": "XZY"}, {"rich": True}])
 def test_the_clip_written_again_has_the_same_joints(tmp_path, way):
     path = figure.write(tmp_path / "clip.bvh", **way)
-    again, _ = written(path, read(path))
-    figure.compare(path, again)
+    figure.compare(path, written(path, read(path)))
 
 
 def test_angles_stay_near_the_original_ones(tmp_path):
@@ -99,31 +73,25 @@ def test_angles_stay_near_the_original_ones(tmp_path):
             clip.table[:5, columns[1]] = 90
 
     clip = changed(path, spin)
-    again, _ = written(path, clip)
+    again = written(path, clip)
     figure.compare(path, again)
     np.testing.assert_allclose(read(again).table, clip.table, atol=1e-4)
-
-
-def hinged(path):
-    """Make the elbow a hinge, as in the core."""
-
-    def bend(clip):
-        for arm in arms(clip):
-            columns = [channel.column for channel in clip.nodes[arm.fore].channels]  # ZYX
-            clip.table[:, columns] = (0.0, 1.0, 0.0) * (20 + np.abs(clip.table[:, columns]))
-
-    return changed(path, bend)
 
 
 def test_twist_of_the_core(tmp_path):
     """The core's hinge is the elbow's own if the elbow is a hinge; no bone turns about itself faster than it swings."""
     path = figure.write(tmp_path / "clip.bvh")
-    free = written(path, read(path), "core")
+    again = written(path, read(path), "core")
     with pytest.raises(AssertionError):
-        figure.compare(path, free[0])
-    figure.compare(path, *free)
-    clip = hinged(path)
-    figure.compare(path, written(path, clip, "core")[0])
+        figure.compare(path, again)
+    figure.compare(path, again, [joint for arm in arms(read(path)) for joint in (arm.upper, arm.fore, arm.hand)])
+
+    def bend(clip):  # only about one axis
+        for arm in arms(clip):
+            columns = [channel.column for channel in clip.nodes[arm.fore].channels]  # ZYX
+            clip.table[:, columns] = (0.0, 1.0, 0.0) * (20 + np.abs(clip.table[:, columns]))
+
+    figure.compare(path, written(path, changed(path, bend), "core"))
 
 
 def changed(path, change):
@@ -134,52 +102,29 @@ def changed(path, change):
     return read(path)
 
 
-def test_an_elbow_that_bends_backwards_does_not_roll(tmp_path):
-    """An elbow that straightens, and bends the wrong way by 2 degrees."""
-    path = figure.write(tmp_path / "clip.bvh", up="z", frames=4)
-
-    def bend(clip):
-        clip.table[:] = 0
-        clip.table[:, [clip.nodes[arm.fore].channels[0].column for arm in arms(clip)]] = [[20], [2], [-2], [0]]
-
-    clip = changed(path, bend)
-    figure.compare(path, written(path, clip)[0])
-    with pytest.raises(AssertionError, match="'LeftArm', np.float64.3.1"):
-        figure.compare(path, written(path, clip, "core")[0])
-
-
-@pytest.mark.parametrize("first", [0, 1])
-@pytest.mark.parametrize("head", ["Head", "mixamorig:Head", "Bob_Neck1", "DEF-spine.006"])
-def test_up_does_not_depend_on_the_first_frame(tmp_path, first, head):
-    path = figure.write(tmp_path / "clip.bvh", frames=3)
-    path.write_text(path.read_text().replace("Head", head).replace("Leg", "Bob_LeftFoot"))
-
-    def lie(clip):
-        clip.table[:] = 0
-        clip.table[first, 5] = -90  # about x
-
-    path.write_text(re.sub(r"(Shoulder\n{\nOFFSET) (-?)0.5", r"\1 \g<2>2.5", path.read_text().replace("-0.5", "1.5")))
-    clip = changed(path, lie)
-    assert clip.up == "y" and (read(path, "-z").up, clip.notes) == ("-z", ())
-    left, right = (clips.outward_and_up(clip, arm) for arm in arms(clip))
-    np.testing.assert_allclose((left, right), [(-1, 1, 0), (1, 1, 0)], atol=1e-12)
-
-
 @pytest.mark.parametrize(
-    ("head", "foot"), [("Head", "Leg"), ("Neck", "Bob_LeftFoot"), ("Head", "ankle_r"), ("DEF-spine.006", "Leg")]
+    ("up", "rows", "head", "foot"),
+    [
+        ("y", 0, "Head", "Leg"),
+        ("y", 1, "mixamorig:Head", "Bob_LeftFoot"),
+        ("z", slice(None), "Bob_Neck1", "ankle_r"),
+        ("z", slice(None), "DEF-spine.006", "Leg"),
+    ],
 )
-def test_up_of_a_body_whose_rest_pose_lies(tmp_path, head, foot):
-    """The rest pose lies and the frames stand: the torso's axis comes from the rest pose."""
-    path = figure.write(tmp_path / "clip.bvh", up="z")
-    path.write_text(path.read_text().replace("Head", head).replace("Leg", foot))
+def test_up(tmp_path, up, rows, head, foot):
+    """A single frame lies, or the rest pose lies and the frames stand: the torso's axis comes from the rest pose."""
+    path = figure.write(tmp_path / "clip.bvh", frames=3, up=up)
+    text = path.read_text().replace("Head", head).replace("Leg", foot).replace("-0.5", "1.5")
+    path.write_text(re.sub(r"(Shoulder\n{\nOFFSET) (-?)0.5", r"\1 \g<2>2.5", text))
 
-    def stand(clip):
+    def turn(clip):
         clip.table[:] = 0
-        clip.table[:, 5] = -90
+        clip.table[rows, 5] = -90  # about x
 
-    clip = changed(path, stand)
-    assert clip.up == "y"
-    np.testing.assert_allclose(clips.outward_and_up(clip, arms(clip, "left")[0]), (-1, 0, 1), atol=1e-12)
+    clip = changed(path, turn)
+    assert clip.up == "y" and (read(path, "-z").up, clip.notes) == ("-z", ())
+    axes = [(-1, 1, 0), (1, 1, 0)] if up == "y" else [(-1, 0, 1), (1, 0, 1)]
+    np.testing.assert_allclose([clips.outward_and_up(clip, arm) for arm in arms(clip)], axes, atol=1e-12)
 
 
 @pytest.mark.parametrize(("reach", "unit"), [(53, "cm"), (0.6, "m"), (550, "mm"), (21, "inch"), (8.4, "cmu")])
@@ -196,40 +141,31 @@ def test_names_of_joints(tmp_path, names):
     else:
         assert [arm.side for arm in arms(clip)] == ["left", "right"]
     for side in clips.SIDES:
-        joints = figure.joints(names, side)
+        joints = figure.joints(names, side)[1:]
         (named,) = arms(clip, side, joints)
         assert tuple(clip.names[joint] for joint in (named.upper, named.fore, named.hand)) == joints
         if names != "own":
             assert arms(clip, side) == [named]
         else:
-            six = [*figure.joints(names, "left"), *figure.joints(names, "right")]
+            six = [*figure.joints(names, "left")[1:], *figure.joints(names, "right")[1:]]
             assert replace(arms(clip, joints=six)[side == "right"], opposite=named.opposite) == named
         assert clip.names[named.torso] == "Spine"
-
-
-def test_likely_joints_are_listed(tmp_path):
-    path = figure.write(tmp_path / "clip.bvh")
-    path.write_text(path.read_text().replace("LeftForeArm", "LeftMiddle"))
-    likely = "LeftShoulder, LeftArm, LeftHand, RightShoulder, RightArm, RightForeArm, RightHand"
-    with pytest.raises(ClipError, match=f"ARM=right runs the other, or choose its three with JOINTS= from {likely}$"):
-        arms(read(path))
 
 
 def test_a_lone_arm(tmp_path):
     clip = read(figure.write(tmp_path / "clip.bvh", sides=("right",)))
     (arm,) = arms(clip, "right")
     assert clip.names[arm.torso] == "Spine"
-    with pytest.raises(ClipError, match="no left arm"):
+    with pytest.raises(ClipError, match="no left arm recognized; ARM=right runs the other, or choose"):
         arms(clip)
 
 
 @pytest.mark.parametrize(
     ("which", "joints", "message"),
     [
-        ("both", ("LeftArm", "LeftForeArm", "LeftHand"), "choose its side, ARM=left or ARM=right"),
+        ("both", ("LeftArm", "LeftForeArm", "LeftHand"), "each side; ARM=left or ARM=right chooses one"),
         ("left", ("LeftArm", "LeftElbow", "LeftHand"), "no joint 'LeftElbow' among Hips, Spine"),
-        ("left", ("LeftArm", "LeftHand"), "expected three per side"),
-        ("left", ("LeftArm", "LeftForeArm", "LeftHand") * 2, "expected three per side"),
+        ("left", ("LeftArm", "LeftForeArm", "LeftHand") * 2, "expected upper arm, forearm and hand"),
         ("left", ("LeftArm", "Hips end", "LeftHand"), "no joint 'Hips end'"),
         ("left", ("LeftForeArm", "LeftArm", "LeftHand"), "not one below the other"),
     ],
@@ -249,21 +185,9 @@ def test_arms_whose_joints_have_the_same_names(tmp_path):
     assert arms(read(path), joints=("Arm", "ForeArm", "Hand") * 2) == [left, right]
 
 
-def test_a_wrist_at_the_shoulder(tmp_path):
-    joints = ("ROOT LeftArm", 0), ("JOINT LeftForeArm", 3), ("JOINT LeftHand", -3)
-    turns = "CHANNELS 3 Xrotation Yrotation Zrotation"
-    text = "\n".join(f"{name} {{\nOFFSET {x} 0 0\n{turns}" for name, x in joints) + "}" * 3
-    (tmp_path / "clip.bvh").write_text(f"{text}\nMOTION\nFrames: 1\nFrame Time: 0.1\n{'0 ' * 9}")
-    clip = read(tmp_path / "clip.bvh")
-    move = motion(clip, *arms(clip, "left"), "z")
-    assert not move.wrist.any() and np.isfinite(move.phi).all()
-
-
 def test_an_elbow_without_all_channels(tmp_path):
-    path = figure.write(tmp_path / "clip.bvh")
-    path.write_text(
-        re.sub(r"(LeftForeArm\n{\n.*\n)CHANNELS.*", r"\1CHANNELS 3 Xrotation Yrotation Xrotation", path.read_text())
-    )
+    path, turns = figure.write(tmp_path / "clip.bvh"), "CHANNELS 3 Xrotation Yrotation Xrotation"
+    path.write_text(re.sub(r"(LeftForeArm\n{\n.*\n)CHANNELS.*", rf"\1{turns}", path.read_text()))
     with pytest.raises(ClipError, match="joint LeftForeArm has no rotation channel for each axis"):
         motion(read(path), arms(read(path))[0])
 
@@ -273,19 +197,18 @@ def spoil(text, line, column, word):
     n = lines.index("MOTION") + line
     words = lines[n].split()
     words[column] = word
-    lines[n] = " ".join(word for word in words if word)
+    lines[n] = " ".join(words)
     return "\n".join(lines)
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda text: "", "the file is empty"),
         (lambda text: "x,y,z\n1,2,3\n", "line 1: 'x,y,z' is not ROOT"),
         (lambda text: "HIERARCHY\n", "no BVH clip: no ROOT"),
         (lambda text: text.partition("MOTION")[0], "no BVH clip: no MOTION"),
         (lambda text: text.replace("Frames", "Pictures"), r"line \d+: MOTION without 'Frames:' and 'Frame Time:'"),
-        (lambda text: text[:300].rpartition("C")[0], r"line \d+: the hierarchy ends where .* is expected"),
+        (lambda text: text[:300].rpartition("C")[0], r"line 12, joint Head: the hierarchy ends where .* is expected"),
         (lambda text: text.partition("Time: 0.008")[0] + "Time: 0.008", "the clip has no frames"),
         (lambda text: spoil(text, 5, 3, "abc"), r"line \d\d, joint Hips: 'abc' is not a finite number"),
         (lambda text: spoil(text, 5, 3, ""), r"line \d\d: 38 numbers, not 39"),
@@ -293,28 +216,20 @@ def spoil(text, line, column, word):
         (lambda text: re.sub(r"(?m)^(-?\d.*)$", r"\1 0", text), r"line \d\d: 40 numbers, not 39"),
         (lambda text: spoil(text, 5, 3, "nan"), r"line \d\d, joint Hips: 'nan' is not a finite number"),
         (lambda text: spoil(text, 5, 3, "1_0"), r"line \d\d, joint Hips: '1_0' is not a finite number"),
-        (lambda text: spoil(text, 5, 3, "-1.#IND00"), r"line \d\d, joint Hips: '-1.#IND00' is not a finite number"),
         (lambda text: spoil(text, 1, 1, "many"), r"line \d\d: 'many' is not a finite number"),
-        (lambda text: spoil(text, 2, 2, "nan"), r"line \d\d: 'nan' is not a finite number"),
-        (lambda text: text.replace("0.000000 1.0", "inf 1.0", 1), r"line 8: 'inf' is not a finite number .joint Spine"),
-        (lambda text: text.replace("Zrotation", "Wrotation", 1), "line 5: 'Wrotation' is not a position or rotation"),
-        (lambda text: text.replace("CHANNELS 6", "CHANNELS 6.5"), "line 5: '6.5' is not a whole number"),
-        (lambda text: text.replace("OFFSET", "OFFSTE", 1), "line 4: 'OFFSTE' is not .*, JOINT, End Site or }"),
-        (lambda text: text.replace("JOINT Spine", "ROOT Spine"), "line 6: 'ROOT' is not OFFSET, CHANNELS, JOINT"),
+        (lambda text: text.replace("0.000000 1.0", "inf 1.0", 1), r"line 8, joint Spine: 'inf' is not a finite number"),
+        (lambda text: text.replace("Zrotation", "Wrotation", 1), "line 5, joint Hips: 'Wrotation' is not a position"),
+        (lambda text: text.replace("JOINT Spine", "ROOT Spine"), "line 6, joint Hips: 'ROOT' is not OFFSET, CHANNELS"),
         (lambda text: text.replace("ROOT", "JOINT"), "line 2: 'JOINT' is not ROOT"),
         (lambda text: text.replace("{", "", 1), "line 4: 'OFFSET' is not {"),
-        (lambda text: b"\xff\xfe\x00" * 51, "no BVH clip: not text"),
-        (lambda text: b"\x00 \x02" * 50, "no BVH clip: not text"),
+        (lambda text: "\0", "no BVH clip: not text"),
     ],
 )
 def test_a_file_that_is_no_clip(tmp_path, change, message):
     path = figure.write(tmp_path / "clip.bvh")
-    path.write_bytes(content if isinstance(content := change(path.read_text()), bytes) else content.encode())
-    with pytest.raises(ClipError, match=message) as raised:
+    path.write_text(change(path.read_text()))
+    with pytest.raises(ClipError, match=f"^{path}: {message}"):
         read(path)
-    assert str(raised.value).startswith(f"{path}: ") and "\n" not in str(raised.value)
-    with pytest.raises(ClipError, match="none.bvh: cannot be read: No such file"):
-        read(tmp_path / "none.bvh")
 
 
 @pytest.mark.parametrize(
@@ -325,13 +240,12 @@ def test_a_file_that_is_no_clip(tmp_path, change, message):
 def test_motion_capture(path, tmp_path):
     """Human motion: with a constant swivel angle from the torso's axis, no arm turns much faster than the original."""
     clip = read(path)
-    for width, tolerance in ELBOW.items():
-        moves = followed(clip, "torso", width)
-        for move, qs, qe in moves:
-            elbow, wrist = forward(qs, qe, move.d1, move.d2)
-            assert off(elbow, move.elbow, move).max() <= tolerance, "the T pose of the first frame included"
-    figure.compare(path, written(tmp_path / "clip.bvh", clip)[0])
-    for (move, qs, _), arm in zip(followed(clip, "torso", phi=lambda m: m.typical_phi), arms(clip), strict=True):
+    for width, tolerance in ((None, 1e-12), (32, 2e-8), (18, 2e-4)):  # the T pose of the first frame included
+        for move, qs, qe in followed(clip, width):
+            elbow, _ = forward(qs, qe, move.d1, move.d2)
+            assert (np.linalg.norm(elbow - move.elbow, axis=1) <= tolerance * (move.d1 + move.d2)).all(), width
+    figure.compare(path, written(tmp_path / "clip.bvh", clip))
+    for (move, qs, _), arm in zip(followed(clip, None, lambda m: m.typical_phi), arms(clip), strict=True):
         torso, upper = conjugate(clip.turn[:, arm.torso]), clip.turn[:, arm.upper]
         theirs, ours = multiply(torso, upper), multiply(torso, qs)
         fastest = [angle_between(q[1:-1], q[2:]).max() for q in (ours, theirs)]
@@ -362,17 +276,13 @@ def test_nodes_and_bones_are_where_the_joints_are(tmp_path, up):
     file = pygltflib.GLTF2().load(tmp_path / "clip.glb")
     assert not validate(file)
     (animation,) = file.animations
-    tracks = {}
+    tracks, count = {}, len(clip.table)
     for channel in animation.channels:
         sampler = animation.samplers[channel.sampler]
-        times = values(file, sampler.input)[:, 0]
-        np.testing.assert_allclose(times, np.arange(len(times)) / 120, rtol=1e-5)
-        tracks[channel.target.node, channel.target.path] = values(file, sampler.output)
-
-    count = len(clip.table)
-    for (_, path), track in tracks.items():
+        np.testing.assert_allclose(values(file, sampler.input)[:, 0], np.arange(count) / 120, rtol=1e-5)
+        track = tracks[channel.target.node, channel.target.path] = values(file, sampler.output)
         assert len(track) == count
-        if path == "rotation":
+        if channel.target.path == "rotation":
             np.testing.assert_allclose(np.linalg.norm(track, axis=1), 1, atol=1e-6)
             assert (np.sum(track[1:] * track[:-1], axis=1) > 0).all(), "no flip of signs"
 

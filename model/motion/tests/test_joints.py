@@ -149,15 +149,12 @@ def test_poses_without_an_answer():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"hand": (1.0, 0.1, 0, 0)}, "hand: length 1.00499, not 1, in row 0"),
         ({"hand": [(1.0, 0, 0, 0), (0, 0.99, 0, 0)]}, "hand: length 0.99, not 1, in row 1"),
         ({"hand": (1.0, 0.0, 0.0)}, r"hand has the shape \(3,\)"),
         ({"branch": 8}, "branch 8 is not a combination of SHOULDER, ELBOW, WRIST"),
         ({"branch": 1.5}, "branch 1.5"),
-        ({"branch": [-1]}, r"branch \[-1\]"),
         ({"limits": LIMITS[:6]}, r"limits have the shape \(6, 2\)"),
         ({"limits": [*LIMITS[:4], (1.0, 0.5), *LIMITS[5:]]}, "limits of joint 5: 1 to 0.5"),
-        ({"limits": [*LIMITS[:6], (np.nan, 0.5)]}, "limits of joint 7: nan to 0.5"),
         ({"tool": np.inf}, "tool: not finite"),
         ({"hand": (np.nan, 0.0, 0.0, 1.0)}, "hand and tool: not finite in row 0"),
         ({"width": 32, "datapath": "paper"}, "datapath 'paper': with hand and width it must be 'lean'"),
@@ -225,10 +222,8 @@ def test_limits_in_words_are_rounded_inward(width):
             (a_turn_up - 0.9 * unit, a_turn_up + 0.1, False),
         ):
             limits[joint] = low, high
-            over_limit = solve(
-                points[joint], phi[joint], hand=q[joint], tool=TOOL, width=width, limits=limits
-            ).over_limit
-            assert over_limit[0].tolist() == [k == joint and over for k in range(7)]
+            pose = solve(points[joint], phi[joint], hand=q[joint], tool=TOOL, width=width, limits=limits)
+            assert pose.over_limit[0].tolist() == [k == joint and over for k in range(7)]
 
 
 @pytest.mark.parametrize("axis", ["z", (0.3, 1.0, -0.2)])
