@@ -198,7 +198,7 @@ def test_elbow_jumps_are_found_with_a_better_axis(aside, rows):
         ({"width": 33}, "width 33 must be None or one of 16, "),
         ({"datapath": "thin"}, "datapath 'thin' is none of"),
         ({"order": "wxzy"}, "order 'wxzy'"),
-        ({"points": np.zeros((3, 3)), "phi": np.zeros(2)}, "broadcast"),
+        ({"points": np.zeros((3, 3)), "phi": np.zeros(2)}, "points has 3, phi has 2, d1 has 1"),
         ({"points": (100, 0, 0), "width": 32}, "too far out"),
     ],
 )
