@@ -5,13 +5,14 @@
 targets and the bit-true model's words through the program that Verilator builds from it.
 """
 
+import contextlib
 import hashlib
 import re
 import shlex
-import subprocess
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from subprocess import PIPE, Popen
 
 import numpy as np
 
@@ -104,40 +105,6 @@ endmodule
 """
 
 
-def build(
-    toplevel: str,
-    harness: Path,
-    parameters: dict[str, int],
-    root: Path = ROOT,
-    name: str = "",
-    define: str = "",
-    wrapper: str = "",
-) -> Path:
-    """Build ``toplevel`` with the C++ driver ``harness``, which includes ``Vtop.h``; return the program.
-
-    ``root`` is another copy of ``rtl/``, named by ``name``; ``define`` is a macro for the harness, NAME=VALUE;
-    ``wrapper`` is the Verilog of a toplevel outside ``rtl/``. Raises RuntimeError with the compilers' messages.
-    """
-    folder = BUILD / "-".join([harness.stem, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])])
-    top = folder / f"{toplevel}.v"
-    command = [
-        "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "--x-initial", "unique",
-        *(coverage.FLAGS if coverage.folder() else []), "--prefix", "Vtop", "--top-module", toplevel,
-        *(f"-G{key}={value}" for key, value in parameters.items()),
-        *(f"-I{folder}" for folder in includes(root)),
-        "-CFLAGS", " ".join(["-std=gnu++20", *([f"-D{define}"] if define else [])]), "--Mdir", str(folder),
-        *COMPACT, *map(str, sources(root)), *([str(top)] if wrapper else []), str(harness),
-    ]  # fmt: skip
-    # -O2 compiles twice as long as -O1 and simulates as fast
-    with alone(folder), runtime(folder, "native") as shared:
-        if wrapper and not (top.exists() and top.read_text() == wrapper):
-            top.write_text(wrapper)
-        done = compiled([*command, "-MAKEFLAGS", shlex.join([*shared, "OPT_FAST=-O1"])])
-    if done.returncode:
-        raise RuntimeError(f"{toplevel}: {full(folder) or done.stderr[-4000:] or done.stdout[-4000:]}")
-    return folder / "Vtop"
-
-
 def program(
     datapath: str,
     width: int,
@@ -148,16 +115,26 @@ def program(
 ) -> Path:
     """Build the program of a datapath if necessary; parameters as in :func:`tb.sim.simulate.simulate`.
 
-    Raises :class:`SimulationError`.
+    Raises :class:`SimulationError` with the compilers' messages.
     """
-    path = MODELS[datapath]
-    digit = CORES.index(cores(kind)) if path.rtl == "paper" else 0
-    full = "-".join([datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])])
-    full += f"-{hashlib.sha1(str(limits).encode()).hexdigest()[:10]}" if limits else ""
-    try:
-        return build(TOP, HARNESS, {}, root=root, name=full, wrapper=wrapper(datapath, width, digit, limits))
-    except RuntimeError as error:
-        raise SimulationError(f"the Verilator build failed: {error}") from None
+    digit = CORES.index(cores(kind)) if MODELS[datapath].rtl == "paper" else 0
+    parts = [datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])]
+    parts += [hashlib.sha1(str(limits).encode()).hexdigest()[:10]] if limits else []
+    folder, text = BUILD / "-".join(parts), wrapper(datapath, width, digit, limits)
+    top = folder / f"{TOP}.v"
+    command = ["verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "--x-initial", "unique"]
+    command += [*(coverage.FLAGS if coverage.folder() else []), "--prefix", "Vtop", "--top-module", TOP]
+    command += [*(f"-I{path}" for path in includes(root)), "-CFLAGS", "-std=gnu++20", "--Mdir", str(folder)]
+    command += [*COMPACT, *map(str, sources(root)), str(top), str(HARNESS)]
+    # -O2 compiles twice as long as -O1 and simulates as fast
+    with alone(folder), runtime(folder, "native") as shared:
+        if not (top.exists() and top.read_text() == text):
+            top.write_text(text)
+        done = compiled([*command, "-MAKEFLAGS", shlex.join([*shared, "OPT_FAST=-O1"])])
+    if done.returncode:
+        message = full(folder) or done.stderr[-4000:] or done.stdout[-4000:]
+        raise SimulationError(f"the Verilator build failed: {message}")
+    return folder / "Vtop"
 
 
 def answered(
@@ -197,15 +174,9 @@ def compare(
     header += (fact for node in nodes for fact in (node.time, node.format.width))
     sizes = []
     with coverage.counting(root) as counts, tempfile.NamedTemporaryFile(prefix="ik_") as file:
-        process = subprocess.Popen(
-            [path, file.name, *counts],
-            env=environment(),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-        )
+        process = Popen([path, file.name, *counts], env=environment(), stdin=PIPE, stdout=PIPE, stderr=PIPE)
         try:
-            try:
+            with contextlib.suppress(BrokenPipeError):  # stderr has the reason
                 process.stdin.write(np.array(header, dtype="<u8").tobytes())
                 for words, answer in frames:
                     process.stdin.write(np.array([len(words)], dtype="<u8").tobytes())
@@ -216,8 +187,6 @@ def compare(
                     if progress:
                         progress(sum(sizes))
                 process.stdin.write(bytes(8))
-            except BrokenPipeError:
-                pass  # stderr has the reason
             out, err = process.communicate()
         finally:
             process.kill()

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Library that runs targets through the RTL in a simulator, for ``scripts/trajectory.py`` and the tests."""
 
+import contextlib
 import subprocess
 import tempfile
-import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -86,10 +86,11 @@ def simulate(
             ]
 
 
-def _wait(process, file: Path, total: int, progress) -> None:
-    done = threading.Event()
-    threading.Thread(target=lambda: (process.wait(), done.set()), daemon=True).start()
-    while not done.wait(0.1 if not progress else 0.5):
+def _wait(process: subprocess.Popen, file: Path, total: int, progress) -> None:
+    while True:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(timeout=0.5)
+            break
         if progress and file.exists():
             progress(int(file.read_text() or 0), total)
     if progress and process.returncode == 0:
