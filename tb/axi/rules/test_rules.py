@@ -38,8 +38,7 @@ def ar(size: str = "SIZE", burst: str = "2'b01", cache: str = "4'b0011") -> tupl
 BUGS = [  # port and rule, bench, its test, file, text, wrong text
     ("m_axis LOW_AFTER_RESET", STREAMS, "after=full", FIFO, "      m_valid <= 1'b0;\n    end else", "    end else"),
     ("m_axis VALID_KNOWN", STREAMS, "one_result", FIFO, "      wr_ptr  <= {(LOG2 + 1) {1'b0}};\n", ""),
-    ("m_axis VALID_STAYS", STREAMS, "bursts/stall=bursts",
-     FIFO, "if (load) begin", "if (load || empty) begin"),
+    ("m_axis VALID_STAYS", STREAMS, "bursts/stall=bursts", FIFO, "if (load) begin", "if (load || empty) begin"),
     ("m_axis PAYLOAD_STAYS", STREAMS, "full", FIFO, "if (load) m_data", "m_data"),
     ("m_axis PAYLOAD_KNOWN", STREAMS, "one_result", FIFO, "if (wr_en) mem", "if (wr_en && wr_ptr[0]) mem"),
     ("s_axis READY_KNOWN", STREAMS, "one_result", CREDITS, "if (rst) credits <= ", "if (1'b0) credits <= "),
@@ -63,19 +62,15 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
     ("error_stops_writes", FAULTS, "bus_errors", JOB, "aborted || write_error", "aborted"),
     ("all_answers", JOBS, "counters", WRITE, "bursts == 0 && (stop", "(stop"),
     ("saturation", JOBS, "pages", TARGET, "(i != PHI) && up[W-1]", "1'b0 && up[W-1]"),
-    ("overlap_refused", FAULTS, "refused_areas", JOB, "refused = crooked[0]",
-     "refused = 1'b0 ? 4'd0 : overlap ? 4'd0 : crooked[0]"),
-    ("soft_reset_drains", FAULTS, "soft_reset", JOB,
-     "if (read_idle && write_idle)", "if (aborted || (read_idle && write_idle))"),
+    ("overlap_refused", FAULTS, "refused_areas", JOB, "refused = crooked", "refused = overlap ? 4'd0 : crooked"),
+    ("reset_drains", FAULTS, "soft_reset", JOB, "(read_idle && write_idle)", "(aborted || read_idle && write_idle)"),
     ("counters", JOBS, "counters", JOB, "write_stalls <= write_stalls + 32'd1", "write_stalls <= write_stalls"),
     ("strobes", REGISTERS, "strobes", REGS, "if (strobes[i]) merged", "merged"),
     ("irq_enable", REGISTERS, "pulses", REGS, "(irq_status & irq_enable) != 0", "irq_status != 0"),
-]  # fmt: skip
+]
 
-R, B = (
-    "m_axi_rdata=0,m_axi_rid=0,m_axi_rresp=0,m_axi_rlast=0,m_axi_rvalid=1",
-    "m_axi_bid=0,m_axi_bresp=0,m_axi_bvalid=1",
-)
+R = "m_axi_rdata=0,m_axi_rid=0,m_axi_rresp=0,m_axi_rlast=0,m_axi_rvalid=1"
+B = "m_axi_bid=0,m_axi_bresp=0,m_axi_bvalid=1"
 NOBODY = "s_axi_awready=1"  # nothing was written yet
 FORCED = [  # port and rule, test, wrong drive, start condition
     ("s_axis LOW_AFTER_RESET", "stream", "s_axis_tvalid=1", "rst=1"),
