@@ -8,6 +8,7 @@ falling edge of the clock, when inputs and registers have settled in both simula
 import itertools
 import logging
 import os
+import pickle
 from collections.abc import Iterable
 from functools import reduce
 from pathlib import Path
@@ -25,7 +26,7 @@ from model.dataflow.nodes import Limits, Node
 from model.io.stimuli import arm_limits, arm_targets, mixed
 from model.io.words import pack, unpack
 from tb.core import functional_coverage
-from tb.sim.job import KEPT, Difference, answer, limits_port, report
+from tb.sim.job import KEPT, Difference, Run, answer, limits_port, report
 
 
 class Scoreboard:
@@ -300,38 +301,31 @@ def pause(pattern: str, seed: int) -> Iterable[bool] | None:
 async def run_targets(dut):
     """Run jobs of targets without stalls, each after its own reset: the cocotb side of ``tb/sim/simulate.py``.
 
-    IK_JOBS names an .npz file with one array of target words per job, and for the whole arm the ``limits`` of the
-    joints; IK_RESULTS the .npz file to write, with for job k the arrays ``results_k`` (N, words), ``flags_k`` (N,),
-    ``facts_k`` = latency, clocks from first in to last out, mismatching bits, and ``first_k``, the first difference as
-    text. IK_PROGRESS names a file for the number of results so far.
+    IK_FOLDER is a folder with the file ``jobs``, a pickle of the target words of each job and of the limits of the
+    joints. It gets the files ``runs``, a pickled list of :class:`Run`, and ``progress``, the number of results so far.
     """
-    progress = Path(os.environ["IK_PROGRESS"])
-    with np.load(os.environ["IK_JOBS"]) as jobs:
-        arrays = dict(jobs)
-    bench = Pipeline(dut, limits=arrays.pop("limits", np.empty(0)).tolist())
-    written: dict[str, np.ndarray] = {}
-    board = bench.scoreboard
+    folder = Path(os.environ["IK_FOLDER"])
+    jobs, limits = pickle.loads((folder / "jobs").read_bytes())
+    bench = Pipeline(dut, limits=limits)
+    board, runs = bench.scoreboard, []
 
-    async def report():
+    async def count():
         while True:
             await ClockCycles(dut.clk, 100, FallingEdge)
-            progress.write_text(str(len(bench.results)))
+            (folder / "progress").write_text(str(len(bench.results)))
 
-    cocotb.start_soon(report())
-    for k in range(len(arrays)):
+    cocotb.start_soon(count())
+    for words in jobs:
         await bench.reset()
-        first, bits = len(bench.results), board.mismatching_bits
-        since = len(bench.admitted)
+        first, bits, since = len(bench.results), board.mismatching_bits, len(bench.admitted)
         board.differences.clear()
-        bench.send(arrays[f"words_{k}"])
+        bench.send(words)
         await bench.drain()
-        rows = bench.results[first:]
-        clocks = rows[-1][3] - bench.admitted[-len(rows)] + 1
-        written[f"results_{k}"] = np.array([r[0] for r in rows], dtype=np.int64)
-        written[f"flags_{k}"] = np.array([r[2] for r in rows], dtype=np.int64)
-        written[f"facts_{k}"] = np.array([bench.latencies[first], clocks, board.mismatching_bits - bits])
-        written[f"first_{k}"] = np.array(board.report(since=since))
+        results, _, flags, clocks = zip(*bench.results[first:], strict=True)
+        total, bits = clocks[-1] - bench.admitted[-len(clocks)] + 1, board.mismatching_bits - bits
+        message = board.report(since=since) or None
+        runs.append(Run(np.array(results), np.array(flags), bench.latencies[first], total, bits, message))
     # A node mismatch is a result of the run; only a broken stream fails it.
     streams = [e for e in bench.errors if ": RTL " not in e]
     assert not streams, f"{len(streams)} errors, the first: {streams[0]}"
-    np.savez(os.environ["IK_RESULTS"], **written)
+    (folder / "runs").write_bytes(pickle.dumps(runs))

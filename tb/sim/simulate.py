@@ -2,12 +2,11 @@
 """Library that runs targets through the RTL in a simulator, for ``scripts/trajectory.py`` and the tests."""
 
 import contextlib
+import pickle
 import subprocess
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-
-import numpy as np
 
 from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Limits
@@ -50,19 +49,14 @@ def simulate(
         return native_run.run(program, jobs, width, datapath, progress, root, limits)
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)
-        arrays = {f"words_{k}": job.words for k, job in enumerate(jobs)}
-        np.savez(place / "jobs.npz", **arrays, **({"limits": np.array(limits)} if limits else {}))
+        (place / "jobs").write_bytes(pickle.dumps(([job.words for job in jobs], limits)))
         log = place / "log"
         command = runner.command(
             MODELS[datapath].top,
             "tb.core.pipeline",
             parameters={"W": width, **MODELS[datapath].parameters},
             sim=simulator,
-            env={
-                "IK_JOBS": str(place / "jobs.npz"),
-                "IK_RESULTS": str(place / "results.npz"),
-                "IK_PROGRESS": str(place / "progress"),
-            },
+            env={"IK_FOLDER": folder},
             waves=waves,
             root=root,
             name=name,
@@ -71,19 +65,10 @@ def simulate(
         with open(log, "w") as out, started(command, folder, stdout=out, stderr=subprocess.STDOUT) as process:
             _wait(process, place / "progress", total, progress)
         lacking = full(*([waves.parent] if waves else []))  # a simulator may truncate a waveform silently
-        if process.returncode or lacking or not (place / "results.npz").exists():
+        if process.returncode or lacking or not (place / "runs").exists():
             lacking = lacking or full(place, ROOT / "build")
             raise SimulationError(lacking or reason(log.read_text(errors="replace"), simulator))
-        with np.load(place / "results.npz") as written:
-            return [
-                Run(
-                    written[f"results_{k}"],
-                    written[f"flags_{k}"],
-                    *(int(v) for v in written[f"facts_{k}"]),
-                    first_mismatch=str(written[f"first_{k}"]) or None,
-                )
-                for k in range(len(jobs))
-            ]
+        return pickle.loads((place / "runs").read_bytes())
 
 
 def _wait(process: subprocess.Popen, file: Path, total: int, progress) -> None:

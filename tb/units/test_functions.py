@@ -10,7 +10,7 @@ from model.dataflow.formats import Latency, inner_frac
 from model.dataflow.mul3 import TILE
 from model.dataflow.paper_operations import cordic, sincos_bound
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, SINE_FRACS, half_sincos, half_sincos_error, rsqrt, rsqrt_places
-from tb.units.unit import BIT, Case, Tests, checks, runs, sets_of, signed, unsigned
+from tb.units.unit import BIT, Case, Tests, checks, runs, sets_of, shuffled, signed, unsigned
 
 
 def half_angles(W: int, frac: int, model, bound: float, latency: int, *streams) -> Tests:
@@ -39,8 +39,7 @@ def trig(W: int, F: int, TILE: int = TILE) -> Tests:
     def segments():
         """Ends and middles of many segments, for both signs."""
         near = (-1, 0, 1, step // 2 - 1, step // 2)
-        angles = [k * step + e for k in range(-rows, rows + 1, 3) for e in near if k * step + e in signed(W)]
-        return random.sample(angles, len(angles))
+        return shuffled(k * step + e for k in range(-rows, rows + 1, 3) for e in near if k * step + e in signed(W))
 
     model = partial(half_sincos, width=W, frac=F, tile=TILE)
     return half_angles(W, F, model, half_sincos_error(F, TILE), SINE.clocks(F, TILE), segments)
@@ -66,8 +65,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
         """Ends, middle, where u changes its sign, and neighbours of many segments, in random order."""
         segment = one >> 11
         near = (0, 1, segment // 4, segment // 2 - 1, segment // 2, segment // 2 + 1, segment - 2, segment - 1)
-        angles = [start + place for start in range(0, one, 7 * segment) for place in near]
-        return [(m, 0) for m in random.sample(angles, len(angles))]
+        return shuffled((start + place, 0) for start in range(0, one, 7 * segment) for place in near)
 
     def random_mantissas():
         return [(random.choice(mantissas), random.choice(BIT)) for _ in range(2000)]

@@ -7,7 +7,7 @@ import numpy as np
 
 from model.dataflow.formats import Latency, inner_frac
 from model.dataflow.shifts import even
-from tb.units.unit import Case, Tests, checks, corners, crossed, runs, sets_of, signed, unsigned, wrapped
+from tb.units.unit import Case, Tests, checks, corners, crossed, runs, sets_of, shuffled, signed, unsigned, wrapped
 
 COUNTS = unsigned(6)
 
@@ -82,8 +82,7 @@ def evenly(VW: int, MW: int) -> Tests:
 
     def powers_of_two():
         """Each power of two and its neighbours, for every count."""
-        near = {(1 << n) + e for n in range(VW) for e in (-1, 0, 1)}
-        return random.sample(sorted(near), len(near))
+        return shuffled({(1 << n) + e for n in range(VW) for e in (-1, 0, 1)})
 
     quarter = 1 << MW - 2
     return checks(

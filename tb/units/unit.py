@@ -116,20 +116,9 @@ def checks(
     def expected(*operands):
         return reference(*operands) if columns else zip(*map(_row, map(reference, *operands)), strict=True)
 
-    def every_vector():
-        vectors = list(itertools.product(*words))
-        random.shuffle(vectors)
-        return vectors
-
-    def random_vectors():
-        return some(2000, *words)
-
-    def extremes():
-        return crossed(*words)
-
     def named():
         for vector, wanted in ((_row(vector), _row(wanted)) for vector, wanted in corners):
-            if _all_in(vector, words) and _all_in(wanted, outputs.values()):
+            if all(word in of for word, of in zip(vector + wanted, (*words, *outputs.values()), strict=True)):
                 reference = [column[0] for column in map(list, expected(*([word] for word in vector)))]
                 assert reference == list(wanted), f"the reference of {vector} is {reference}, not {wanted}"
                 yield from (good, vector, good, vector, vector, good)
@@ -138,9 +127,13 @@ def checks(
         chosen = [vector for vector in map(_row, vectors()) if fits(*vector)]
         await stream(dut, inputs, outputs, expected, chosen, latency, delays or {})
 
-    general = every_vector if math.prod(map(size, words)) <= EVERY else random_vectors
-    generators = (extremes, general, *([named] if corners else []), *streams)
-    return {vectors.__name__: partial(run, vectors) for vectors in generators}
+    generators = {vectors.__name__: vectors for vectors in (*([named] if corners else []), *streams)}
+    generators["extremes"] = partial(crossed, *words)
+    if math.prod(map(size, words)) <= EVERY:
+        generators["every_vector"] = lambda: shuffled(itertools.product(*words))
+    else:
+        generators["random_vectors"] = partial(some, 2000, *words)
+    return {name: partial(run, vectors) for name, vectors in generators.items()}
 
 
 async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency: int, delays) -> None:
@@ -185,10 +178,6 @@ def _row(value: Vector | int) -> Vector:
     return value if isinstance(value, tuple) else (value,)
 
 
-def _all_in(values: Vector, words: Iterable[range]) -> bool:
-    return all(value in of for value, of in zip(values, words, strict=True))
-
-
 def _bits(words: range) -> int:
     return size(words).bit_length() - 1
 
@@ -225,6 +214,12 @@ def corners(words: range) -> list[int]:
     mid = (low + high + 1) // 2
     near = {low, low + 1, mid - 1, mid, mid + 1, (mid + high + 1) // 2, high - 1, high}
     return sorted(v for v in near if v in words)
+
+
+def shuffled(vectors: Iterable) -> list:
+    """Return vectors in random order."""
+    vectors = list(vectors)
+    return random.sample(vectors, len(vectors))
 
 
 def crossed(*words: range) -> list[Vector]:
