@@ -98,6 +98,7 @@ class Pipeline:
         self.slot = -(-self.width // 8) * 8 if dut._name == "ik_axis_bytes" else self.width  # bits of a word in tdata
         self.datapath = configuration(dut)
         path, tag = MODELS[self.datapath], self.tag_width
+        self.path = path
         ports = dut.s_axis_tdata, dut.s_axis_tuser, dut.m_axis_tdata, dut.m_axis_tuser
         data = [len(words) * self.slot for words in (path.inputs, path.results)]
         assert [len(port) for port in ports] == [data[0], tag + len(path.side), data[1], tag + path.flag_bits]
@@ -111,8 +112,9 @@ class Pipeline:
             kind(AxiStreamBus.from_prefix(dut, name), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True)
             for kind, name in ((AxiStreamSource, "s_axis"), (AxiStreamSink, "m_axis"))
         )
-        self.scoreboard = Scoreboard(self._handle, fixed.nodes(self.datapath, self.width).values() if nodes else ())
-        self.period, self.behind = path.lap(self.width), path.behind
+        compared = fixed.nodes(self.datapath, self.width).values() if nodes else ()
+        self.scoreboard = Scoreboard(lambda node: getattr(self.module(node), node.name), compared)
+        self.period = path.lap(self.width)
         self.go = getattr(self.dut, f"g_{path.rtl}").u_core.go if path.times else None  # low: the core is stalled
         self.clock = 0
         self.ran = 0  # clocks in which the core was not stalled
@@ -130,13 +132,8 @@ class Pipeline:
 
     def module(self, node: Node):
         """Return the module instance that contains a node."""
-        path = MODELS[self.datapath]
-        core = getattr(self.dut, f"g_{path.rtl}").u_core
-        return reduce(getattr, filter(None, path.instance(node).split(".")), core)
-
-    def _handle(self, node: Node):
-        """Return the signal of a node."""
-        return getattr(self.module(node), node.name)
+        core = getattr(self.dut, f"g_{self.path.rtl}").u_core
+        return reduce(getattr, filter(None, self.path.instance(node).split(".")), core)
 
     async def reset(self, clocks: int = 4) -> None:
         """Assert reset for ``clocks`` clocks; core, drivers and scoreboard drop all targets in flight."""
@@ -157,20 +154,19 @@ class Pipeline:
 
     def mixed(self, count: int, seed: int) -> np.ndarray:
         """Return targets of every kind."""
-        return (arm_targets if MODELS[self.datapath].side else mixed)(count, self.width, seed)
+        return (arm_targets if self.path.side else mixed)(count, self.width, seed)
 
     def around(self, words: np.ndarray) -> np.ndarray:
         """Return wrist targets, or poses of the whole arm with these wrists."""
-        path, one = MODELS[self.datapath], 1 << self.width - 2
-        hands = [(0, one, 0, 0, 0, n % 8) for n in range(len(words))]  # tool, Qh, branch
-        return np.column_stack([words, hands]) if path.side else words
+        hands = [(0, 1 << self.width - 2, 0, 0, 0, n % 8) for n in range(len(words))]  # tool, Qh, branch
+        return np.column_stack([words, hands]) if self.path.side else words
 
     def send(self, words: np.ndarray) -> None:
         """Queue targets (N, words per target) with incrementing tags; those of the whole arm include the branch."""
         model = answer(words, self.width, self.datapath, self.limits)
         self.words = np.concatenate([self.words, words])
         self.scoreboard.expect(model)
-        count = len(MODELS[self.datapath].inputs)
+        count = len(self.path.inputs)
         words, branches = words[:, :count], words[:, count:].sum(axis=1)
         padding = np.random.default_rng(len(words)).integers(1 << self.slot - self.width, size=words.shape)
         half = 1 << self.slot - 1
@@ -210,10 +206,6 @@ class Pipeline:
     async def _watch(self) -> None:
         """Sample admissions, departures and nodes once per clock; tb/axi/rules checks the stream rules."""
         dut = self.dut
-        streams = [
-            (*(getattr(dut, f"{name}_t{part}") for part in ("valid", "ready", "data", "user")), taken)
-            for name, taken in (("s_axis", self._admit), ("m_axis", self._leave))
-        ]
         # Verilator randomizes the initial clock level: ignore an edge at time 0.
         await Timer(1, unit="ns")
         while True:
@@ -226,11 +218,14 @@ class Pipeline:
                 self.gap = self.held = False
                 # Registers keep old values until the first rising edge with rst high; ignore all clocks in reset.
                 continue
-            for valid, ready, data, user, taken in streams:
-                if valid.value == 1 and ready.value == 1:
-                    taken(str(data.value), str(user.value))
-            self.gap |= dut.s_axis_tvalid.value == 0
-            self.held |= dut.m_axis_tvalid.value == 1 and dut.m_axis_tready.value == 0
+            if dut.s_axis_tvalid.value == 0:
+                self.gap = True
+            elif dut.s_axis_tready.value == 1:
+                self._admit()
+            if dut.m_axis_tvalid.value == 1 and dut.m_axis_tready.value == 1:
+                self._leave(str(dut.m_axis_tdata.value), str(dut.m_axis_tuser.value))
+            elif dut.m_axis_tvalid.value == 1:
+                self.held = True
             self.scoreboard.sample(self.ran, self.clock)
             self.ran += self.go is None or self.go.value == 1
 
@@ -243,7 +238,7 @@ class Pipeline:
                 for line in (dut.s_axis_tdata, dut.s_axis_tuser):
                     line.value = LogicArray("X" * len(line))
 
-    def _admit(self, data: str, user: str) -> None:
+    def _admit(self) -> None:
         target = len(self.admitted)
         self.admitted.append(self.clock)
         self.due.append(target)
@@ -258,8 +253,7 @@ class Pipeline:
         if "x" in (data + user).lower() or "z" in (data + user).lower():
             self.errors.append(f"X on a valid beat in clock {self.clock}: tdata {data} tuser {user}")
             return
-        path = MODELS[self.datapath]
-        words = tuple(unpack([int(data, 2)], self.slot, len(path.results))[0].tolist())
+        words = tuple(unpack([int(data, 2)], self.slot, len(self.path.results))[0].tolist())
         flags, tag = int(user, 2) >> self.tag_width, int(user, 2) & ((1 << self.tag_width) - 1)
         if not self.due:
             self.errors.append(f"a result with tag {tag} in clock {self.clock} without a target")
@@ -267,13 +261,11 @@ class Pipeline:
         target = self.due.pop(0)
         self.results.append((words, tag, flags, self.clock))
         kinds = functional_coverage.kinds_of(self.words[target].tolist(), words, flags, self.width)
-        name, late = (path.name, self.lost) if path.side else (path.rtl, False)
+        name, late = (self.path.name, self.lost) if self.path.side else (self.path.rtl, False)
         functional_coverage.sample(kinds, name, self.gaps[target], self.held, late)
-        self.lost = False
-        self.held = False
+        self.lost = self.held = False
         self.latencies.append(self.clock - self.admitted[target])
-        if (words, tag, flags) != self.expected[target]:
-            model = self.expected[target]
+        if (words, tag, flags) != (model := self.expected[target]):
             self.errors.append(f"target {target}: RTL {(words, tag, flags)}, model {model}, in clock {self.clock}")
 
 

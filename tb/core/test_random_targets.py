@@ -89,13 +89,9 @@ def test_errors_in_the_model(datapath, width):
     words = worst_targets.array(rows)
     answer = job.answer(words, width, datapath)
     hand, norm = worst_targets.errors(words, answer.results, width, answer.flags)
-    np.testing.assert_allclose(
-        hand,
-        [row.hand_error for row in rows],
-        rtol=1e-4,
-        atol=1e-15,  # roundoff of the forward kinematics
-        err_msg="other errors than recorded; `python -m scripts.soak --targets 1 --keep` regenerates them",
-    )
+    recorded = [row.hand_error for row in rows]
+    message = "other errors than recorded; `python -m scripts.soak --targets 1 --keep` regenerates them"
+    np.testing.assert_allclose(hand, recorded, rtol=1e-4, atol=1e-15, err_msg=message)  # atol: roundoff of `forward`
     assert (norm <= tolerances.norm(width, datapath)).all(), f"norm error {norm.max():.3g}"
     if not MODELS[datapath].side:
         assert (answer.flags == expected_flags(words, width)).all(), "flags"

@@ -23,7 +23,7 @@ from model.dataflow.nodes import Limits, Node
 from model.io.stimuli import arm_limits
 from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, environment
-from tb.sim.job import Difference, Job, Run, SimulationError, answer, limits_port, report
+from tb.sim.job import Difference, Run, SimulationError, answer, limits_port, report
 from tb.sim.runner import COMPACT, alone, runtime
 from tb.sim.sources import includes, sources
 from tb.sim.subprocesses import compiled, full
@@ -195,24 +195,6 @@ def compare(
             raise SimulationError(f"the native simulation failed: {err.decode(errors='replace').strip()[-1000:]}")
         back = np.fromfile(file.name, dtype="<i8")
     return _run(out.decode(), back, sizes, nodes, width, len(of.results) + 1)
-
-
-def run(
-    path: Path,
-    jobs: list[Job],
-    width: int,
-    datapath: str,
-    progress: Callable[[int, int], None] | None = None,
-    root: Path = ROOT,
-    limits: Limits | None = None,
-) -> list[Run]:
-    """Run each job after its own reset; calls ``progress(done, total)``. Raises :class:`SimulationError`."""
-    total, before, runs = sum(len(job.words) for job in jobs), 0, []
-    for job in jobs:
-        told = (lambda done, since=before: progress(since + done, total)) if progress else None
-        runs.append(compare(path, answered(job.words, width, datapath, limits), width, datapath, told, root))
-        before += len(job.words)
-    return runs
 
 
 def _run(said: str, back: np.ndarray, sizes: list[int], nodes: list[Node], width: int, count: int) -> Run:

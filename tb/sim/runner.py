@@ -125,19 +125,18 @@ def simulate(
     if waves and sim == "verilator":
         parts.append("waves")
     folder = (build or BUILD) / sim / "-".join(parts)
-    extra = []
     if top:
         folder = folder.with_name(f"{folder.name}-{hashlib.sha1(top.encode()).hexdigest()[:10]}")
-        folder.mkdir(parents=True, exist_ok=True)
-        extra = [folder / f"{toplevel}.v"]
-        if not extra[0].exists():
-            extra[0].write_text(top)
     with alone(folder):
         files = with_rules(sources(root), folder)
+        if top:
+            files.append(folder / f"{toplevel}.v")
+            if not files[-1].exists():
+                files[-1].write_text(top)
     options: dict = {
         "toplevel": toplevel,
         "module": module,
-        "verilog_sources": [str(p) for p in [*files, *extra]],
+        "verilog_sources": [str(path) for path in files],
         "includes": [str(folder) for folder in includes(root)],
         "parameters": parameters,
         "sim_build": str(folder),

@@ -17,13 +17,11 @@ def exact(W: int, SQUARE: int) -> Tests:
         """All pairs of words with extreme halves, which give the extremes of the tiles."""
         return itertools.product(halves(W), halves(W))
 
-    return checks(
-        {"a": words, "b": words},
-        {"p": signed(2 * W)},
-        lambda a, b: a * (a if SQUARE else b),
-        extreme_halves,
-        latency=Latency(32)["square" if SQUARE else "product"],
-    )
+    def reference(a, b):
+        return a * (a if SQUARE else b)
+
+    latency = Latency(32)["square" if SQUARE else "product"]
+    return checks({"a": words, "b": words}, {"p": signed(2 * W)}, reference, extreme_halves, latency=latency)
 
 
 def mul(AW: int, BW: int, SH: int, OW: int, SQUARE: int = 0, **delays: int) -> Tests:
@@ -80,16 +78,8 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
         pairs = [(a, b), (-a, b), (a - 1, b), (a_low, b_low // 2), (a_low // 2, -b_low), (a_low - 1, b_low - 1)]
         return [(a, b) for a, b in [*pairs, (-1, b_low - 1)] if a in A and b in B]
 
-    return checks(
-        {"a": A, "b": B},
-        {"q": Q},
-        reference,
-        extreme_high_parts,
-        halves_of_a_place,
-        latency=Latency(32)["mul3"],
-        columns=True,
-        delays=delays,
-    )
+    options = {"latency": Latency(32)["mul3"], "columns": True, "delays": delays}
+    return checks({"a": A, "b": B}, {"q": Q}, reference, extreme_high_parts, halves_of_a_place, **options)
 
 
 def scale(COUNT: int, AW: int, BW: int, SH: int, OW: int, **delays: int) -> Tests:

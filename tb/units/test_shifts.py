@@ -19,14 +19,11 @@ def shift(W: int, RIGHT: int, PRODUCT: int = 0, **delays: int) -> Tests:
     def every_count():
         return [(d, count) for d in corners(words) for count in COUNTS]
 
-    return checks(
-        {"d": words, "count": COUNTS},
-        {"q": words},
-        lambda d, count: d // 2**count if RIGHT else wrapped(d * 2**count, words),
-        every_count,
-        latency=Latency(32)["shift"],
-        delays=delays,
-    )
+    def reference(d, count):
+        return d // 2**count if RIGHT else wrapped(d * 2**count, words)
+
+    timing = {"latency": Latency(32)["shift"], "delays": delays}
+    return checks({"d": words, "count": COUNTS}, {"q": words}, reference, every_count, **timing)
 
 
 def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
@@ -48,16 +45,12 @@ def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
         near = [(d, top - 1 - d.bit_length() + random.choice((-1, 0, 0, 1))) for d in short]
         return [(random.choice((d, ~d)), min(max(count, 0), COUNTS[-1])) for d, count in near]
 
-    return checks(
-        {"d": words, "count": COUNTS},
-        {"q": Q},
-        lambda d, count: wrapped(d * 2**count // 2**DROP, Q),
-        every_count,
-        single_bits,
-        normalized_words,
-        latency=Latency(32)["shift3"],
-        delays=delays,
-    )
+    def reference(d, count):
+        return wrapped(d * 2**count // 2**DROP, Q)
+
+    inputs = {"d": words, "count": COUNTS}
+    timing = {"latency": Latency(32)["shift3"], "delays": delays}
+    return checks(inputs, {"q": Q}, reference, every_count, single_bits, normalized_words, **timing)
 
 
 def of_triangle(width: int) -> tuple[int, int, int]:
