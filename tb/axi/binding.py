@@ -126,14 +126,8 @@ class Driver:
         self.linked = ctypes.CDLL(str(library))
         self.linked.ik_error_text.restype = ctypes.c_char_p
         self.raised: list[BaseException] = []
-        self.bus = Bus(
-            read=READ(self._guarded(platform.read)),
-            write=WRITE(self._guarded(platform.write)),
-            source=Area(*source),
-            destination=Area(*destination),
-            records=records,
-            polls=polls,
-        )
+        self.bus = Bus(source=Area(*source), destination=Area(*destination), records=records, polls=polls)
+        self.bus.read, self.bus.write = READ(self._guarded(platform.read)), WRITE(self._guarded(platform.write))
         if interrupt:
             self.bus.flush = CACHE(self._guarded(platform.flush))
             self.bus.invalidate = CACHE(self._guarded(platform.invalidate))

@@ -140,9 +140,6 @@ class Platform:
         assert not self.driver.call("ik_irq") & 1, "ik_irq handles an interrupt of another device"
         return True
 
-    async def start_up(self) -> None:
-        assert await bridge(self.driver.start_up)() == "none"
-
     def targets(self, count: int) -> np.ndarray:
         """Return targets in and out of reach, with phi of many turns."""
         numbers = np.random.default_rng(self.bench.random.randrange(1 << 32))
@@ -191,7 +188,7 @@ class Platform:
 
 async def ready(dut, interrupt: bool, seed: int = 1, **options) -> Platform:
     platform = Platform(await started(dut, seed=seed), interrupt, **options)
-    await platform.start_up()
+    assert await bridge(platform.driver.start_up)() == "none"
     return platform
 
 
@@ -206,7 +203,7 @@ async def ik_init(dut):
     await bench.write("IRQ_ENABLE", 7)
     await bench.start(0x10000, 0x20000, 60)
     platform = Platform(bench, interrupt=False)
-    await platform.start_up()
+    assert await bridge(platform.driver.start_up)() == "none"
     core = platform.driver.core
     assert (core.width, core.data_width, core.addr_width) == (bench.width, bench.data_width, bench.addr_width)
     assert (core.latency, core.lean) == (int(dut.LATENCY.value), bench.datapath != "paper")

@@ -112,36 +112,16 @@ def check(driver: Driver, core: RegisterModel, columns: dict, tags: np.ndarray) 
         words, _ = to_words(wide, 32)
     except TargetError as error:
         assert code == ("too_short" if "too short" in str(error) else "too_far_out"), f"{code}: {error}"
-        assert not core.jobs
-        if code == "too_short":
-            assert f"target {driver.core.bad}," in str(error)
+        assert not core.jobs and (code == "too_far_out" or f"target {driver.core.bad}," in str(error))
         return code
     assert code == "none", f"{code} for target {driver.core.bad}"
     assert len(core.jobs) == -(-len(tags) // COUNT)
-    records = (
-        np.frombuffer(data, "<i4").reshape(-1, 8) for data in (b"".join(core.jobs), RECORDS.targets(words, tags))
-    )
-    np.testing.assert_array_equal(*records, err_msg="words of targets")
+    assert b"".join(core.jobs) == RECORDS.targets(words, tags), "words of targets"
     solved = np.concatenate(core.words)
     values = result_values(solved, 32).astype(results["qs"].dtype)
     assert (results["qs"] == values[:, :4]).all() and (results["qe"] == values[:, 4:]).all()
     assert (results["tag"] == tags & 0xFFFFFF).all() and (results["flags"] == solved[:, 0] & 0xFF).all()
     return code
-
-
-def numbers(library, real: str = "double", sets: int = 120, count: int = 1000) -> list[str]:
-    """Solve random targets, by default 120 sets of 1000, and the corners; return the codes."""
-    core = RegisterModel()
-    driver = Driver(library, core, *core.areas, COUNT, real=real, polls=3)
-    assert driver.start_up() == "none"
-    random = np.random.default_rng(7)
-    sets_of_targets = corners() if real == "double" else []
-    sets_of_targets += [random_targets(random, count, 300 if real == "double" else 35) for _ in range(sets)]
-    codes = []
-    for columns in sets_of_targets:
-        tags = random.integers(0, 2**32, max(np.size(values) for values in columns.values()))
-        codes.append(check(driver, core, columns, tags))
-    return codes
 
 
 @pytest.fixture(scope="module")
@@ -165,15 +145,21 @@ def test_compiles_freestanding_without_warnings(compiler, real, tmp_path):
 
 
 @pytest.mark.parametrize("real", ["double", "float"])
-def test_numbers(real, tmp_path):
-    codes = numbers(compiled(tmp_path, f"-DIK_REAL={real}"), real)
+def test_numbers(real, tmp_path, capfd):
+    """120 sets of 1000 random targets, and the corners, without undefined behaviour."""
+    core = RegisterModel()
+    library = compiled(tmp_path, f"-DIK_REAL={real}", "-fsanitize=undefined")
+    driver = Driver(library, core, *core.areas, COUNT, real=real, polls=3)
+    assert driver.start_up() == "none"
+    random = np.random.default_rng(7)
+    sets = corners() if real == "double" else []
+    sets += [random_targets(random, 1000, 300 if real == "double" else 35) for _ in range(120)]
+    codes = []
+    for columns in sets:
+        tags = random.integers(0, 2**32, max(np.size(values) for values in columns.values()))
+        codes.append(check(driver, core, columns, tags))
     assert {"none", "too_far_out", *(["too_short"] if real == "double" else [])} == set(codes)
     assert codes.count("none") > 100
-
-
-def test_no_undefined_behaviour(tmp_path, capfd):
-    library = compiled(tmp_path, "-fsanitize=undefined")
-    numbers(library, sets=20, count=100)
     assert "runtime error" not in capfd.readouterr().err
 
 
@@ -280,12 +266,11 @@ def test_missing_result(library):
 
 
 def test_texts(library):
-    """Each code has its own text."""
+    """Each code has its own text; unknown codes share another."""
     driver = Driver(library, RegisterModel(), *RegisterModel().areas, COUNT)
-    texts = [driver.text(code) for code in CODES.values()]
-    assert len(set(texts)) == len(CODES) and all(text.endswith(".") for text in texts)
-    (unknown,) = {driver.text(code) for code in (-1, 10, 15, max(CODES.values()) + 1)}
-    assert unknown not in texts
+    texts = [driver.text(code) for code in (*CODES.values(), -1, 10, 15, max(CODES.values()) + 1)]
+    assert len(set(texts)) == len(CODES) + 1 and len(set(texts[-4:])) == 1
+    assert all(text.endswith(".") for text in texts[:-4])
 
 
 BUFFER = (0x10000000, 0x640, 0x40)  # page, size, offset: 24 targets, 24 results
@@ -307,11 +292,11 @@ def test_uio_maps_registers_and_buffer(library, tmp_path, arm):
     assert uio.file == -1 and str(tmp_path) not in Path("/proc/self/maps").read_text()
 
 
-UNDESCRIBED = [("map1/addr", "none"), ("map1/addr", "0x10000010"), ("map1/size", "0x40"), ("map1/size", "0x7f")]
-ABSENT = [(name, None) for name in ("uio0", "map0/addr", "map1/size")]
+BAD = [*(("map1/addr", text) for text in ("none", "0x10000010")), ("map1/size", "0x40"), ("map1/size", "0x7f")]
+BAD += [("map1/offset", "0x42"), ("uio0", "fifo"), *((name, None) for name in ("uio0", "map0/addr", "map1/size"))]
 
 
-@pytest.mark.parametrize("name, text", [*ABSENT, *UNDESCRIBED, ("map1/offset", "0x42"), ("uio0", "fifo")])
+@pytest.mark.parametrize(("name", "text"), BAD)
 def test_uio_reports_what_is_missing(library, tmp_path, name, text):
     """A missing file, one that cannot be mapped, a bad description: an error each; nothing stays open or mapped."""
     uio, paths = Uio(), uio_device(tmp_path, *BUFFER)
@@ -327,7 +312,7 @@ def test_uio_reports_what_is_missing(library, tmp_path, name, text):
     assert str(tmp_path) not in Path("/proc/self/maps").read_text()
 
 
-ENDS = {"arrives": None, "silent": 0, "gone": errno.EIO, "deaf": errno.EPIPE, "signal": errno.EINTR}
+ENDS = {"arrives": None, "silent": 0, "gone": errno.EIO, "signal": errno.EINTR}
 
 
 @pytest.mark.parametrize("error", ENDS.values(), ids=ENDS)
@@ -352,10 +337,8 @@ def test_uio_wait_ends(library, tmp_path, error):
 
     if error == errno.EINTR:
         threading.Timer(0.1, abort).start()
-    elif error in (None, errno.EPIPE):
+    elif error is None:
         kernel.send(bytes(4))
-        if error:
-            kernel.shutdown(socket.SHUT_RD)
     elif error:
         kernel.close()
     code, _ = driver.solve(driver.targets({name: np.ones(1) for name in FIELDS}, np.ones(1)))

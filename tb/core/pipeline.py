@@ -8,6 +8,7 @@ falling edge of the clock, when inputs and registers have settled in both simula
 import itertools
 import logging
 import os
+import pickle
 from collections.abc import Iterable
 from functools import reduce
 from pathlib import Path
@@ -25,7 +26,7 @@ from model.dataflow.nodes import Limits, Node
 from model.io.stimuli import arm_limits, arm_targets, mixed
 from model.io.words import pack, unpack
 from tb.core import functional_coverage
-from tb.sim.job import KEPT, Difference, answer, limits_port, report
+from tb.sim.job import KEPT, Difference, Run, answer, limits_port, report
 
 
 class Scoreboard:
@@ -97,6 +98,7 @@ class Pipeline:
         self.slot = -(-self.width // 8) * 8 if dut._name == "ik_axis_bytes" else self.width  # bits of a word in tdata
         self.datapath = configuration(dut)
         path, tag = MODELS[self.datapath], self.tag_width
+        self.path = path
         ports = dut.s_axis_tdata, dut.s_axis_tuser, dut.m_axis_tdata, dut.m_axis_tuser
         data = [len(words) * self.slot for words in (path.inputs, path.results)]
         assert [len(port) for port in ports] == [data[0], tag + len(path.side), data[1], tag + path.flag_bits]
@@ -110,8 +112,9 @@ class Pipeline:
             kind(AxiStreamBus.from_prefix(dut, name), dut.clk, dut.rst, byte_lanes=1, reset_active_level=True)
             for kind, name in ((AxiStreamSource, "s_axis"), (AxiStreamSink, "m_axis"))
         )
-        self.scoreboard = Scoreboard(self._handle, fixed.nodes(self.datapath, self.width).values() if nodes else ())
-        self.period, self.behind = path.lap(self.width), path.behind
+        compared = fixed.nodes(self.datapath, self.width).values() if nodes else ()
+        self.scoreboard = Scoreboard(lambda node: getattr(self.module(node), node.name), compared)
+        self.period = path.lap(self.width)
         self.go = getattr(self.dut, f"g_{path.rtl}").u_core.go if path.times else None  # low: the core is stalled
         self.clock = 0
         self.ran = 0  # clocks in which the core was not stalled
@@ -129,13 +132,8 @@ class Pipeline:
 
     def module(self, node: Node):
         """Return the module instance that contains a node."""
-        path = MODELS[self.datapath]
-        core = getattr(self.dut, f"g_{path.rtl}").u_core
-        return reduce(getattr, filter(None, path.instance(node).split(".")), core)
-
-    def _handle(self, node: Node):
-        """Return the signal of a node."""
-        return getattr(self.module(node), node.name)
+        core = getattr(self.dut, f"g_{self.path.rtl}").u_core
+        return reduce(getattr, filter(None, self.path.instance(node).split(".")), core)
 
     async def reset(self, clocks: int = 4) -> None:
         """Assert reset for ``clocks`` clocks; core, drivers and scoreboard drop all targets in flight."""
@@ -156,20 +154,19 @@ class Pipeline:
 
     def mixed(self, count: int, seed: int) -> np.ndarray:
         """Return targets of every kind."""
-        return (arm_targets if MODELS[self.datapath].side else mixed)(count, self.width, seed)
+        return (arm_targets if self.path.side else mixed)(count, self.width, seed)
 
     def around(self, words: np.ndarray) -> np.ndarray:
         """Return wrist targets, or poses of the whole arm with these wrists."""
-        path, one = MODELS[self.datapath], 1 << self.width - 2
-        hands = [(0, one, 0, 0, 0, n % 8) for n in range(len(words))]  # tool, Qh, branch
-        return np.column_stack([words, hands]) if path.side else words
+        hands = [(0, 1 << self.width - 2, 0, 0, 0, n % 8) for n in range(len(words))]  # tool, Qh, branch
+        return np.column_stack([words, hands]) if self.path.side else words
 
     def send(self, words: np.ndarray) -> None:
         """Queue targets (N, words per target) with incrementing tags; those of the whole arm include the branch."""
         model = answer(words, self.width, self.datapath, self.limits)
         self.words = np.concatenate([self.words, words])
         self.scoreboard.expect(model)
-        count = len(MODELS[self.datapath].inputs)
+        count = len(self.path.inputs)
         words, branches = words[:, :count], words[:, count:].sum(axis=1)
         padding = np.random.default_rng(len(words)).integers(1 << self.slot - self.width, size=words.shape)
         half = 1 << self.slot - 1
@@ -209,10 +206,6 @@ class Pipeline:
     async def _watch(self) -> None:
         """Sample admissions, departures and nodes once per clock; tb/axi/rules checks the stream rules."""
         dut = self.dut
-        streams = [
-            (*(getattr(dut, f"{name}_t{part}") for part in ("valid", "ready", "data", "user")), taken)
-            for name, taken in (("s_axis", self._admit), ("m_axis", self._leave))
-        ]
         # Verilator randomizes the initial clock level: ignore an edge at time 0.
         await Timer(1, unit="ns")
         while True:
@@ -225,11 +218,14 @@ class Pipeline:
                 self.gap = self.held = False
                 # Registers keep old values until the first rising edge with rst high; ignore all clocks in reset.
                 continue
-            for valid, ready, data, user, taken in streams:
-                if valid.value == 1 and ready.value == 1:
-                    taken(str(data.value), str(user.value))
-            self.gap |= dut.s_axis_tvalid.value == 0
-            self.held |= dut.m_axis_tvalid.value == 1 and dut.m_axis_tready.value == 0
+            if dut.s_axis_tvalid.value == 0:
+                self.gap = True
+            elif dut.s_axis_tready.value == 1:
+                self._admit()
+            if dut.m_axis_tvalid.value == 1 and dut.m_axis_tready.value == 1:
+                self._leave(str(dut.m_axis_tdata.value), str(dut.m_axis_tuser.value))
+            elif dut.m_axis_tvalid.value == 1:
+                self.held = True
             self.scoreboard.sample(self.ran, self.clock)
             self.ran += self.go is None or self.go.value == 1
 
@@ -242,7 +238,7 @@ class Pipeline:
                 for line in (dut.s_axis_tdata, dut.s_axis_tuser):
                     line.value = LogicArray("X" * len(line))
 
-    def _admit(self, data: str, user: str) -> None:
+    def _admit(self) -> None:
         target = len(self.admitted)
         self.admitted.append(self.clock)
         self.due.append(target)
@@ -257,8 +253,7 @@ class Pipeline:
         if "x" in (data + user).lower() or "z" in (data + user).lower():
             self.errors.append(f"X on a valid beat in clock {self.clock}: tdata {data} tuser {user}")
             return
-        path = MODELS[self.datapath]
-        words = tuple(unpack([int(data, 2)], self.slot, len(path.results))[0].tolist())
+        words = tuple(unpack([int(data, 2)], self.slot, len(self.path.results))[0].tolist())
         flags, tag = int(user, 2) >> self.tag_width, int(user, 2) & ((1 << self.tag_width) - 1)
         if not self.due:
             self.errors.append(f"a result with tag {tag} in clock {self.clock} without a target")
@@ -266,13 +261,11 @@ class Pipeline:
         target = self.due.pop(0)
         self.results.append((words, tag, flags, self.clock))
         kinds = functional_coverage.kinds_of(self.words[target].tolist(), words, flags, self.width)
-        name, late = (path.name, self.lost) if path.side else (path.rtl, False)
+        name, late = (self.path.name, self.lost) if self.path.side else (self.path.rtl, False)
         functional_coverage.sample(kinds, name, self.gaps[target], self.held, late)
-        self.lost = False
-        self.held = False
+        self.lost = self.held = False
         self.latencies.append(self.clock - self.admitted[target])
-        if (words, tag, flags) != self.expected[target]:
-            model = self.expected[target]
+        if (words, tag, flags) != (model := self.expected[target]):
             self.errors.append(f"target {target}: RTL {(words, tag, flags)}, model {model}, in clock {self.clock}")
 
 
@@ -300,38 +293,31 @@ def pause(pattern: str, seed: int) -> Iterable[bool] | None:
 async def run_targets(dut):
     """Run jobs of targets without stalls, each after its own reset: the cocotb side of ``tb/sim/simulate.py``.
 
-    IK_JOBS names an .npz file with one array of target words per job, and for the whole arm the ``limits`` of the
-    joints; IK_RESULTS the .npz file to write, with for job k the arrays ``results_k`` (N, words), ``flags_k`` (N,),
-    ``facts_k`` = latency, clocks from first in to last out, mismatching bits, and ``first_k``, the first difference as
-    text. IK_PROGRESS names a file for the number of results so far.
+    IK_FOLDER is a folder with the file ``jobs``, a pickle of the target words of each job and of the limits of the
+    joints. It gets the files ``runs``, a pickled list of :class:`Run`, and ``progress``, the number of results so far.
     """
-    progress = Path(os.environ["IK_PROGRESS"])
-    with np.load(os.environ["IK_JOBS"]) as jobs:
-        arrays = dict(jobs)
-    bench = Pipeline(dut, limits=arrays.pop("limits", np.empty(0)).tolist())
-    written: dict[str, np.ndarray] = {}
-    board = bench.scoreboard
+    folder = Path(os.environ["IK_FOLDER"])
+    jobs, limits = pickle.loads((folder / "jobs").read_bytes())
+    bench = Pipeline(dut, limits=limits)
+    board, runs = bench.scoreboard, []
 
-    async def report():
+    async def count():
         while True:
             await ClockCycles(dut.clk, 100, FallingEdge)
-            progress.write_text(str(len(bench.results)))
+            (folder / "progress").write_text(str(len(bench.results)))
 
-    cocotb.start_soon(report())
-    for k in range(len(arrays)):
+    cocotb.start_soon(count())
+    for words in jobs:
         await bench.reset()
-        first, bits = len(bench.results), board.mismatching_bits
-        since = len(bench.admitted)
+        first, bits, since = len(bench.results), board.mismatching_bits, len(bench.admitted)
         board.differences.clear()
-        bench.send(arrays[f"words_{k}"])
+        bench.send(words)
         await bench.drain()
-        rows = bench.results[first:]
-        clocks = rows[-1][3] - bench.admitted[-len(rows)] + 1
-        written[f"results_{k}"] = np.array([r[0] for r in rows], dtype=np.int64)
-        written[f"flags_{k}"] = np.array([r[2] for r in rows], dtype=np.int64)
-        written[f"facts_{k}"] = np.array([bench.latencies[first], clocks, board.mismatching_bits - bits])
-        written[f"first_{k}"] = np.array(board.report(since=since))
+        results, _, flags, clocks = zip(*bench.results[first:], strict=True)
+        total, bits = clocks[-1] - bench.admitted[-len(clocks)] + 1, board.mismatching_bits - bits
+        message = board.report(since=since) or None
+        runs.append(Run(np.array(results), np.array(flags), bench.latencies[first], total, bits, message))
     # A node mismatch is a result of the run; only a broken stream fails it.
     streams = [e for e in bench.errors if ": RTL " not in e]
     assert not streams, f"{len(streams)} errors, the first: {streams[0]}"
-    np.savez(os.environ["IK_RESULTS"], **written)
+    (folder / "runs").write_bytes(pickle.dumps(runs))

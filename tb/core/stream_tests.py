@@ -12,7 +12,6 @@ import numpy as np
 from cocotb.triggers import ClockCycles, FallingEdge, Timer
 
 from model.dataflow import fixed
-from model.dataflow.datapaths import MODELS
 from model.dataflow.fold.program import program
 from tb.core.functional_coverage import STALLS, every_kind
 from tb.core.pipeline import PATTERNS, Pipeline, pause
@@ -54,7 +53,7 @@ async def one_result_per_clock(dut):
     await bench.finish()
     clocks = [row[3] for row in bench.results]
     assert (np.diff(clocks) == bench.period).all(), f"results come {sorted(set(np.diff(clocks)))} clocks apart"
-    expected = datapath_latency(bench) + bench.behind
+    expected = fixed.latency(bench.datapath, bench.width)
     assert set(bench.latencies) == {expected}, f"latencies {sorted(set(bench.latencies))}, expected {expected}"
     # specified: at W = 18 and 32
     limits = {"paper": (363, 363), "fold": (115, 115), "arm": (105, 130), "fold_arm": (320, 320)}
@@ -92,7 +91,7 @@ async def every_flag_in_every_region(dut, idle, stall):
     for port, pauses in ((bench.source, idle), (bench.sink, stall)):
         if pauses:
             port.set_pause_generator(bool(number) for number in iter(lambda: random.integers(8), None))
-    path, targets = MODELS[bench.datapath], bench.around(every_kind(bench.width))
+    path, targets = bench.path, bench.around(every_kind(bench.width))
     arm = bool(path.side)
     if arm:
         targets = np.concatenate([targets, every_kind(bench.width, arm)])

@@ -56,18 +56,17 @@ def test_a_chunk_has_all_kinds():
     at = from_words(words[reach], 0, 32, "chunk")
     off_axis = np.arctan2(np.hypot(at.x, at.y), np.abs(at.z))
     distance = np.sqrt(at.x**2 + at.y**2 + at.z**2)
-    near = {
-        "z axis": off_axis,
-        "full stretch": 1 - distance / at.reach,
-        "full fold": (distance - np.abs(at.d1 - at.d2)) / at.reach,
-        "shoulder": distance / at.reach,
-        "arms": np.minimum(at.d1, at.d2) / np.maximum(at.d1, at.d2),
-    }
     pose = solve_clamped(at.x, at.y, at.z, at.phi, at.d1, at.d2)
-    near["elbow on the z axis"] = np.arctan2(np.hypot(pose["p_e_x"], pose["p_e_y"]), np.abs(pose["p_e_z"]))
-    decades = {"z axis": 7, "full stretch": 8, "full fold": 8, "shoulder": 7, "arms": 1, "elbow on the z axis": 7}
-    for name, value in near.items():
-        for decade in range(1, decades[name] + 1):
+    near = {  # distance, and the decades of it
+        "z axis": (off_axis, 7),
+        "full stretch": (1 - distance / at.reach, 8),
+        "full fold": ((distance - np.abs(at.d1 - at.d2)) / at.reach, 8),
+        "shoulder": (distance / at.reach, 7),
+        "arms": (np.minimum(at.d1, at.d2) / np.maximum(at.d1, at.d2), 1),
+        "elbow on the z axis": (np.arctan2(np.hypot(pose["p_e_x"], pose["p_e_y"]), np.abs(pose["p_e_z"])), 7),
+    }
+    for name, (value, decades) in near.items():
+        for decade in range(1, decades + 1):
             assert (value < 10.0**-decade).sum() >= 5, f"{name}: none below 1e-{decade}"
 
 
@@ -90,13 +89,9 @@ def test_errors_in_the_model(datapath, width):
     words = worst_targets.array(rows)
     answer = job.answer(words, width, datapath)
     hand, norm = worst_targets.errors(words, answer.results, width, answer.flags)
-    np.testing.assert_allclose(
-        hand,
-        [row.hand_error for row in rows],
-        rtol=1e-4,
-        atol=1e-15,  # roundoff of the forward kinematics
-        err_msg="other errors than recorded; `python -m scripts.soak --targets 1 --keep` regenerates them",
-    )
+    recorded = [row.hand_error for row in rows]
+    message = "other errors than recorded; `python -m scripts.soak --targets 1 --keep` regenerates them"
+    np.testing.assert_allclose(hand, recorded, rtol=1e-4, atol=1e-15, err_msg=message)  # atol: roundoff of `forward`
     assert (norm <= tolerances.norm(width, datapath)).all(), f"norm error {norm.max():.3g}"
     if not MODELS[datapath].side:
         assert (answer.flags == expected_flags(words, width)).all(), "flags"
@@ -120,14 +115,12 @@ def test_merge_keeps_the_hardest_in_any_order():
     kept = worst_targets.merge(rows_of(words))
     assert worst_targets.merge(rows_of(words)[::-1]) == kept and len(kept) == 20
     assert worst_targets.merge(kept) == kept
-    error_of = dict(zip(map(tuple, words.tolist()), hand, strict=True))
-    norm_of = dict(zip(map(tuple, words.tolist()), norm, strict=True))
-    assert [row.hand_error for row in kept] == [error_of[row.words] for row in kept], "errors are recomputed"
+    errors = {tuple(row): pair for row, *pair in zip(words.tolist(), hand, norm, strict=True)}
+    assert [row.hand_error for row in kept] == [errors[row.words][0] for row in kept], "errors are recomputed"
     by_hand = sorted(hand, reverse=True)[:10]
     assert [row.hand_error for row in kept][:10] == by_hand
-    others = {row.words for row in kept if error_of[row.words] < by_hand[-1]}
-    least = min(norm_of[w] for w in others)
-    assert all(n <= least or w in {row.words for row in kept} for w, n in norm_of.items())
+    least = min(errors[row.words][1] for row in kept if row.hand_error < by_hand[-1])
+    assert {row for row, (_, norm) in errors.items() if norm > least} <= {row.words for row in kept}
 
 
 def test_merge_keeps_groups_apart_and_nothing_twice_or_out_of_reach():

@@ -9,6 +9,7 @@ equals) and where it was found. Hand poses, with the branch as last word, have t
 
 import csv
 import io
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -35,12 +36,12 @@ KEPT = 10  # targets kept for each measure of hardness, per datapath and word le
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the list. ``hand_error`` is None for a target out of reach."""
+    """One line of the list."""
 
     datapath: str
     width: int
     words: tuple[int, ...]
-    hand_error: float | None
+    hand_error: float
     found: str
 
 
@@ -88,47 +89,35 @@ def groups(rows: Iterable[Row]) -> dict[tuple[str, int], list[Row]]:
 
 def read(path: Path) -> list[Row]:
     """Read the rows of a list file. Raises TargetError and OSError."""
-    with open(path, encoding="utf-8", newline="") as stream:
-        try:
-            lines = list(csv.reader(stream, strict=True))
-        except (UnicodeDecodeError, csv.Error) as error:
-            raise TargetError(f"{path}: not a CSV file: {error}") from None
-    if not lines or tuple(lines[0]) != COLUMNS:
-        raise TargetError(f"{path}: row 1: the header has to be {','.join(COLUMNS)}")
-    rows = []
-    for line, cells in enumerate(lines[1:], 2):
-        try:
-            rows.append(_row(cells))
-        except ValueError as error:
-            raise TargetError(f"{path}: row {line}: {error}") from None
+    rows, line = [], 1
+    try:
+        with open(path, encoding="utf-8", newline="") as stream:
+            for line, cells in enumerate(csv.reader(stream, strict=True), 1):
+                if line > 1:
+                    rows.append(_row(cells))
+                elif tuple(cells) != COLUMNS:
+                    raise ValueError(f"the header has to be {','.join(COLUMNS)}")
+    except (csv.Error, ValueError) as error:
+        raise TargetError(f"{path}: not a CSV file of targets: row {line}: {error}") from None
     return rows
 
 
 def _row(cells: list[str]) -> Row:
     if len(cells) != len(COLUMNS):
         raise ValueError(f"{len(cells)} columns instead of {len(COLUMNS)}")
-    datapath, found = cells[0], cells[-1]
+    datapath, *_, error, found = cells
     if datapath not in MODELS:
         raise ValueError(f"unknown datapath {datapath!r}")
-    end = len(cells) - 2 if MODELS[datapath].side else 2 + len(FIELDS)
-    width, *words = map(_number, COLUMNS[1:end], cells[1:end])
-    error = _number(COLUMNS[-2], cells[-2])
+    names = COLUMNS[1:-2] if MODELS[datapath].side else COLUMNS[1 : 2 + len(FIELDS)]
+    for name, cell in zip(names, cells[1:], strict=False):
+        if not re.fullmatch(r"-?\d+", cell):
+            raise ValueError(f"column {name}: {cell!r} is not a whole number")
+    width, *words = map(int, cells[1 : 1 + len(names)])
     if width not in WIDTHS:
         raise ValueError(f"unknown width {width}")
     if not all(-(1 << (width - 1)) <= word < 1 << (width - 1) for word in words):
         raise ValueError(f"a word does not fit {width} bits")
-    return Row(datapath, width, tuple(words), error, found)
-
-
-def _number(column: str, cell: str) -> float | None:
-    if column == "hand_error" and not cell:
-        return None
-    try:
-        finite = number(cell)
-        return finite if column == "hand_error" else int(cell)
-    except ValueError:
-        kind = "number" if column == "hand_error" else "whole number"
-        raise ValueError(f"column {column}: {cell!r} is not a {kind}") from None
+    return Row(datapath, width, tuple(words), number(error), found)
 
 
 def text(rows: Iterable[Row]) -> str:
@@ -137,9 +126,8 @@ def text(rows: Iterable[Row]) -> str:
     write = csv.writer(out, lineterminator="\n").writerow
     write(COLUMNS)
     for row in rows:
-        error = "" if row.hand_error is None else _written(row.hand_error)
         words = [*row.words, *[""] * (len(COLUMNS) - 4 - len(row.words))]
-        write((row.datapath, row.width, *words, error, row.found))
+        write((row.datapath, row.width, *words, _written(row.hand_error), row.found))
     return out.getvalue()
 
 

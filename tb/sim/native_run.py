@@ -5,13 +5,14 @@
 targets and the bit-true model's words through the program that Verilator builds from it.
 """
 
+import contextlib
 import hashlib
 import re
 import shlex
-import subprocess
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from subprocess import PIPE, Popen
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from model.dataflow.nodes import Limits, Node
 from model.io.stimuli import arm_limits
 from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, environment
-from tb.sim.job import Difference, Job, Run, SimulationError, answer, limits_port, report
+from tb.sim.job import Difference, Run, SimulationError, answer, limits_port, report
 from tb.sim.runner import COMPACT, alone, runtime
 from tb.sim.sources import includes, sources
 from tb.sim.subprocesses import compiled, full
@@ -104,40 +105,6 @@ endmodule
 """
 
 
-def build(
-    toplevel: str,
-    harness: Path,
-    parameters: dict[str, int],
-    root: Path = ROOT,
-    name: str = "",
-    define: str = "",
-    wrapper: str = "",
-) -> Path:
-    """Build ``toplevel`` with the C++ driver ``harness``, which includes ``Vtop.h``; return the program.
-
-    ``root`` is another copy of ``rtl/``, named by ``name``; ``define`` is a macro for the harness, NAME=VALUE;
-    ``wrapper`` is the Verilog of a toplevel outside ``rtl/``. Raises RuntimeError with the compilers' messages.
-    """
-    folder = BUILD / "-".join([harness.stem, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])])
-    top = folder / f"{toplevel}.v"
-    command = [
-        "verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "--x-initial", "unique",
-        *(coverage.FLAGS if coverage.folder() else []), "--prefix", "Vtop", "--top-module", toplevel,
-        *(f"-G{key}={value}" for key, value in parameters.items()),
-        *(f"-I{folder}" for folder in includes(root)),
-        "-CFLAGS", " ".join(["-std=gnu++20", *([f"-D{define}"] if define else [])]), "--Mdir", str(folder),
-        *COMPACT, *map(str, sources(root)), *([str(top)] if wrapper else []), str(harness),
-    ]  # fmt: skip
-    # -O2 compiles twice as long as -O1 and simulates as fast
-    with alone(folder), runtime(folder, "native") as shared:
-        if wrapper and not (top.exists() and top.read_text() == wrapper):
-            top.write_text(wrapper)
-        done = compiled([*command, "-MAKEFLAGS", shlex.join([*shared, "OPT_FAST=-O1"])])
-    if done.returncode:
-        raise RuntimeError(f"{toplevel}: {full(folder) or done.stderr[-4000:] or done.stdout[-4000:]}")
-    return folder / "Vtop"
-
-
 def program(
     datapath: str,
     width: int,
@@ -148,16 +115,26 @@ def program(
 ) -> Path:
     """Build the program of a datapath if necessary; parameters as in :func:`tb.sim.simulate.simulate`.
 
-    Raises :class:`SimulationError`.
+    Raises :class:`SimulationError` with the compilers' messages.
     """
-    path = MODELS[datapath]
-    digit = CORES.index(cores(kind)) if path.rtl == "paper" else 0
-    full = "-".join([datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])])
-    full += f"-{hashlib.sha1(str(limits).encode()).hexdigest()[:10]}" if limits else ""
-    try:
-        return build(TOP, HARNESS, {}, root=root, name=full, wrapper=wrapper(datapath, width, digit, limits))
-    except RuntimeError as error:
-        raise SimulationError(f"the Verilator build failed: {error}") from None
+    digit = CORES.index(cores(kind)) if MODELS[datapath].rtl == "paper" else 0
+    parts = [datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])]
+    parts += [hashlib.sha1(str(limits).encode()).hexdigest()[:10]] if limits else []
+    folder, text = BUILD / "-".join(parts), wrapper(datapath, width, digit, limits)
+    top = folder / f"{TOP}.v"
+    command = ["verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "--x-initial", "unique"]
+    command += [*(coverage.FLAGS if coverage.folder() else []), "--prefix", "Vtop", "--top-module", TOP]
+    command += [*(f"-I{path}" for path in includes(root)), "-CFLAGS", "-std=gnu++20", "--Mdir", str(folder)]
+    command += [*COMPACT, *map(str, sources(root)), str(top), str(HARNESS)]
+    # -O2 compiles twice as long as -O1 and simulates as fast
+    with alone(folder), runtime(folder, "native") as shared:
+        if not (top.exists() and top.read_text() == text):
+            top.write_text(text)
+        done = compiled([*command, "-MAKEFLAGS", shlex.join([*shared, "OPT_FAST=-O1"])])
+    if done.returncode:
+        message = full(folder) or done.stderr[-4000:] or done.stdout[-4000:]
+        raise SimulationError(f"the Verilator build failed: {message}")
+    return folder / "Vtop"
 
 
 def answered(
@@ -197,15 +174,9 @@ def compare(
     header += (fact for node in nodes for fact in (node.time, node.format.width))
     sizes = []
     with coverage.counting(root) as counts, tempfile.NamedTemporaryFile(prefix="ik_") as file:
-        process = subprocess.Popen(
-            [path, file.name, *counts],
-            env=environment(),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-        )
+        process = Popen([path, file.name, *counts], env=environment(), stdin=PIPE, stdout=PIPE, stderr=PIPE)
         try:
-            try:
+            with contextlib.suppress(BrokenPipeError):  # stderr has the reason
                 process.stdin.write(np.array(header, dtype="<u8").tobytes())
                 for words, answer in frames:
                     process.stdin.write(np.array([len(words)], dtype="<u8").tobytes())
@@ -216,8 +187,6 @@ def compare(
                     if progress:
                         progress(sum(sizes))
                 process.stdin.write(bytes(8))
-            except BrokenPipeError:
-                pass  # stderr has the reason
             out, err = process.communicate()
         finally:
             process.kill()
@@ -226,24 +195,6 @@ def compare(
             raise SimulationError(f"the native simulation failed: {err.decode(errors='replace').strip()[-1000:]}")
         back = np.fromfile(file.name, dtype="<i8")
     return _run(out.decode(), back, sizes, nodes, width, len(of.results) + 1)
-
-
-def run(
-    path: Path,
-    jobs: list[Job],
-    width: int,
-    datapath: str,
-    progress: Callable[[int, int], None] | None = None,
-    root: Path = ROOT,
-    limits: Limits | None = None,
-) -> list[Run]:
-    """Run each job after its own reset; calls ``progress(done, total)``. Raises :class:`SimulationError`."""
-    total, before, runs = sum(len(job.words) for job in jobs), 0, []
-    for job in jobs:
-        told = (lambda done, since=before: progress(since + done, total)) if progress else None
-        runs.append(compare(path, answered(job.words, width, datapath, limits), width, datapath, told, root))
-        before += len(job.words)
-    return runs
 
 
 def _run(said: str, back: np.ndarray, sizes: list[int], nodes: list[Node], width: int, count: int) -> Run:

@@ -125,19 +125,18 @@ def simulate(
     if waves and sim == "verilator":
         parts.append("waves")
     folder = (build or BUILD) / sim / "-".join(parts)
-    extra = []
     if top:
         folder = folder.with_name(f"{folder.name}-{hashlib.sha1(top.encode()).hexdigest()[:10]}")
-        folder.mkdir(parents=True, exist_ok=True)
-        extra = [folder / f"{toplevel}.v"]
-        if not extra[0].exists():
-            extra[0].write_text(top)
     with alone(folder):
         files = with_rules(sources(root), folder)
+        if top:
+            files.append(folder / f"{toplevel}.v")
+            if not files[-1].exists():
+                files[-1].write_text(top)
     options: dict = {
         "toplevel": toplevel,
         "module": module,
-        "verilog_sources": [str(p) for p in [*files, *extra]],
+        "verilog_sources": [str(path) for path in files],
         "includes": [str(folder) for folder in includes(root)],
         "parameters": parameters,
         "sim_build": str(folder),
@@ -167,8 +166,12 @@ def simulate(
         options["force_compile"] = max(path.stat().st_mtime for path in headers(root)) > built_as.stat().st_mtime
     with _signals():
         if not built and sim == "icarus":
-            with alone(folder), _whole(built_as):
-                Icarus(compile_only=True, **options).run()
+            with alone(folder):
+                try:
+                    Icarus(compile_only=True, **options).run()
+                except BaseException:
+                    built_as.unlink(missing_ok=True)  # a partial file would look up to date
+                    raise
         elif not built:
             with alone(folder), runtime(folder, "waves" if waves else "plain") as shared:
                 Verilator(compile_only=True, make_args=[*shared, *UNOPTIMIZED], **options).run()
@@ -185,16 +188,6 @@ class Built(Verilator):
     def build_command(self) -> list[list[str]]:
         """Return the command that starts the program; the base class would build it again."""
         return [[os.path.join(self.sim_dir, self.toplevel_module), *self.plus_args]]
-
-
-@contextmanager
-def _whole(program: Path):
-    """Remove the output of a failed compilation: a partial file would look up to date."""
-    try:
-        yield
-    except BaseException:
-        program.unlink(missing_ok=True)
-        raise
 
 
 def command(*names: str, **options) -> list[str]:

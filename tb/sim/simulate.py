@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Library that runs targets through the RTL in a simulator, for ``scripts/trajectory.py`` and the tests."""
 
+import contextlib
+import pickle
 import subprocess
 import tempfile
-import threading
 from collections.abc import Callable
 from pathlib import Path
-
-import numpy as np
 
 from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Limits
@@ -47,49 +46,35 @@ def simulate(
         native = total >= LONG
     if native and simulator == "verilator" and not waves:
         program = native_run.program(datapath, width, root, name, cores, limits)
-        return native_run.run(program, jobs, width, datapath, progress, root, limits)
+        runs, before = [], 0
+        for job in jobs:
+            told = (lambda done, since=before: progress(since + done, total)) if progress else None
+            frames = native_run.answered(job.words, width, datapath, limits)
+            runs.append(native_run.compare(program, frames, width, datapath, told, root))
+            before += len(job.words)
+        return runs
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)
-        arrays = {f"words_{k}": job.words for k, job in enumerate(jobs)}
-        np.savez(place / "jobs.npz", **arrays, **({"limits": np.array(limits)} if limits else {}))
+        (place / "jobs").write_bytes(pickle.dumps(([job.words for job in jobs], limits)))
         log = place / "log"
+        core = {"parameters": {"W": width, **MODELS[datapath].parameters}, "core": cores, "root": root, "name": name}
         command = runner.command(
-            MODELS[datapath].top,
-            "tb.core.pipeline",
-            parameters={"W": width, **MODELS[datapath].parameters},
-            sim=simulator,
-            env={
-                "IK_JOBS": str(place / "jobs.npz"),
-                "IK_RESULTS": str(place / "results.npz"),
-                "IK_PROGRESS": str(place / "progress"),
-            },
-            waves=waves,
-            root=root,
-            name=name,
-            core=cores,
+            MODELS[datapath].top, "tb.core.pipeline", sim=simulator, waves=waves, env={"IK_FOLDER": folder}, **core
         )
         with open(log, "w") as out, started(command, folder, stdout=out, stderr=subprocess.STDOUT) as process:
             _wait(process, place / "progress", total, progress)
         lacking = full(*([waves.parent] if waves else []))  # a simulator may truncate a waveform silently
-        if process.returncode or lacking or not (place / "results.npz").exists():
+        if process.returncode or lacking or not (place / "runs").exists():
             lacking = lacking or full(place, ROOT / "build")
             raise SimulationError(lacking or reason(log.read_text(errors="replace"), simulator))
-        with np.load(place / "results.npz") as written:
-            return [
-                Run(
-                    written[f"results_{k}"],
-                    written[f"flags_{k}"],
-                    *(int(v) for v in written[f"facts_{k}"]),
-                    first_mismatch=str(written[f"first_{k}"]) or None,
-                )
-                for k in range(len(jobs))
-            ]
+        return pickle.loads((place / "runs").read_bytes())
 
 
-def _wait(process, file: Path, total: int, progress) -> None:
-    done = threading.Event()
-    threading.Thread(target=lambda: (process.wait(), done.set()), daemon=True).start()
-    while not done.wait(0.1 if not progress else 0.5):
+def _wait(process: subprocess.Popen, file: Path, total: int, progress) -> None:
+    while True:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(timeout=0.5)
+            break
         if progress and file.exists():
             progress(int(file.read_text() or 0), total)
     if progress and process.returncode == 0:

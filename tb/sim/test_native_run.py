@@ -13,7 +13,7 @@ from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import simulate
 
 WIDTH = 18
-QUICK = 3  # a word length that builds quickly
+QUICK = 16  # the shortest word length of ik_axis
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
 

@@ -3,6 +3,7 @@
 
 import itertools
 import random
+from collections import defaultdict
 from functools import partial
 
 import numpy as np
@@ -21,6 +22,7 @@ from tb.units.unit import (
     rounded,
     runs,
     sets_of,
+    shuffled,
     signed,
     some,
     unsigned,
@@ -31,14 +33,13 @@ from tb.units.unit import (
 def words(W: int, count: int = 1000) -> list[Vector]:
     """Return vectors of words in random order: all of them up to EVERY, else ``count``, a quarter along an axis."""
     if 1 << 2 * W <= EVERY:
-        return random.sample(list(itertools.product(signed(W), signed(W))), 1 << 2 * W)
+        return shuffled(itertools.product(signed(W), signed(W)))
     pairs = [(x * random.choice((0, 1, 1, 1)), y) for x, y in some(count, signed(W), signed(W))]
     return [pair if random.random() < 0.8 else pair[::-1] for pair in pairs]
 
 
 def vector(W: int) -> Tests:
     """The length is checked at its own latency."""
-    clocks = Latency(W)
     inputs = {"x": signed(W + 4), "y": signed(W + 4)}
 
     def of_words():
@@ -47,18 +48,17 @@ def vector(W: int) -> Tests:
     def of_lengths():
         return [(abs(x) >> 1, abs(y) >> 1) for x, y in some(500, *inputs.values())]
 
-    def bench(which: int, outputs: dict[str, range], latency: int, named: list) -> Tests:
+    def bench(port: str, outputs: range, which: int, latency: str, named: list) -> Tests:
         def model(x, y):
             return (angles.iterate(np.array(x), np.array(y), W)[which],)
 
-        options = {"latency": latency, "columns": True, "corners": named, "good": (9, 4)}
-        tests = checks(inputs, outputs, model, of_words, of_lengths, **options)
-        return {f"{name}_{port}": test for port in outputs for name, test in tests.items()}
+        options = {"latency": Latency(W)[latency], "columns": True, "corners": named, "good": (9, 4)}
+        tests = checks(inputs, {port: outputs}, model, of_words, of_lengths, **options)
+        return {f"{name}_{port}": test for name, test in tests.items()}
 
     exact = [((x, 0), 0) for x in (0, 8, 1 << W)] + [((x, 0), -(1 << W + 3)) for x in (-8, -(1 << W))]
-    return bench(0, {"length": unsigned(W + 3)}, clocks["vector_x"], []) | bench(
-        1, {"angle": signed(W + 4)}, clocks["vector"], exact
-    )
+    lengths = bench("length", unsigned(W + 3), 0, "vector_x", [])
+    return lengths | bench("angle", signed(W + 4), 1, "vector", exact)
 
 
 def fold_angle(W: int) -> Tests:
@@ -70,10 +70,10 @@ def fold_angle(W: int) -> Tests:
         """Angles of random quaternions, of words on axes among them, for both signs and with half turns."""
         quaternions = [(*a, *b) for a, b in zip(words(W, 200), words(W, 200), strict=True)]
         random.shuffle(quaternions)
-        events, wanted, clock = [], {}, 0
+        events, wanted, clock = defaultdict(dict), {}, 0
 
         def at(when: int, **ports: int) -> None:
-            events.append((when, ports))
+            events[when] |= ports
 
         def load(x: int, y: int, rounding: int, negative: int, opposite: int = 0) -> int:
             """Load a vector from `clock` on; return the clock in which its first stage is over."""
@@ -110,18 +110,15 @@ def fold_angle(W: int) -> Tests:
             at(clock, over=1)
             at(clock + rest + 1 + random.choice((0, 0, 1)) * (head + 3 > rest + 1), to_h=1)
             clock += 1
-            tilt = tilts[n] if random.random() < 0.7 else None
+            again = random.random() < 0.7
             negative, s = signs(wk[1][n])
             clock = load(w, k, 0b10, negative)
             negative, b = signs(tilts[n])
-            if tilt is None:
-                at(clock, over=1)
-            else:
-                at(clock, over=1, again=1, rounding=0b01, negative=negative)
+            at(clock, over=1, **({"again": 1, "rounding": 0b01, "negative": negative} if again else {}))
             show(clock + rest + 1, s + d)
             show(clock + rest + 2, s - d, minus=1)
             clock += max(head + 1, rest + 2)
-            if tilt is not None:
+            if again:
                 at(clock, over=1)
                 at(clock + rest + 1, to_h=1)
                 show(clock + rest + 2, 2 * b)
@@ -129,11 +126,10 @@ def fold_angle(W: int) -> Tests:
 
         idle = dict.fromkeys(("load_x", "load_y", "over", "again", "to_h"), 0)
         unused = {"word": W, "opposite": 1, "rounding": 2, "negative": 1, "minus": 1, "half": 1}
-        clocks = range(max(when for when, _ in events) + 1)
-        # Words that the program does not use have no effect.
-        program = [idle | {port: random.getrandbits(bits) for port, bits in unused.items()} for _ in clocks]
-        for when, ports in events:
-            program[when] |= ports
+        program = []
+        for when in range(max(events) + 1):
+            # Words that the program does not use have no effect.
+            program.append(idle | {port: random.getrandbits(bits) for port, bits in unused.items()} | events[when])
 
         def expected(taken: list[Ports], now: Ports) -> Ports:
             when = len(taken)

@@ -6,7 +6,7 @@ import random
 from fractions import Fraction
 
 from model.dataflow.formats import GUARD, Latency
-from tb.units.unit import BIT, Case, Tests, checks, corners, runs, sets_of, signed, some
+from tb.units.unit import BIT, Case, Tests, checks, corners, runs, sets_of, signed
 
 
 def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: int) -> Tests:
@@ -36,19 +36,12 @@ def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: 
                 vectors.append((n, d))
         return vectors
 
-    def good_after_bad():
-        """Valid quotients between zero or negative divisors and overflows."""
-        bad = [(n, d) for n in (N[0], -1, 0, 1, N[-1]) for d in (0, -1, D[0])] + [(N[0], 1), (N[-1], 1)]
-        good = [(n, d) for n, d in some(400, N, D) if reference(n, d)[1] == 0]
-        return [v for g in good for v in (random.choice(bad), g)]
-
     return checks(
         {"n": N, "d": D},
         {"q": Q, "ovf": BIT},
         reference,
         ends_of_the_range,
         quotients_that_fit,
-        good_after_bad,
         latency=LAT,
         delays=delays,
         corners=[((0, 0), (Q[-1], 1)), ((-1, 0), (Q[0], 1)), ((1, -1), (Q[-1], 1))],
@@ -68,19 +61,10 @@ def root(NW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0) -> Tests:
         first = [-(-(r * r) >> SH) for r in roots if r <= last]
         return [n + e for n in first for e in (0, -1) if n + e in N]
 
-    def good_after_bad():
-        """Valid roots between negative arguments."""
-        good = [abs(n) if -n in N else 0 for (n,) in some(300, N)]
-        return [n for g in good for n in (random.choice([-1, N[0], N[0] // 3]), g)]
+    def reference(n):
+        return (min(math.isqrt(n << SH), Q[-1]), 0) if n >= 0 else (0, 1)
 
-    return checks(
-        {"n": N},
-        {"q": Q, "neg": BIT},
-        lambda n: (min(math.isqrt(n << SH), Q[-1]), 0) if n >= 0 else (0, 1),
-        near_squares,
-        good_after_bad,
-        latency=LAT,
-    )
+    return checks({"n": N}, {"q": Q, "neg": BIT}, reference, near_squares, latency=LAT)
 
 
 DIV, ROOT = "NW DW SH QW LAT", "NW SH QW LAT"

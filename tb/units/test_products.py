@@ -7,7 +7,7 @@ import numpy as np
 
 from model.dataflow.formats import GUARD, Latency
 from model.dataflow.mul3 import TILE, mul3, unseen
-from tb.units.unit import Case, Tests, checks, crossed, halves, rounded, runs, sets_of, signed, some, unsigned, wrapped
+from tb.units.unit import Case, Tests, checks, crossed, halves, rounded, runs, sets_of, signed, unsigned, wrapped
 
 
 def exact(W: int, SQUARE: int) -> Tests:
@@ -17,18 +17,11 @@ def exact(W: int, SQUARE: int) -> Tests:
         """All pairs of words with extreme halves, which give the extremes of the tiles."""
         return itertools.product(halves(W), halves(W))
 
-    def equal_or_opposite():
-        drawn = [a for (a,) in some(500, words)]
-        return [(a, a) for a in drawn] + [(a, -a) for a in drawn if -a in words]
+    def reference(a, b):
+        return a * (a if SQUARE else b)
 
-    return checks(
-        {"a": words, "b": words},
-        {"p": signed(2 * W)},
-        lambda a, b: a * (a if SQUARE else b),
-        extreme_halves,
-        equal_or_opposite,
-        latency=Latency(32)["square" if SQUARE else "product"],
-    )
+    latency = Latency(32)["square" if SQUARE else "product"]
+    return checks({"a": words, "b": words}, {"p": signed(2 * W)}, reference, extreme_halves, latency=latency)
 
 
 def mul(AW: int, BW: int, SH: int, OW: int, SQUARE: int = 0, **delays: int) -> Tests:
@@ -42,16 +35,12 @@ def mul(AW: int, BW: int, SH: int, OW: int, SQUARE: int = 0, **delays: int) -> T
         """The format of q must hold the rounded product, as the datapath's formats guarantee."""
         return reference(a, b) in Q
 
-    def squares():
-        return [(a, a) for (a,) in some(500, A) if a in B]
-
     half = 1 << SH - 1 if SH else 0
     ties = [((1, half), 1), ((-1, half), 0), ((1, half - 1), 0), ((-1, half + 1), -1), ((3, half), 2), ((-3, half), -1)]
     return checks(
         {"a": A, "b": B},
         {"q": Q},
         reference,
-        squares,
         latency=Latency(32)["mul"],
         delays=delays,
         corners=ties if half > 1 and not SQUARE else (),
@@ -89,16 +78,8 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
         pairs = [(a, b), (-a, b), (a - 1, b), (a_low, b_low // 2), (a_low // 2, -b_low), (a_low - 1, b_low - 1)]
         return [(a, b) for a, b in [*pairs, (-1, b_low - 1)] if a in A and b in B]
 
-    return checks(
-        {"a": A, "b": B},
-        {"q": Q},
-        reference,
-        extreme_high_parts,
-        halves_of_a_place,
-        latency=Latency(32)["mul3"],
-        columns=True,
-        delays=delays,
-    )
+    options = {"latency": Latency(32)["mul3"], "columns": True, "delays": delays}
+    return checks({"a": A, "b": B}, {"q": Q}, reference, extreme_high_parts, halves_of_a_place, **options)
 
 
 def scale(COUNT: int, AW: int, BW: int, SH: int, OW: int, **delays: int) -> Tests:

@@ -66,15 +66,12 @@ def wide(W: int, SUB: int, **delays: int) -> Tests:
         drawn = [a for (a,) in some(100, words)]
         return [(a, wrapped((a if SUB else -a) + little, words)) for a in drawn for little in near]
 
-    return checks(
-        {"a": words, "b": words},
-        {"q": words},
-        lambda a, b: wrapped(a - b if SUB else a + b, words),
-        extreme_halves,
-        small_results,
-        latency=Latency(32)["wide"],
-        delays=delays,
-    )
+    def reference(a, b):
+        return wrapped(a - b if SUB else a + b, words)
+
+    inputs = {"a": words, "b": words}
+    timing = {"latency": Latency(32)["wide"], "delays": delays}
+    return checks(inputs, {"q": words}, reference, extreme_halves, small_results, **timing)
 
 
 def half(W: int, MINUS: int) -> Tests:
@@ -84,13 +81,10 @@ def half(W: int, MINUS: int) -> Tests:
     def around_one():
         return [s * one + e for s in (-1, 1) for e in range(-20, 21)]
 
-    return checks(
-        {"c": signed(W)},
-        {"q": unsigned(W)},
-        lambda c: min(max(one - c if MINUS else one + c, 0), 2 * one),
-        around_one,
-        latency=Latency(32)["mux"],
-    )
+    def reference(c):
+        return min(max(one - c if MINUS else one + c, 0), 2 * one)
+
+    return checks({"c": signed(W)}, {"q": unsigned(W)}, reference, around_one, latency=Latency(32)["mux"])
 
 
 def pick(W: int) -> Tests:
@@ -100,12 +94,8 @@ def pick(W: int) -> Tests:
     def reference(a, b, use_b, minus):
         return wrapped(-b if minus else b, words) if use_b else a
 
-    return checks(
-        {"a": words, "b": words, "use_b": BIT, "minus": BIT},
-        {"q": words},
-        reference,
-        latency=Latency(32)["mux"],
-    )
+    inputs = {"a": words, "b": words, "use_b": BIT, "minus": BIT}
+    return checks(inputs, {"q": words}, reference, latency=Latency(32)["mux"])
 
 
 def few(last: str) -> list[dict[str, int]]:

@@ -97,7 +97,6 @@ def checks(
     corners: Iterable[tuple[Vector | int, Vector | int]] = (),
     good: Vector | int = 0,
     fits: Callable[..., bool] = lambda *vector: True,
-    also: Callable[[list[Vector], list[Vector]], None] = lambda vectors, got: None,
 ) -> Tests:
     """Return the tests of a module without handshake; in each, a vector enters in every clock (:func:`stream`).
 
@@ -110,42 +109,35 @@ def checks(
     - *every_vector* if there are at most :data:`EVERY`, otherwise *random_vectors*.
     - each of ``streams``, by its name.
 
-    Vectors that do not satisfy ``fits`` are skipped; ``also`` is an additional check of vectors and outputs.
+    Vectors that do not satisfy ``fits`` are skipped.
     """
     words = list(inputs.values())
 
     def expected(*operands):
         return reference(*operands) if columns else zip(*map(_row, map(reference, *operands)), strict=True)
 
-    def every_vector():
-        vectors = list(itertools.product(*words))
-        random.shuffle(vectors)
-        return vectors
-
-    def random_vectors():
-        return some(2000, *words)
-
-    def extremes():
-        return crossed(*words)
-
     def named():
         for vector, wanted in ((_row(vector), _row(wanted)) for vector, wanted in corners):
-            if _all_in(vector, words) and _all_in(wanted, outputs.values()):
+            if all(word in of for word, of in zip(vector + wanted, (*words, *outputs.values()), strict=True)):
                 reference = [column[0] for column in map(list, expected(*([word] for word in vector)))]
                 assert reference == list(wanted), f"the reference of {vector} is {reference}, not {wanted}"
                 yield from (good, vector, good, vector, vector, good)
 
     async def run(vectors, dut) -> None:
         chosen = [vector for vector in map(_row, vectors()) if fits(*vector)]
-        also(chosen, await stream(dut, inputs, outputs, expected, chosen, latency, delays or {}))
+        await stream(dut, inputs, outputs, expected, chosen, latency, delays or {})
 
-    general = every_vector if math.prod(map(size, words)) <= EVERY else random_vectors
-    generators = (extremes, general, *([named] if corners else []), *streams)
-    return {vectors.__name__: partial(run, vectors) for vectors in generators}
+    generators = {vectors.__name__: vectors for vectors in (*([named] if corners else []), *streams)}
+    generators["extremes"] = partial(crossed, *words)
+    if math.prod(map(size, words)) <= EVERY:
+        generators["every_vector"] = lambda: shuffled(itertools.product(*words))
+    else:
+        generators["random_vectors"] = partial(some, 2000, *words)
+    return {name: partial(run, vectors) for name, vectors in generators.items()}
 
 
-async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency: int, delays) -> list[Vector]:
-    """Drive one vector per clock without gaps, compare every output ``latency`` clocks later, and return the outputs.
+async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency: int, delays) -> None:
+    """Drive one vector per clock without gaps, and compare every output ``latency`` clocks later.
 
     Inputs change after the rising edge; outputs are sampled at the falling edge, when both have settled in both
     simulators, and compared as bits, so that X is a difference. A module's parameter DA delays its port ``a``, and so
@@ -172,25 +164,18 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
         await falling
         if clock >= latency + 2 * before:
             got.append([str(handle.value) for handle in results])
-    columns = [[_written(w, words) for w in column] for column, words in zip(
-        expected(*zip(*vectors, strict=True)), outputs.values(), strict=True
-    )]  # fmt: skip
-    wanted = list(map(list, zip(*columns, strict=True)))
+    columns = expected(*zip(*vectors, strict=True))
+    wanted = [list(map(_written, row, outputs.values())) for row in zip(*columns, strict=True)]
     wrong = [k for k, rows in enumerate(zip(got, wanted, strict=True)) if rows[0] != rows[1]]
     assert not wrong, (
         f"{dut._name}, latency {latency}, seed {SEED}: {len(wrong)} of {len(vectors)} vectors differ; "
         f"vector {wrong[0]}, {dict(zip(inputs, vectors[wrong[0]], strict=True))}: "
         f"{dict(zip(outputs, got[wrong[0]], strict=True))} instead of {wanted[wrong[0]]}"
     )
-    return [tuple(map(_read, row, outputs.values())) for row in got]
 
 
 def _row(value: Vector | int) -> Vector:
     return value if isinstance(value, tuple) else (value,)
-
-
-def _all_in(values: Vector, words: Iterable[range]) -> bool:
-    return all(value in of for value, of in zip(values, words, strict=True))
 
 
 def _bits(words: range) -> int:
@@ -200,11 +185,6 @@ def _bits(words: range) -> int:
 def _written(value: int, words: range) -> str:
     assert int(value) in words, f"{value} does not fit {_bits(words)} bits"
     return format(int(value) & size(words) - 1, f"0{_bits(words)}b")
-
-
-def _read(bits: str, words: range) -> int:
-    value = int(bits, 2)
-    return value if value in words else value - size(words)
 
 
 # ---- vectors ---------------------------------------------------------------------------------------------------------
@@ -234,6 +214,12 @@ def corners(words: range) -> list[int]:
     mid = (low + high + 1) // 2
     near = {low, low + 1, mid - 1, mid, mid + 1, (mid + high + 1) // 2, high - 1, high}
     return sorted(v for v in near if v in words)
+
+
+def shuffled(vectors: Iterable) -> list:
+    """Return vectors in random order."""
+    vectors = list(vectors)
+    return random.sample(vectors, len(vectors))
 
 
 def crossed(*words: range) -> list[Vector]:

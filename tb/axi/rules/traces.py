@@ -84,32 +84,20 @@ class Break:
     trace: Trace
     base: bool = True
 
-    @property
-    def known(self) -> bool:
-        """Return True if the trace contains no X."""
-        return not any(X in row.values() for row in self.trace.values())
 
-
-CHANNELS = {  # port, instance of ik_rules_channel: prefix, clock of its stall, payload -> another value
-    ("stream", ""): ("", 4, {"payload": 6}),
-    ("lite", "aw."): ("aw", 4, {"awaddr": 4, "awprot": 1}),
-    ("lite", "w."): ("w", 4, {"wdata": 4, "wstrb": 7}),
-    ("lite", "b."): ("b", 8, {"bresp": 2}),
-    ("lite", "ar."): ("ar", 4, {"araddr": 4, "arprot": 1}),
-    ("lite", "r."): ("r", 7, {"rdata": 4, "rresp": 2}),
-    ("axi4", "aw."): (
-        "aw",
-        4,
-        {"awaddr": 0x1008, "awlen": 2, "awsize": 2, "awburst": 2, "awcache": 2, "awprot": 1, "awid": 1},
-    ),
-    ("axi4", "w."): ("w", 5, {"wdata": 8, "wstrb": 1, "wlast": 1}),
-    ("axi4", "b."): ("b", 8, {"bresp": 2, "bid": 1}),
-    ("axi4", "ar."): (
-        "ar",
-        4,
-        {"araddr": 0x1008, "arlen": 2, "arsize": 2, "arburst": 2, "arcache": 2, "arprot": 1, "arid": 1},
-    ),
-    ("axi4", "r."): ("r", 9, {"rdata": 8, "rresp": 2, "rlast": 1, "rid": 1}),
+ADDRESS = {"addr": 0x1008, "len": 2, "size": 2, "burst": 2, "cache": 2, "prot": 1, "id": 1}
+CHANNELS = {  # port, channel -> clock of its stall, payload -> another value
+    ("stream", ""): (4, {"payload": 6}),
+    ("lite", "aw"): (4, {"addr": 4, "prot": 1}),
+    ("lite", "w"): (4, {"data": 4, "strb": 7}),
+    ("lite", "b"): (8, {"resp": 2}),
+    ("lite", "ar"): (4, {"addr": 4, "prot": 1}),
+    ("lite", "r"): (7, {"data": 4, "resp": 2}),
+    ("axi4", "aw"): (4, ADDRESS),
+    ("axi4", "w"): (5, {"data": 8, "strb": 1, "last": 1}),
+    ("axi4", "b"): (8, {"resp": 2, "id": 1}),
+    ("axi4", "ar"): (4, ADDRESS),
+    ("axi4", "r"): (9, {"data": 8, "resp": 2, "last": 1, "id": 1}),
 }
 ALSO = {"wlast": "write.WLAST", "rlast": "read.RLAST", "rid": "read.RID", "bid": "write.BID"}
 """Burst rule that a change of this payload also breaks. None for AW, which is recorded when first offered, and none for
@@ -118,18 +106,19 @@ AR, as the trace ends before its data."""
 
 def of_channel(port: str, name: str) -> list[Break]:
     """Return breaks of all rules of a channel; payload rules are broken once for each part of the payload."""
-    prefix, stall, payload = CHANNELS[port, name]
-    valid, ready = f"{prefix}valid", f"{prefix}ready"
+    stall, payload = CHANNELS[port, name]
+    rule, valid, ready = f"{name}." if name else "", f"{name}valid", f"{name}ready"
     breaks = [
-        Break(port, {f"{name}LOW_AFTER_RESET"}, {1: {valid: 1}}),
-        Break(port, {f"{name}VALID_STAYS"}, {stall + 1: {valid: 0}}),
-        Break(port, {f"{name}VALID_KNOWN"}, {3: {valid: X}}),
-        Break(port, {f"{name}READY_KNOWN"}, {3: {ready: X}}),
+        Break(port, {f"{rule}LOW_AFTER_RESET"}, {1: {valid: 1}}),
+        Break(port, {f"{rule}VALID_STAYS"}, {stall + 1: {valid: 0}}),
+        Break(port, {f"{rule}VALID_KNOWN"}, {3: {valid: X}}),
+        Break(port, {f"{rule}READY_KNOWN"}, {3: {ready: X}}),
     ]
     for part, other in payload.items():
-        also = {ALSO[part]} if part in ALSO and port == "axi4" else set()
-        breaks.append(Break(port, {f"{name}PAYLOAD_STAYS"} | also, {stall + 1: {part: other}}))
-        breaks.append(Break(port, {f"{name}PAYLOAD_KNOWN"}, {stall: {part: X}}))
+        signal = name + part
+        also = {ALSO[signal]} if signal in ALSO and port == "axi4" else set()
+        breaks.append(Break(port, {f"{rule}PAYLOAD_STAYS"} | also, {stall + 1: {signal: other}}))
+        breaks.append(Break(port, {f"{rule}PAYLOAD_KNOWN"}, {stall: {signal: X}}))
     return breaks
 
 
@@ -192,7 +181,6 @@ BREAKS = [
 
 def names(module: str) -> dict[int, str]:
     """Return a dict: number -> name of the rules in a module."""
-    text = (
-        (RULES / "ik_rules.v").read_text(encoding="utf-8").partition(f"module {module} ")[2].partition("endmodule")[0]
-    )
+    text = (RULES / "ik_rules.v").read_text(encoding="utf-8")
+    text = text.partition(f"module {module} ")[2].partition("endmodule")[0]
     return {int(k): name for k, name in re.findall(r'`IK_RULE\((\d), [^"]*"(\w+)", "', text)}
