@@ -26,12 +26,12 @@ from ..io.words import JOINTS, RESULT_FIELDS
 from ..reference.joints import NEGATED, TURNED
 from . import choices
 from .angles import Angle, Gained
-from .annotations import SAME, Growth, Limited, Within
-from .choices import Outside, OutsideFormat, WrappedSum, replaced, rounded_sum, square, twice
-from .expressions import HALF_UP, Constant, Sum
+from .annotations import SAME, SUM, Growth, Limited, Within
+from .choices import Outside, OutsideFormat, WrappedSum, replaced, rounded_sum, twice
+from .expressions import HALF_UP, Constant, Sum, square
 from .formats import Format
 from .lean import SECTIONS as CORE_SECTIONS
-from .lean import SUM, Lean, equations, guard, norm
+from .lean import Lean, equations, guard, norm
 from .lean_turn import sections
 from .mul3 import Mul3
 from .nodes import SATURATE, WRAP, Dataflow, Node, Record

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Section "turn" of the lean dataflow, and the lean dataflow as a whole."""
 
-from .annotations import Limited, Within
+from .annotations import SUM, Limited, Within
 from .choices import add_sub, mantissa, signed
 from .expressions import HALF_UP, Constant
-from .lean import CIRCLE, FOURFOLD, PAIR, SUM, UPPER_HALF, Lean, direction, equations, guard, norm, triangle
+from .lean import CIRCLE, FOURFOLD, PAIR, UPPER_HALF, Lean, direction, equations, guard, norm, triangle
 from .mul3 import Mul3
 from .nodes import SATURATE, Dataflow, Node, Record
 from .quadratic import HalfAngle, Rsqrt

@@ -14,8 +14,7 @@ import math
 from dataclasses import replace
 
 from .annotations import COSINE, SQRT3, SUM, Bound, Case, Given, Rule, leading, not_negative, upto, used
-from .choices import square
-from .expressions import FLOOR, JAM, Constant, Floor, Select, zero
+from .expressions import FLOOR, JAM, Constant, Floor, Select, square, zero
 from .formats import Format
 from .nodes import Dataflow, Node
 from .paper_operations import Div, LeadingBits, Mul, Root, SineCosine, Total, normalize

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import mpmath
 import numpy as np
 
-from .expressions import Operation
+from .expressions import Operation, Unary
 from .mul3 import TILE
 
 if TYPE_CHECKING:
@@ -407,28 +407,33 @@ class Rsqrt(Operation):
         to.rsqrt(node, self.m, self.twice)
 
 
-class HalfAngle(Operation):
+class HalfAngle(Unary):
     """Sine or cosine of phi/2, a binary angle of at most half a turn in either direction."""
 
     kind, latency, adds_rounding = "trig", "trig", True
 
     def __init__(self, phi: Node, function: str) -> None:
         super().__init__(phi)
-        self.phi, self.function = phi, function
+        self.function = function
 
     def error(self, node):
         return _faithful(node, SINE_FRACS[-1])
 
-    def result(self, node, values):
+    def pair(self, node, phi):
+        """Return the words of sine and cosine."""
         width = max(node.flow.width, 16)  # a shorter angle is padded with zeros
         frac = min(node.format.frac, SINE_FRACS[-1])
-        key = "half angle", self.phi.name
+        both = half_sincos(phi << width - node.flow.width, width, frac, node.flow.tile)
+        return [words << node.format.frac - frac for words in both]
+
+    def result(self, node, values):
+        key = "half angle", self.term.name
         if key not in values:
-            values[key] = half_sincos(self.phi.words(values) << width - node.flow.width, width, frac, node.flow.tile)
-        return values[key][self.function == "cos"] << node.format.frac - frac
+            values[key] = self.pair(node, self.term.words(values))
+        return values[key][self.function == "cos"]
 
     def real_result(self, node, values):
-        half = self.phi.words(values) * self.phi.format.ulp * (np.pi / 2)  # half a turn is 1
+        half = self.term.words(values) * self.term.format.ulp * (np.pi / 2)  # half a turn is 1
         return (np.sin(half) if self.function == "sin" else np.cos(half)) / node.format.ulp
 
     def growth(self, node, bounds):
@@ -439,8 +444,8 @@ class HalfAngle(Operation):
         return [f"(= 1.0 (+ (* {sine} {sine}) (* {cosine} {cosine})))", f"(<= 0.0 {cosine})"]
 
     def text(self, level=0):
-        return f"{self.function}({self.phi.text()} / 2)"
+        return f"{self.function}({self.term.text()} / 2)"
 
     def lower(self, to, node):
         if self.function == "cos":
-            to.half_angle(*node.flow.half_angle, self.phi)
+            to.half_angle(*node.flow.half_angle, self.term)

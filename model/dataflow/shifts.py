@@ -146,15 +146,26 @@ class Count(Operation):
         to.count(node, self.constant, self.terms)
 
 
-class ShiftUp(Operation):
-    """v 2^(power + n), truncated; bits above the format, set for clamped targets only, are dropped."""
+class Shift(Operation):
+    """v 2^(power + sign n), truncated."""
+
+    sign: int
 
     def __init__(self, value: Node, count: Node, power: int = 0) -> None:
         super().__init__(value, count)
         self.value, self.count, self.power, self.frac = value, count, power, value.frac - power
 
     def words(self, values):
-        return self.value.words(values) * 2.0 ** self.count.words(values)
+        return self.value.words(values) * 2.0 ** (self.sign * self.count.words(values))
+
+    def text(self, level=0):
+        return f"{self.value.text()} * {_power(self.count, self.sign, self.power)}"
+
+
+class ShiftUp(Shift):
+    """v 2^(power + n), truncated; bits above the format, set for clamped targets only, are dropped."""
+
+    sign = 1
 
     def result(self, node, values):
         up = node.frac - self.frac
@@ -167,31 +178,20 @@ class ShiftUp(Operation):
     def formula(self, domain):
         return f"(* {number(2.0**self.power)} {self.value.formula(domain)} {self.count.name})"
 
-    def text(self, level=0):
-        return f"{self.value.text()} * {_power(self.count, 1, self.power)}"
-
     def lower(self, to, node):
         to.shift_up(node, self.value, self.count.name, self.power)
 
 
-class ShiftDown(Operation):
+class ShiftDown(Shift):
     """v 2^(power - n), truncated."""
 
-    def __init__(self, value: Node, count: Node, power: int = 0) -> None:
-        super().__init__(value, count)
-        self.value, self.count, self.power, self.frac = value, count, power, value.frac - power
-
-    def words(self, values):
-        return self.value.words(values) * 2.0 ** -self.count.words(values)
+    sign = -1
 
     def result(self, node, values):
         return self.value.words(values) << node.frac - self.frac >> self.count.words(values)
 
     def facts(self, node, domain):
         return [f"(= (* {node.name} {self.count.name}) (* {number(2.0**self.power)} {self.value.formula(domain)}))"]
-
-    def text(self, level=0):
-        return f"{self.value.text()} * {_power(self.count, -1, self.power)}"
 
     def lower(self, to, node):
         to.shift_down(node, self.value, self.count.name, self.power)
