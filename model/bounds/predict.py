@@ -72,7 +72,7 @@ def predicted_error(words: np.ndarray, width: int, datapath: str = DEFAULT) -> n
     """
     bits = fixed.run(words, width, datapath).bits
     nodes = [node for node in bits.nodes.values() if node.error != EXACT]  # those that rounding can move
-    length = 2.0 ** (2 - bits.width)
+    length = 2.0 ** (2 - width)
     d1, d2 = (bits.nodes[name].value * length for name in ARMS)
     count = len(d1)
 

@@ -183,7 +183,7 @@ def swivel(d: Dataflow, phi: Node) -> None:
         d.node(f"pi_swivel_{axis}", Div(n[f"pi_num_{axis}"], l_sw), d.word(1), within=PLANE)
     # (12) and everything after it hold for any plane.  Exact arithmetic on the words gives k_e / 2 = p_e p_w and
     # |p_e| = d1 as before; p_w is out of their plane by the tilt, which enters squared.
-    d.restart("pi_swivel_x", "pi_swivel_y", "pi_swivel_z")
+    d.restarts[len(n)] = "pi_swivel_x", "pi_swivel_y", "pi_swivel_z"
 
 
 ARMS = Rule(
@@ -288,7 +288,7 @@ def elbow(d: Dataflow) -> None:
         d.node(f"e_{axis}_pp", Total(n[f"e_{axis}_{u}"] - n[f"e_{axis}_{v}"]), d.wide(5), within=ELBOW_NUM)
         d.node(f"e_{axis}_sqr", Mul(tmp_sqr, n[f"pp_{m}_m"]), d.wide(5))
         d.node(f"e_{axis}_num", Total(n[f"e_{axis}_pp"] + n[f"e_{axis}_sqr"]), d.wide(5), within=ELBOW_NUM)
-        d.learn(off_length)
+        d.learned[len(n)] = off_length
         d.node(f"e_{axis}_quo", Div(n[f"e_{axis}_num"], inf_pp), d.word(1), within=ELBOW)
         # A clamped arm's elbow lies on the line to the target, at half its distance here.
         near = Floor(p[axis] / 2, d.word(1).frac)

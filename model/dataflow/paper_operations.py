@@ -14,7 +14,7 @@ from .angles import TABLE_BITS, atan_table
 from .annotations import Given, RangeError, leading
 from .expressions import EXACT, FLOOR, HALF_UP, SCALED, Operation, Product, Sum, Term, Unary, round_shift
 from .formats import Format
-from .nodes import Dataflow, FormatError, Node
+from .nodes import Dataflow, Node
 from .quadratic import HalfAngle
 from .shifts import room
 
@@ -100,11 +100,9 @@ def sincos_bound(width: int) -> float:
 class Rounded(Operation):
     """Operation that rounds half up and saturates."""
 
-    what: str
-
     def error(self, node):
         if self.frac < node.frac:
-            raise FormatError(f"{node.name}: {node.frac} fraction bits, {self.what} only {self.frac}")
+            raise ValueError(f"{node.name}: {node.frac} fraction bits, its operation has only {self.frac}")
         return HALF_UP if self.frac > node.frac else EXACT
 
     def unlimited(self, node, values):
@@ -123,7 +121,7 @@ class Rounded(Operation):
 class Mul(Rounded, Product):
     """a * b * 2^scale, rounded half up."""
 
-    kind, latency, what = "mul", "mul", "the product has"
+    kind, latency = "mul", "mul"
 
     def interval(self, node, bounds):
         a, b = self.parts
@@ -140,7 +138,7 @@ class Mul(Rounded, Product):
 class Total(Rounded, Sum):
     """Sum of two or three terms of one format, rounded half up and saturated."""
 
-    kind, what = "sum", "its terms have"
+    kind = "sum"
 
     def __init__(self, total: Sum) -> None:
         super().__init__(*total.terms)
@@ -148,8 +146,7 @@ class Total(Rounded, Sum):
 
     def error(self, node):
         if len({term.frac for term in self.operands}) != 1:
-            terms = [(term.name, term.frac) for term in self.operands]
-            raise FormatError(f"{node.name}: terms are not aligned: {terms}")
+            raise ValueError(f"{node.name}: terms are not aligned")
         return super().error(node)
 
     def interval(self, node, bounds):
