@@ -39,12 +39,7 @@ def paper(d: Dataflow, target: dict[str, Node]) -> None:
     Every node is stored in ``d.nodes`` under its name, which is also its signal name in the RTL.
     """
     guard(d, target)
-    sections(d, target["phi"])
-
-
-def sections(d: Dataflow, phi: Node) -> None:
-    """Build sections 3.1 to 3.5; ``d.nodes`` holds the nodes of :func:`guard`."""
-    swivel(d, phi)
+    swivel(d, target["phi"])
     elbow(d)
     elbow_quaternion(d)
     rotate_to_elbow(d)

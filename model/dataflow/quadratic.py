@@ -31,22 +31,6 @@ Segment = tuple[mpmath.mpf, mpmath.mpf]
 
 
 @dataclass(frozen=True)
-class Interval:
-    """Proved range of an error."""
-
-    low: mpmath.mpf
-    high: mpmath.mpf
-
-    def __add__(self, other: Interval) -> Interval:
-        return Interval(self.low + other.low, self.high + other.high)
-
-    @property
-    def size(self) -> mpmath.mpf:
-        """The largest magnitude."""
-        return max(abs(self.low), abs(self.high))
-
-
-@dataclass(frozen=True)
 class Form:
     """Formats of ``ik_quadratic``.  Without c2 the slope is c1, and the function is treated as linear."""
 
@@ -174,9 +158,9 @@ def interpolation_error(table: Table, form: Form, segment: Segment) -> mpmath.mp
 
 
 @cache
-def row_error(table: Table, form: Form, row: int, rises: bool) -> Interval:
-    """Return the range of :func:`polynomial` for a row of the table, minus the function, over its segment, both ends
-    included; for a cosine, u falls.
+def row_error(table: Table, form: Form, row: int, rises: bool) -> tuple[mpmath.mpf, mpmath.mpf]:
+    """Return the least and greatest value of :func:`polynomial` for a row of the table, minus the function, over its
+    segment, both ends included; for a cosine, u falls.
 
     * The interpolation (:func:`interpolation_error`).
     * The actual rounding of the coefficients: r0 + r1 u + r2 u^2.
@@ -199,7 +183,7 @@ def row_error(table: Table, form: Form, row: int, rises: bool) -> Interval:
         left_out = u_place / 2 ** (form.slope_frac - form.slope_low) if form.u_low else 0
         tiles = form.tiles * one / 2**form.sum_frac + left_out
         low, high = (tiles, 0) if rises else (0, tiles)
-        return Interval(r0 + min(bend, 0) - aside - low, r0 + max(bend, 0) + aside + high)
+        return r0 + min(bend, 0) - aside - low, r0 + max(bend, 0) + aside + high
 
 
 # ---- reciprocal square root ------------------------------------------------------------------------------------------
@@ -275,8 +259,8 @@ def rsqrt(m, frac: int, tile: int = TILE):
 
 
 @cache
-def rsqrt_error(frac: int, tile: int = TILE) -> Interval:
-    """Return the proved range of :func:`rsqrt` minus 1/(2 sqrt V), in ulps of the result, for all V in [1/4, 1).
+def rsqrt_error(frac: int, tile: int = TILE) -> float:
+    """Return the largest difference of :func:`rsqrt` from 1/(2 sqrt V) in ulps of the result, for all V in [1/4, 1).
 
     V is any real number whose truncation to frac + 3 bits is m.  Per segment: the error at m (:func:`row_error`), the
     rounding constant minus the truncation of less than an ulp, and the fall of 1/(2 sqrt V) from m to V: the steepest
@@ -286,12 +270,12 @@ def rsqrt_error(frac: int, tile: int = TILE) -> Interval:
     with mpmath.workprec(PRECISION):
         last = mpmath.mpf(2) ** -frac
         added = mpmath.mpf(rounding(form, frac)) / 2**form.sum_frac
-        parts = []
+        ends = []
         for row in range(form.rows):
             steepest = INVERSE_ROOT.segment(form, row)[0] ** mpmath.mpf(-1.5) / 4
-            cut = Interval(mpmath.mpf(0), steepest * last / 8)
-            parts.append(row_error(INVERSE_ROOT, form, row, rises=False) + Interval(added - last, added) + cut)
-        return Interval(min(p.low for p in parts) / last, max(p.high for p in parts) / last)
+            low, high = row_error(INVERSE_ROOT, form, row, rises=False)
+            ends += [low + added - last, high + added + steepest * last / 8]
+        return float(max(map(abs, ends)) / last)
 
 
 # ---- sine and cosine of half an angle --------------------------------------------------------------------------------
@@ -352,7 +336,8 @@ def half_sincos_error(frac: int, tile: int = TILE) -> float:
     half an ulp for rounding the result."""
     form = SINE.form(frac, tile)
     with mpmath.workprec(PRECISION):
-        worst = max(row_error(SINE, form, row, rises).size for row in range(form.rows) for rises in (True, False))
+        rows = [row_error(SINE, form, row, rises) for row in range(form.rows) for rises in (True, False)]
+        worst = max(abs(end) for ends in rows for end in ends)
         return float(worst * 2**frac + mpmath.mpf(1) / 2)
 
 

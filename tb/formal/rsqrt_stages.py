@@ -16,7 +16,8 @@ from functools import partial
 from model.dataflow.formats import WIDTHS, root_frac
 from model.dataflow.mul3 import TILE
 from model.dataflow.quadratic import INVERSE_ROOT, Form, place, polynomial, rounding, table_rows
-from tb.formal.arithmetic import Question, inside, integers, word
+from tb.formal.arithmetic import Question, inside, word
+from tb.formal.smt import formula
 from tb.formal.tools import yosys
 from tb.formal.unrolled import Answer, Unrolled, ask
 from tb.sim.env import ROOT
@@ -190,8 +191,8 @@ class Stages:
         return products
 
     def _ask(self, claim: str, facts: list[str]) -> Answer:
-        formula = self.whole if "bvmul" in claim else self.unrolled
-        lines = [formula.clocks(self.clocks), *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"]
+        steps = self.whole if "bvmul" in claim else self.unrolled
+        lines = [steps.clocks(self.clocks), *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"]
         return ask("\n".join(lines), SOLVER)
 
     def questions(self) -> Iterator[Question]:
@@ -208,7 +209,7 @@ class Stages:
         for product in self.products:
             a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)
             facts = [inside("a", 0, (1 << a - 1) - 1), word("b", b)]
-            answer = ask(integers("a b", facts, word("(* a b)", widths[f"u_quadratic.{product.register}"])))
+            answer = ask(formula(facts, word("(* a b)", widths[f"u_quadratic.{product.register}"])))
             if answer.said != "unsat":
                 return answer
         return answer

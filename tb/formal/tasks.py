@@ -15,7 +15,7 @@ from tb.formal.task import Task, digest_of
 from tb.sim.env import ROOT
 from tb.sim.sources import code
 
-FLOORS = (DIV, ROOT_DIGIT, "tb/formal/floors.py")
+FLOORS = (DIV, ROOT_DIGIT, "tb/formal/floors.py", "tb/formal/smt.py")
 STAGES = (RSQRT, QUADRATIC, TABLE, "rtl/lib/ik_delay.v", "model/dataflow/quadratic.py")
 
 

@@ -68,8 +68,8 @@ def test_each_segment_of_the_root_keeps_its_bound(frac, tile):
         first, last = (int((left + part) * 2 ** (frac + 3)) for part in (0, width))
         m = np.concatenate([rng.integers(first, last, 1000), first + inside, last - 1 - inside])
         off = quadratic.root_sum(form, m, frac) / 2.0**form.sum_frac - 0.5 / np.sqrt(m / 2.0 ** (frac + 3))
-        bound = quadratic.row_error(INVERSE_ROOT, form, row, rises=False)
-        assert bound.low < off.min() and off.max() < bound.high, f"row {row}: {off.min()} to {off.max()}"
+        low, high = quadratic.row_error(INVERSE_ROOT, form, row, rises=False)
+        assert low < off.min() and off.max() < high, f"row {row}: {off.min()} to {off.max()}"
 
 
 @pytest.mark.parametrize(
