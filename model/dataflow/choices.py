@@ -23,10 +23,9 @@ class Choice(Unary):
 
 
 class Free(Choice):
-    """A choice whose words saturate or wrap by design, and which has no formula for proofs."""
+    """A choice whose words saturate or wrap by design."""
 
-    def facts(self, node, domain):
-        return []
+    free = True
 
 
 class AtMost(Choice):
@@ -112,7 +111,7 @@ class WrappedSum(Sum):
         return [f"(= {node.name} (ite (<= {end} {total}) (- {total} {turn}) {wrapped}))"]
 
     def lower(self, to, node):
-        to.wrapped_sum(node, *self.parts)
+        to.plus(node, *self.parts)
 
 
 def replaced(word: Term, mask: Term, constant: int) -> Choice:
@@ -151,15 +150,14 @@ def outside(angle, low: int, high: int, width: int):
 class Outside(Unary):
     """Mask of angles off the arc from ``low`` to ``high``."""
 
+    free = True
+
     def __init__(self, angle: Term, low: int, high: int) -> None:
         super().__init__(angle)
         self.frac, self.low, self.high = 0, low, high
 
     def words(self, values):
         return outside(self.term.words(values), self.low, self.high, self.term.format.width)
-
-    def facts(self, node, domain):
-        return []
 
     def text(self, level=0):
         return f"{self.term.text()} outside its limits"
@@ -171,6 +169,8 @@ class Outside(Unary):
 class OutsideFormat(Operation):
     """Mask of wrists with a coordinate that does not fit the format of its node."""
 
+    free = True
+
     def __init__(self, *wrists) -> None:
         super().__init__(*(operand for node in wrists for operand in node.operands))
         self.wrists = wrists
@@ -181,9 +181,6 @@ class OutsideFormat(Operation):
             word = node.rounded(node.op.words(values))
             out = out | (word > node.format.high) | (word < node.format.low)
         return out
-
-    def facts(self, node, domain):
-        return []
 
     def text(self, level=0):
         return f"{', '.join(node.name for node in self.wrists)} outside the format"

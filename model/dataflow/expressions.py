@@ -173,6 +173,8 @@ class Operation(Term):
     kind = "choose"
     latency: str | None = "mux"  # key of :class:`.formats.Latency`
     adds_rounding = False  # :meth:`growth` is without the operation's own rounding
+    rounds: tuple[float, float] | None = None  # error range of an operation with a rounding of its own, in ulps
+    free = False  # no formula for proofs
     parts: tuple[Any, ...]  # terms; some operations take nodes
 
     def __init__(self, *parts: Term) -> None:
@@ -181,7 +183,7 @@ class Operation(Term):
 
     def error(self, node) -> tuple[float, float]:
         """Return the range of the rounding that the operation adds, in ulps of the node."""
-        return node.rounding
+        return self.rounds or node.rounding
 
     def result(self, node, values):
         """Return the node's words."""
@@ -197,7 +199,7 @@ class Operation(Term):
 
     def facts(self, node, domain) -> list[str]:
         """Return formulas that the node's value meets."""
-        return [f"(= {node.name} {self.formula(domain)})"]
+        return [] if self.free else [f"(= {node.name} {self.formula(domain)})"]
 
     def lower(self, to, node) -> None:
         """Add the steps of a node of this operation to the folded program, a :class:`.fold.lowering.Lowering`."""

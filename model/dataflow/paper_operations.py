@@ -163,14 +163,11 @@ class Total(Rounded, Sum):
 class Div(Operation):
     """floor(n / d), saturated; saturates by the sign of n where d <= 0."""
 
-    kind, latency = "div", "div"
+    kind, latency, rounds = "div", "div", FLOOR
 
     def __init__(self, n: Term, d: Term) -> None:
         super().__init__(n, d)
         self.n, self.d = n, d
-
-    def error(self, node):
-        return FLOOR
 
     def quotient(self, node, values):
         """Return the words, and a mask of those that saturate."""
@@ -207,10 +204,7 @@ class Div(Operation):
 class Root(Unary):
     """floor(sqrt(n)); 0 where n < 0."""
 
-    kind, latency = "root", "root"
-
-    def error(self, node):
-        return FLOOR
+    kind, latency, rounds = "root", "root", FLOOR
 
     def result(self, node, values):
         return floor_root(self.term.words(values), 2 * node.frac - self.term.frac)
@@ -234,10 +228,7 @@ class Root(Unary):
 class SineCosine(HalfAngle):
     """Sine or cosine of phi/2 by the CORDIC."""
 
-    kind, latency = "sincos", "sincos"
-
-    def error(self, node):
-        return CORDIC
+    kind, latency, rounds = "sincos", "sincos", CORDIC
 
     def pair(self, node, phi):
         return cordic(phi, node.flow.width)

@@ -402,7 +402,7 @@ class HalfAngle(Unary):
         self.function = function
 
     def error(self, node):
-        return _faithful(node, SINE_FRACS[-1])
+        return self.rounds or _faithful(node, SINE_FRACS[-1])
 
     def pair(self, node, phi):
         """Return the words of sine and cosine."""

@@ -45,16 +45,13 @@ def even(value, width: int, mantissa_bits: int):
 class Even(Operation):
     """Mantissa of the low ``width`` bits of a word, shifted left by pairs until the first pair is not 0."""
 
-    kind, latency = "even", "even"
+    kind, latency, rounds = "even", "even", FLOOR
     count: Node
     mantissa: Node
 
     def __init__(self, value: Node, width: int) -> None:
         super().__init__(value)
         self.value, self.width = value, width
-
-    def error(self, node):
-        return FLOOR
 
     def pair(self, node, values):
         """Return shift count and mantissa."""
@@ -99,19 +96,13 @@ class EvenCount(Operation):
 
     def __init__(self, shifted: Even) -> None:
         super().__init__(shifted.value)
-        self.shifted = shifted
-
-    @property
-    def most(self) -> float:
-        """Largest count."""
-        return self.shifted.width / 2 - 1
+        self.shifted, self.most = shifted, shifted.width / 2 - 1  # the largest count
 
     def result(self, node, values):
         return self.shifted.pair(self.shifted.mantissa, values)[0]
 
     def facts(self, node, domain):
-        most = number(2.0 ** (self.shifted.width // 2 - 1))
-        return [f"(and (<= 1.0 {node.name}) (<= {node.name} {most}))"]
+        return [f"(and (<= 1.0 {node.name}) (<= {node.name} {number(2.0**self.most)}))"]
 
     def text(self, level=0):
         return f"clz({self.shifted.value.text()}) / 2"
