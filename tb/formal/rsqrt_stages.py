@@ -120,11 +120,10 @@ class Stages:
         copy_rtl(place, bug)
         here = place.relative_to(ROOT)
         read = f"{here}/{RSQRT} {here}/{QUADRATIC} {here}/rtl/lib/ik_delay.v"
-        wrong = yosys(place, "formula", [
-            f"read_verilog -formal -sv -I{here}/rtl/include {read}", f"chparam -set F {frac} -set TILE {tile} ik_rsqrt",
-            "hierarchy -check -top ik_rsqrt", "proc", "flatten", "opt_clean", "memory_collect", "opt_clean",
-            "async2sync", "dffunmap", f"write_smt2 -wires {here}/formula.smt2",
-        ])  # fmt: skip
+        lines = [f"read_verilog -formal -sv -I{here}/rtl/include {read}"]
+        lines += [f"chparam -set F {frac} -set TILE {tile} ik_rsqrt", "hierarchy -check -top ik_rsqrt; proc; flatten"]
+        lines += ["opt_clean; memory_collect; opt_clean; async2sync; dffunmap"]
+        wrong = yosys(place, "formula", [*lines, f"write_smt2 -wires {here}/formula.smt2"])
         if wrong:
             raise StageError(wrong)
         text = (place / "formula.smt2").read_text()
