@@ -62,10 +62,10 @@ class Mul3(Product):
 
     kind, latency, adds_rounding = "mul3", "mul3", True
 
-    def _cut(self, node) -> tuple[int, ...]:
+    def _cut(self, node) -> tuple[int, int, int]:
         """Return the number of fraction bits dropped, and the operands' widths as signed words."""
-        formats = [part.format for part in self.parts]
-        return self.frac - node.frac, *(fmt.width + (not fmt.signed) for fmt in formats)
+        a, b = (part.format.width + (not part.format.signed) for part in self.parts)
+        return self.frac - node.frac, a, b
 
     def error(self, node):
         return mul3_error(*self._cut(node), node.flow.tile)

@@ -222,11 +222,9 @@ def python(text: str) -> str:
     return re.sub(choices, lambda group: f"({python(group[0][1:-1])})", text)
 
 
-FUNCTIONS = {
-    "sqrt": lambda v: np.sqrt(np.maximum(v, 0)), "where": np.where, "not_": np.logical_not, "min": np.minimum,
-    "max": np.maximum, "most": np.inf, "or_": lambda *masks: np.any(masks, axis=0),
-    "and_": lambda *masks: np.all(masks, axis=0),
-}  # fmt: skip
+FUNCTIONS = {"where": np.where, "not_": np.logical_not, "min": np.minimum, "max": np.maximum, "most": np.inf}
+FUNCTIONS |= {"or_": lambda *masks: np.any(masks, axis=0), "and_": lambda *masks: np.all(masks, axis=0)}
+FUNCTIONS |= {"sqrt": lambda v: np.sqrt(np.maximum(v, 0))}
 
 
 @pytest.mark.parametrize("datapath", ["lean", "paper"])

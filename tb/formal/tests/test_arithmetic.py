@@ -90,11 +90,10 @@ def test_statements_become_formulas():
         smt("sqrt(a) < b")
 
 
-OPERATORS = {
-    "+": lambda *v: sum(v), "*": lambda *v: math.prod(v), "-": lambda a, *b: a - b[0] if b else -a,
-    "/": lambda a, b: a / b, "ite": np.where, "not": np.logical_not, "=>": lambda a, b: np.logical_not(a) | b,
-    "and": lambda *v: np.all(np.broadcast_arrays(*v), axis=0), "or": lambda *v: np.any(np.broadcast_arrays(*v), axis=0),
-}  # fmt: skip
+OPERATORS = {"+": lambda *v: sum(v), "*": lambda *v: math.prod(v), "-": lambda a, *b: a - b[0] if b else -a}
+OPERATORS |= {"/": lambda a, b: a / b, "ite": np.where, "not": np.logical_not, "=>": lambda a, b: np.logical_not(a) | b}
+OPERATORS["and"] = lambda *v: np.all(np.broadcast_arrays(*v), axis=0)
+OPERATORS["or"] = lambda *v: np.any(np.broadcast_arrays(*v), axis=0)
 
 
 def truth_of(formula: str, values: dict, close: float) -> np.ndarray:
