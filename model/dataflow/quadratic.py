@@ -146,23 +146,14 @@ def polynomial(form: Form, row, u, rises: bool, bends_up: bool):
 # ---- proof -----------------------------------------------------------------------------------------------------------
 
 
-def interpolation_error(table: Table, form: Form, segment: Segment) -> mpmath.mpf:
-    """Return the largest |c0 + c1 u + c2 u^2 - function| in a segment, before the coefficients are rounded.
-
-    It is limited by the first derivative that the form does not follow: the third one /6 times (u + a) u (u - a), at
-    most 1/32 of the cube of the segment's width; for a linear form, the second one /2 times (u + a) (u - a), at most
-    1/8 of its square.
-    """
-    width, derivative = segment[1], table.derivative(form.linear, segment)
-    return derivative * width**2 / 16 if form.linear else derivative * width**3 / 192
-
-
 @cache
 def row_error(table: Table, form: Form, row: int, rises: bool) -> tuple[mpmath.mpf, mpmath.mpf]:
     """Return the least and greatest value of :func:`polynomial` for a row of the table, minus the function, over its
     segment, both ends included; for a cosine, u falls.
 
-    * The interpolation (:func:`interpolation_error`).
+    * The interpolation, limited by the first derivative that the form does not follow: the third one /6 times
+      (u + a) u (u - a), at most 1/32 of the cube of the segment's width; for a linear form, the second one /2 times
+      (u + a) (u - a), at most 1/8 of its square.
     * The actual rounding of the coefficients: r0 + r1 u + r2 u^2.
     * The slope's error is less than one ulp of the slope plus c2 times an ulp of u's upper part; times u.
     * Each tile is truncated by less than an ulp of the sum; and the omitted tile.
@@ -179,7 +170,8 @@ def row_error(table: Table, form: Form, row: int, rises: bool) -> tuple[mpmath.m
         if r2:
             slope = one / 2**form.slope_frac + (one * words[2] / 2 ** form.c_frac[2] * u_place if form.u_low else 0)
             bend = r2[0] * width**2 / 4
-        aside = interpolation_error(table, form, segment) + (abs(r1) + slope) * width / 2
+        interpolated = table.derivative(form.linear, segment) * (width**2 / 16 if form.linear else width**3 / 192)
+        aside = interpolated + (abs(r1) + slope) * width / 2
         left_out = u_place / 2 ** (form.slope_frac - form.slope_low) if form.u_low else 0
         tiles = form.tiles * one / 2**form.sum_frac + left_out
         low, high = (tiles, 0) if rises else (0, tiles)
