@@ -40,10 +40,6 @@ MULTIPLIED = re.compile(r"^\(define-fun (\|\S+\|) \(\(state (\|\S+\|)\)\) (\(_ B
 """A product, which is an arbitrary word except in the question about it."""
 
 
-class StageError(LookupError):
-    """Formula of ik_rsqrt that Yosys cannot write; the text gives the reason."""
-
-
 @dataclass(frozen=True)
 class Term:
     """A model integer as a bit vector; a comparison is decided beforehand, a product is the next register."""
@@ -125,7 +121,7 @@ class Stages:
         lines += ["opt_clean; memory_collect; opt_clean; async2sync; dffunmap"]
         wrong = yosys(place, "formula", [*lines, f"write_smt2 -wires {here}/formula.smt2"])
         if wrong:
-            raise StageError(wrong)
+            raise RuntimeError(wrong)
         text = (place / "formula.smt2").read_text()
         self.rom = {int(address, 2): int(held, 2) for address, held in HELD.findall(text)}
         text = HELD.sub("true", text)  # any table will do unless the question is about its words
