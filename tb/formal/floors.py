@@ -78,43 +78,25 @@ def _divider(text: str) -> Iterator[Question]:
     row += ["(= P (* Q d))", f"(= {total} M)"]
     behind = ["(<= 0 R2)", "(< R2 d)", f"(= P2 {p_next})", f"(= Q2 {q_next})", "(= M2 (+ (* 2 M) bit))"]
     modulo = "(= (+ P2 R2) (+ M2 (* t X)))"
-    yield _asked(
-        "divider: bits",
-        "M >> k is M >> (k + 1), doubled, and a bit",
-        ["(< 0 c)", "(<= 0 M)", "(<= 0 (- M (* c m)) (- c 1))", "(<= 0 (- M (* 2 c n)) (- (* 2 c) 1))"],
-        "(<= 0 (- m (* 2 n)) 1)",
-    )
-    yield _asked(
-        "divider: first",
-        "before the first row P = Q d, and P + R is what is above the rows' bits",
-        ["(= Q 0)", "(= R M)"],
-        "(= (+ (* Q d) R) M)",
-    )
+    says = "M >> k is M >> (k + 1), doubled, and a bit"
+    facts = ["(< 0 c)", "(<= 0 M)", "(<= 0 (- M (* c m)) (- c 1))", "(<= 0 (- M (* 2 c n)) (- (* 2 c) 1))"]
+    yield _asked("divider: bits", says, facts, "(<= 0 (- m (* 2 n)) 1)")
+    says = "before the first row P = Q d, and P + R is what is above the rows' bits"
+    yield _asked("divider: first", says, ["(= Q 0)", "(= R M)"], "(= (+ (* Q d) R) M)")
     says = "P = Q d before a row: P = Q d behind it"
     yield _asked("divider: product", says, [*row, *behind], "(= P2 (* Q2 d))")
-    yield _asked(
-        "divider: row",
-        "P + R is M's bits so far modulo the words' length, therefore without it",
-        [*row, *behind, modulo],
-        "(= t 0)",
-    )
+    says = "P + R is M's bits so far modulo the words' length, therefore without it"
+    yield _asked("divider: row", says, [*row, *behind, modulo], "(= t 0)")
     last = [*WORDS, "(<= 0 R)", least, "(= (+ (* Q d) R) M)"]
     yield _asked("divider: last", "Q = floor(M / d)", last, "(<= 0 (- M (* Q d)) (- d 1))")
     fits = [f"(= M {magnitude})", *last, f"(not {over})", "(= magnitude Q)", f"(= q {out})"]
     says = "q = floor(N / d), for a negative N as well"
     yield _asked("divider: sign", says, fits, "(<= 0 (- N (* q d)) (- d 1))")
-    yield _asked(
-        "divider: fits",
-        "without overflow the quotient is a word of ROWS bits and a sign",
-        [*fits, "(<= 0 Q)"],
-        "(and (<= (- B) q) (< q B))",
-    )
-    yield _asked(
-        "divider: overflow",
-        "with it and d > 0, floor(N / d) is none",
-        ["(< 0 d)", "(< 0 B)", f"(= M {magnitude})", over, "(<= 0 (- N (* f d)) (- d 1))"],
-        "(or (<= B f) (< f (- B)))",
-    )
+    says = "without overflow the quotient is a word of ROWS bits and a sign"
+    yield _asked("divider: fits", says, [*fits, "(<= 0 Q)"], "(and (<= (- B) q) (< q B))")
+    says = "with it and d > 0, floor(N / d) is none"
+    facts = ["(< 0 d)", "(< 0 B)", f"(= M {magnitude})", over, "(<= 0 (- N (* f d)) (- d 1))"]
+    yield _asked("divider: overflow", says, facts, "(or (<= B f) (< f (- B)))")
 
 
 def _root(text: str) -> Iterator[Question]:
@@ -127,31 +109,18 @@ def _root(text: str) -> Iterator[Question]:
     row = ["(<= 8 B)", "(<= 0 q 1)", "(<= 0 pair 3)", "(<= 0 R)", least, "(<= 0 Q)", "(< Q B)", "(<= 0 M)"]
     row += ["(= S (* Q Q))", f"(= {total} M)"]
     behind = ["(<= 0 R2)", "(<= R2 (* 2 Q2))", f"(= S2 {s_next})", f"(= Q2 {q_next})", "(= M2 (+ (* 4 M) pair))"]
-    yield _asked(
-        "root: pairs",
-        "M >> 2 k is M >> 2 (k + 1), four times, and a pair of bits",
-        ["(< 0 c)", "(<= 0 M)", "(<= 0 (- M (* c m)) (- c 1))", "(<= 0 (- M (* 4 c n)) (- (* 4 c) 1))"],
-        "(<= 0 (- m (* 4 n)) 3)",
-    )
+    says = "M >> 2 k is M >> 2 (k + 1), four times, and a pair of bits"
+    facts = ["(< 0 c)", "(<= 0 M)", "(<= 0 (- M (* c m)) (- c 1))", "(<= 0 (- M (* 4 c n)) (- (* 4 c) 1))"]
+    yield _asked("root: pairs", says, facts, "(<= 0 (- m (* 4 n)) 3)")
     yield _asked("root: square", "S = Q^2 before a row: S = Q^2 behind it", [*row, *behind], "(= S2 (* Q2 Q2))")
-    yield _asked(
-        "root: row",
-        "S + R is M's bits so far modulo the words' length, 2^(2 ROWS), therefore without it",
-        [*row, *behind, "(= (+ S2 R2) (+ M2 (* t B B)))"],
-        "(= t 0)",
-    )
-    yield _asked(
-        "root: last",
-        "Q = floor(sqrt(M))",
-        ["(<= 0 R)", least, "(<= 0 Q)", "(= (+ (* Q Q) R) M)"],
-        "(and (<= (* Q Q) M) (< M (* (+ Q 1) (+ Q 1))))",
-    )
-    yield _asked(
-        "root: overflow",
-        "where n 2^SH has more bits, its root has more than ROWS",
-        ["(<= 8 B)", "(<= (* B B) v)", "(<= 0 f)", "(< v (* (+ f 1) (+ f 1)))"],
-        "(<= B f)",
-    )
+    says = "S + R is M's bits so far modulo the words' length, 2^(2 ROWS), therefore without it"
+    yield _asked("root: row", says, [*row, *behind, "(= (+ S2 R2) (+ M2 (* t B B)))"], "(= t 0)")
+    says = "Q = floor(sqrt(M))"
+    facts = ["(<= 0 R)", least, "(<= 0 Q)", "(= (+ (* Q Q) R) M)"]
+    yield _asked("root: last", says, facts, "(and (<= (* Q Q) M) (< M (* (+ Q 1) (+ Q 1))))")
+    says = "where n 2^SH has more bits, its root has more than ROWS"
+    facts = ["(<= 8 B)", "(<= (* B B) v)", "(<= 0 f)", "(< v (* (+ f 1) (+ f 1)))"]
+    yield _asked("root: overflow", says, facts, "(<= B f)")
 
 
 def floors(bug: Bug | None = None) -> Iterator[Question]:
