@@ -255,24 +255,19 @@ class Stages:
     def _claims(self) -> Iterator[tuple[str, str, object]]:
         address = f"|{self.unrolled.top}_m:R0A rom@0|"
         longer = WIDE - self.form.index_bits
-        yield (
-            "address",
-            "the table is read at the model's row",
-            lambda row, u, y, f: f"(= ((_ zero_extend {longer}) {address}) {_text(row)})",
-        )
+        says = "the table is read at the model's row"
+        yield "address", says, lambda row, u, y, f: f"(= ((_ zero_extend {longer}) {address}) {_text(row)})"
         yield "u", "u_1 is the model's u", lambda row, u, y, f: f"(= {self.at('u_1', 2)} {u.text})"
         for number, product in enumerate(self.products):
             factors = partial(self._factors, number, product)
             yield f"{product.name}, factors", f"{' and '.join(product.factors)} are the model's factors", factors
             yield f"{product.name}, product", f"{product.register} is their product", partial(self._multiplied, product)
         y, twice = self.unrolled.at("y", self.clocks), self.unrolled.at("twice", 1)
-        yield (
-            "y",
-            "the result is the model's, doubled where twice is 1",
-            lambda row, u, result, f: (
-                f"(= {y} ((_ extract {self.frac} 0) (ite {twice} {(result << 1).text} {result.text})))"
-            ),
-        )
+
+        def result(row, u, result, f) -> str:
+            return f"(= {y} ((_ extract {self.frac} 0) (ite {twice} {(result << 1).text} {result.text})))"
+
+        yield "y", "the result is the model's, doubled where twice is 1", result
 
 
 def forms() -> list[tuple[int, int]]:

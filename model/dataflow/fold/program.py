@@ -254,14 +254,8 @@ def encode(lowering: Lowering, groups: Groups, of: Schedule, name: str = "fold")
         window = (str(w.double_by) or {1: "plain", 2: "double"}[w.window]) if w else ""
         if step.result:
             window = "double" if step.cut == "double" else "plain"
-        put(
-            t + timing.WRITE,
-            window=window or "plain",
-            limit=bool(w and w.limit),
-            last=w.last if w else "inner",
-            sign=step.sign,
-            norm=step.norm.kind if step.norm else "",
-        )
+        kept, norm = w.last if w else "inner", step.norm.kind if step.norm else ""
+        put(t + timing.WRITE, window=window or "plain", limit=bool(w and w.limit), last=kept, sign=step.sign, norm=norm)
         if step.result:
             put(t + timing.WRITE, result=step.result)
         if w:

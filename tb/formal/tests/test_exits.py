@@ -136,13 +136,8 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
     return lines
 
 
-BUILT = [
-    (path, w)
-    for path in (*CONFIGURATIONS.values(), ARM)
-    if path.period == 1
-    for w in (16, 18, 23, 32)
-    if w in path.widths
-]
+PATHS = (path for path in (*CONFIGURATIONS.values(), ARM) if path.period == 1)
+BUILT = [(path, w) for path in PATHS for w in (16, 18, 23, 32) if w in path.widths]
 QUICK = [("lean", 32), ("paper", 32)]
 
 
