@@ -212,7 +212,7 @@ class Dataflow:
         as_words = self._as_words & {operand.name for operand in op.operands}
         where = self._section, self._equation
         node = Node(name, *where, op, fmt, latency, time, self, after, as_words=as_words, **record)
-        node.op.error(node)  # may raise ValueError
+        node.op.error(node)  # may raise RangeError
         self.nodes[name] = node
         return node
 

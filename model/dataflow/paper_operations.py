@@ -102,7 +102,7 @@ class Rounded(Operation):
 
     def error(self, node):
         if self.frac < node.frac:
-            raise ValueError(f"{node.name}: {node.frac} fraction bits, its operation has only {self.frac}")
+            raise RangeError(f"{node.name}: {node.frac} fraction bits, its operation has only {self.frac}")
         return HALF_UP if self.frac > node.frac else EXACT
 
     def unlimited(self, node, values):
@@ -146,7 +146,7 @@ class Total(Rounded, Sum):
 
     def error(self, node):
         if len({term.frac for term in self.operands}) != 1:
-            raise ValueError(f"{node.name}: terms are not aligned")
+            raise RangeError(f"{node.name}: terms are not aligned")
         return super().error(node)
 
     def interval(self, node, bounds):

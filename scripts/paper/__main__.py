@@ -12,7 +12,6 @@ from types import SimpleNamespace
 import click
 
 from model.bounds.ranges import RangeError
-from model.dataflow.nodes import FormatError
 from scripts.console import command, option
 from scripts.paper import derivation, figures, operations
 from scripts.paper.table6 import __main__ as table6
@@ -36,7 +35,7 @@ def main(options: SimpleNamespace) -> int:
         try:
             if status := PARTS[part]():
                 return status
-        except (FormatError, RangeError) as error:
+        except RangeError as error:
             print(error, file=sys.stderr)
             return 1
     return 0
