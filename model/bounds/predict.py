@@ -51,11 +51,6 @@ class Real:
         """Return the value of a node's word."""
         return self.bits.nodes[name].value * self.bits.nodes[name].format.ulp
 
-    def points(self, d1, d2) -> tuple[np.ndarray, np.ndarray]:
-        """Return elbow and wrist (N, 3) of an arm d1, d2 in the computed pose."""
-        q = np.stack([self.values[k] for k in RESULT_FIELDS], axis=1)
-        return forward(q[:, :4], q[:, 4:], d1, d2)
-
 
 CORNERS = 32
 """Number of random combinations of rounding ends that :func:`predicted_error` adds to the first-order worst case."""
@@ -72,12 +67,14 @@ def predicted_error(words: np.ndarray, width: int, datapath: str = DEFAULT) -> n
     """
     bits = fixed.run(words, width, datapath).bits
     nodes = [node for node in bits.nodes.values() if node.error != EXACT]  # those that rounding can move
-    length = 2.0 ** (2 - bits.width)
+    length = 2.0 ** (2 - width)
     d1, d2 = (bits.nodes[name].value * length for name in ARMS)
     count = len(d1)
 
     def hand(moves: dict[str, np.ndarray]) -> np.ndarray:
-        return Real(bits, moves).points(d1, d2)[1]
+        values = Real(bits, moves).values
+        q = np.stack([values[name] for name in RESULT_FIELDS], axis=1)
+        return forward(q[:, :4], q[:, 4:], d1, d2)[1]
 
     ends = {}
     for node in nodes:

@@ -36,16 +36,15 @@ UP = 1 + 2.0**-50  # the same for the lean dataflow's errors, rounded upwards
 
 class Intervals:
     """Bounds of a dataflow's nodes, ``bounds``.  ``failed`` collects the nodes that do not fit, each with a line that
-    names it; ``formats`` replaces the dataflow's formats for single nodes."""
+    names it."""
 
-    def __init__(self, datapath: str, width: int, formats: Mapping[str, Format] | None = None) -> None:
+    def __init__(self, datapath: str, width: int) -> None:
         self.flow, self.width = dataflow(datapath, width), width
-        self.formats = formats or {}
         self.failed: dict[str, str] = {}
         self.bounds: dict[str, Bound] = {}
 
-    def _fail(self, node: Node, fmt: Format, low: float, high: float, where: str = "") -> None:
-        label = f"{node.name} {node.equation}".strip()
+    def _fail(self, node: Node, low: float, high: float, where: str = "") -> None:
+        label, fmt = f"{node.name} {node.equation}".strip(), node.format
         self.failed[node.name] = (
             f"{label}: proved range [{low:.9g}, {high:.9g}] does not fit its format "
             f"[{fmt.low * fmt.ulp:.9g}, {fmt.high * fmt.ulp:.9g}], {fmt.width} bits, {fmt.frac} of them fraction "
@@ -57,8 +56,8 @@ class Ranges(Intervals):
     """Paper's dataflow over one :class:`Case`.  ``proved`` has the bounds before they are limited to the format;
     ``saturated`` collects the nodes that saturate by design."""
 
-    def __init__(self, width: int, case: Case, formats: Mapping[str, Format] | None = None) -> None:
-        super().__init__("paper", width, formats)
+    def __init__(self, width: int, case: Case) -> None:
+        super().__init__("paper", width)
         self.case = replace(case, elbow=self.flow.word(1).ulp)
         self.saturated: set[str] = set()
         self.proved: dict[str, Bound] = {}
@@ -102,14 +101,14 @@ class Ranges(Intervals):
 
     def _fit(self, node: Node, bound: Bound) -> Bound:
         """Check a bound against the format; a bound that does not fit is recorded and limited to the format's range."""
-        fmt = self.formats.get(node.name, node.format)
+        fmt = node.format
         floor, ceiling = fmt.low * fmt.ulp, fmt.high * fmt.ulp
         low, high = bound.word
         slack = SLACK * max(abs(low), abs(high))
         # A word lies on the format's grid: a value less than an ulp beyond the last one is the last one.
         if math.ceil((low + slack) / fmt.ulp) < fmt.low or math.floor((high - slack) / fmt.ulp) > fmt.high:
             if node.limited is None or node.limited.clamped and not self.case.clamped:
-                self._fail(node, fmt, low, high, f", case {self.case.name}")
+                self._fail(node, low, high, f", case {self.case.name}")
             else:
                 self.saturated.add(node.name)
                 bound = replace(bound, floor=floor, ceiling=ceiling)
@@ -189,22 +188,11 @@ class Proved:
     high: float
     error_ulps: float
 
-    @property
-    def bits_wasted(self) -> int:
-        """Leading bits that only repeat the sign."""
-        fmt = self.node.format
-        words = (round(self.low / fmt.ulp), round(self.high / fmt.ulp))
-        needed = max(w.bit_length() if w >= 0 else (~w).bit_length() for w in words)
-        return max(0, fmt.width - (1 if fmt.signed else 0) - needed)
-
 
 @cache
-def analyse(width: int, **formats: Format) -> tuple[dict[str, Proved], dict[str, str]]:
-    """Return every node's proved range at word length ``width``, and the failures: node -> one line.
-
-    ``formats`` replaces the dataflow's formats for single nodes.
-    """
-    runs = [Ranges(width, case, formats) for case in cases(width)]
+def analyse(width: int) -> tuple[dict[str, Proved], dict[str, str]]:
+    """Return every node's proved range at word length ``width``, and the failures: node -> one line."""
+    runs = [Ranges(width, case) for case in cases(width)]
     failed = {name: line for run in reversed(runs) for name, line in run.failed.items()}  # of the first case
     table = {}
     for name, node in dataflow("paper", width).nodes.items():
@@ -215,7 +203,7 @@ def analyse(width: int, **formats: Format) -> tuple[dict[str, Proved], dict[str,
 
 
 def proved(width: int) -> dict[str, Proved]:
-    """Return every node's proved range with the dataflow's own formats."""
+    """Return every node's proved range."""
     return analyse(width)[0]
 
 
@@ -225,8 +213,8 @@ def proved(width: int) -> dict[str, Proved]:
 class LeanRanges(Intervals):
     """Lean dataflow, or the whole arm around it: ``errors`` of the words by node, and ``bounds``."""
 
-    def __init__(self, width: int, formats: Mapping[str, Format] | None = None, datapath: str = "lean") -> None:
-        super().__init__(datapath, width, formats)
+    def __init__(self, width: int, datapath: str = "lean") -> None:
+        super().__init__(datapath, width)
         self.errors: dict[str, float] = {}
         for node in self.flow.nodes.values():
             taken = (self.flow.nodes[name] for name in node.as_words)
@@ -250,9 +238,9 @@ class LeanRanges(Intervals):
         return replace(bound, floor=0.0) if node.kind == "vector" and not fmt.signed else bound  # a length
 
     def _check(self, node: Node, bound: Bound) -> None:
-        held, limited = self.formats.get(node.name, node.format), node.limited
+        fmt = node.format
         least, most = bound.word
         if isinstance(node.within, Within) and node.within.below:
-            least, most = bound.low, bound.high - node.format.ulp
-        if node.frac and (least < held.low * held.ulp or most >= (held.high + 1) * held.ulp and not limited):
-            self._fail(node, held, least, most)
+            least, most = bound.low, bound.high - fmt.ulp
+        if node.frac and (least < fmt.low * fmt.ulp or most >= (fmt.high + 1) * fmt.ulp and not node.limited):
+            self._fail(node, least, most)

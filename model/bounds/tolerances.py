@@ -9,15 +9,17 @@ checked, and accuracy only on request (``TOLERANCE=``).
 import numpy as np
 
 from ..dataflow.datapaths import MODELS
+from ..dataflow.formats import WIDTHS
 from ..io.flags import BAD_HAND, SATURATED, UNREACHABLE
 from ..reference.joints import reached
 from ..reference.kinematics import angle_between
 from .predict import predicted_error
 
-LEAN = {
-    16: 2.05e-4, 17: 1.06e-4, 18: 5e-5, 19: 2.67e-5, 20: 1.33e-5, 21: 6.67e-6, 22: 3.33e-6, 23: 1.66e-6, 24: 1e-6,
-    25: 4.17e-7, 26: 2.08e-7, 27: 1.25e-7, 28: 5.4e-8, 29: 3.12e-8, 30: 2e-8, 31: 2e-8, 32: 2e-8,
-}  # fmt: skip
+LEAN_ERRORS = """
+    2.05e-4 1.06e-4 5e-5 2.67e-5 1.33e-5 6.67e-6 3.33e-6 1.66e-6 1e-6 4.17e-7 2.08e-7 1.25e-7 5.4e-8 3.12e-8
+    2e-8 2e-8 2e-8
+"""
+LEAN = dict(zip(WIDTHS, map(float, LEAN_ERRORS.split()), strict=True))
 """Word length -> largest hand error / reach of the lean datapath, in any pose that was not searched for its error
 (:func:`sought`).  3.3 ulps of a result for 18 bits, 3.4 for 16, 3.5 up to 26 and 3.6 for 28, but 4.2 for 24, 27 and 29;
 then more, up to 21.5 for 32, where inner words have only three bits more than the results (seven elsewhere) and roots
@@ -35,11 +37,8 @@ REGULAR = 1e-4
 REGULAR_DISTANCE = 0.2  # minimum distance of a regular target from every singular pose (rad)
 REGULAR_WIDTH = 32  # word length at which a regular trajectory has this fixed tolerance
 
-LEAN_NORMS = {
-    16: (2.1, 1.46), 17: (2.21, 1.5), 18: (2.43, 1.6), 19: (2.21, 1.5), 20: (2.21, 1.5), 21: (2.21, 1.5),
-    22: (2.21, 1.5), 23: (2.21, 1.5), 24: (2.21, 1.5), 25: (2.21, 1.5), 26: (2.21, 1.5), 27: (2.43, 1.6),
-    28: (2.87, 1.78), 29: (3.75, 2.16), 30: (5.5, 2.91), 31: (9.0, 4.41), 32: (16.0, 7.41),
-}  # fmt: skip
+LEAN_NORMS = dict.fromkeys(WIDTHS, (2.21, 1.5)) | {16: (2.1, 1.46), 18: (2.43, 1.6), 27: (2.43, 1.6)}
+LEAN_NORMS |= {28: (2.87, 1.78), 29: (3.75, 2.16), 30: (5.5, 2.91), 31: (9.0, 4.41), 32: (16.0, 7.41)}
 """Word length -> ulps of a result allowed for abs(norm^2 - 1) of Qs and Qe in the lean datapath.  Half an ulp in every
 word changes norm^2 by the sum of their magnitudes, at most 2 (Qs) or sqrt(2) (Qe); the roots, whose ulps are 2^-8 ulps
 of a result at 16 bits and half an ulp at 32, account for the remainder.  Searches find 2.1 at 18 bits, 15.4 at 32."""

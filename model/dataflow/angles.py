@@ -143,12 +143,13 @@ def error_bound(width: int, length: float = 1.0) -> float:
 class Angle(Operation):
     """Angle of a vector: atan2(+-y, x), a binary angle whose unit is half a turn."""
 
-    kind, latency = "vector", "vector"
+    kind, latency, free = "vector", "vector", True
+
+    length: Node | None = None  # node of the gained length, if it has one
 
     def __init__(self, x: Node, y: Node, sign: int = 1) -> None:
         super().__init__(x, y)
         self.x, self.y, self.sign = x, y, sign
-        self.length: Node | None = None  # node of the gained length, if it has one
 
     def pair(self, node, values):
         """Return length and angle."""
@@ -167,9 +168,6 @@ class Angle(Operation):
     def growth(self, node, bounds):
         # The error has no bound but half a turn: it grows as the vector gets shorter.
         return 0.0
-
-    def facts(self, node, domain):
-        return []
 
     def text(self, level=0):
         return f"atan2({'-' * (self.sign < 0)}{self.y.text()}, {self.x.text()})"

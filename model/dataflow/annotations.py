@@ -18,7 +18,7 @@ SQRT2, SQRT3 = math.sqrt(2), math.sqrt(3)
 
 
 class RangeError(Exception):
-    """Proved range that does not fit the node's format; the text names the node."""
+    """Range or format that does not fit the node; the text names the node."""
 
 
 @dataclass(frozen=True)

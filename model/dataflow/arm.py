@@ -26,12 +26,12 @@ from ..io.words import JOINTS, RESULT_FIELDS
 from ..reference.joints import NEGATED, TURNED
 from . import choices
 from .angles import Angle, Gained
-from .annotations import SAME, Growth, Limited, Within
-from .choices import Outside, OutsideFormat, WrappedSum, replaced, rounded_sum, square, twice
-from .expressions import HALF_UP, Constant, Sum
+from .annotations import SAME, SUM, Growth, Limited, Within
+from .choices import Outside, OutsideFormat, WrappedSum, replaced, rounded_sum, twice
+from .expressions import HALF_UP, Constant, Sum, square
 from .formats import Format
 from .lean import SECTIONS as CORE_SECTIONS
-from .lean import SUM, Lean, equations, guard, norm
+from .lean import Lean, equations, guard, norm
 from .lean_turn import sections
 from .mul3 import Mul3
 from .nodes import SATURATE, WRAP, Dataflow, Node, Record
@@ -98,8 +98,8 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
         d.node(f"h_{c}", replaced(target[f"qh_{c}"], bad_hand, int(c == "w")), f.result, **facts)
     facts = {"within": POINT, "grows": SAME, "proof": ("=tool_h", "=tool")}
     tool_h = d.node("tool_h", replaced(target["tool"], bad_hand, 0), f.result, **facts)
-    d.define("qh_len", norm(*parts("qh_")))
-    d.define("h_len", norm(*parts("h_")))
+    d.definitions["qh_len"] = norm(*parts("qh_"))
+    d.definitions["h_len"] = norm(*parts("h_"))
     d.lemma("good hand", "not bad_hand")  # by assumption, of the hand's products only
     d.lemma("|Qh|", f"implies(not bad_hand, qh_len <= {MOST_H})", "=qh_len", *sums)
     d.lemma("|h|", f"0 <= h_len and h_len <= {MOST_H}", "=h_len", "=qh_len", "|Qh|", *equations(*parts("h_")))
@@ -166,9 +166,9 @@ def frame_lemmas(d: Dataflow, turned: list[str]) -> None:
             statement = f"{part}_w*{part}_w <= {1 + 2 * e}*{part}*{part} + {e / 2 + e * e:.9f}"
             d.lemma(f"word {part}", statement, part, f"~{part}")
     for q, of in (("qs", "wijk"), ("qe", "wi")):
-        d.define(f"{q}_len", norm(*parts(f"{q}_", "_w", of)))
-    d.define("g_len", norm(*parts("g_")))
-    d.define("qw_len", norm(*parts("qw_")))
+        d.definitions[f"{q}_len"] = norm(*parts(f"{q}_", "_w", of))
+    d.definitions["g_len"] = norm(*parts("g_"))
+    d.definitions["qw_len"] = norm(*parts("qw_"))
     words = [f"word {part}" for part in parts("qs_")]
     d.lemma("words of Qs", "0 <= qs_len and qs_len <= 1.017", "=qs_len", "|Qs|", *words)
     uses = ("=qe_len", "|Qe|", "word qe_w", "word qe_i")

@@ -8,81 +8,31 @@ The quaternion h(c, s) is along half the angle with cosine c and sine s, but not
 from collections.abc import Callable
 from fractions import Fraction
 
-from .expressions import CHOICE, SCALED, Constant, Floor, Operation, Scaled, Select, Sum, Term, Xor, number
+from .expressions import ANY, CHOICE, Constant, Floor, Logic, Operation, Scaled, Select, Sum, Term, Unary, number
 
 
-class Product(Operation):
-    """Exact product."""
-
-    def __init__(self, a: Term, b: Term) -> None:
-        super().__init__(a, b)
-        self.frac = a.frac + b.frac
-
-    def words(self, values):
-        a, b = (part.words(values) for part in self.parts)
-        return a * b
-
-    def formula(self, domain):
-        return f"(* {' '.join(part.formula(domain) for part in self.parts)})"
-
-    def text(self, level=0):
-        a, b = (part.text(SCALED) for part in self.parts)
-        return f"{a}^2" if a == b else f"{a} * {b}"
-
-    def lower(self, to, node):
-        to.exact_product(node, *self.parts)
-
-
-def square(a: Term) -> Product:
-    """Return a^2, exactly."""
-    return Product(a, a)
-
-
-class Choice(Operation):
+class Choice(Unary):
     """An expression with steps of its own in the folded program, which ``lower(to, node)`` adds."""
 
-    def __init__(self, expression: Operation, lower: Callable, operands: tuple = ()) -> None:
-        super().__init__(*(operands or expression.operands))
-        self.expression, self.frac, self._lower = expression, expression.frac, lower
-
-    def words(self, values):
-        return self.expression.words(values)
-
-    def formula(self, domain):
-        return self.expression.formula(domain)
-
-    def text(self, level=0):
-        return self.expression.text(level)
+    def __init__(self, expression: Term, lower: Callable, operands: tuple = ()) -> None:
+        super().__init__(expression)
+        self.operands, self._lower = operands or self.operands, lower
 
     def lower(self, to, node):
         self._lower(to, node)
 
 
 class Free(Choice):
-    """A choice whose words saturate or wrap by design, and which has no formula for proofs."""
+    """A choice whose words saturate or wrap by design."""
 
-    def facts(self, node, domain):
-        return []
+    free = True
 
 
-class AtMost(Operation):
+class AtMost(Choice):
     """A term limited to the largest word of the node's format; exact values stay below the limit."""
 
-    def __init__(self, term: Term, lower: Callable) -> None:
-        super().__init__(term)
-        self.frac, self._lower = term.frac, lower
-
-    def words(self, values):
-        return self.parts[0].words(values)
-
-    def formula(self, domain):
-        return self.parts[0].formula(domain)
-
     def text(self, level=0):
-        return f"min({self.parts[0].text(CHOICE + 1)}, most)"
-
-    def lower(self, to, node):
-        self._lower(to, node)
+        return f"min({self.term.text(CHOICE + 1)}, most)"
 
 
 def limited(raw: Term) -> AtMost:
@@ -161,7 +111,7 @@ class WrappedSum(Sum):
         return [f"(= {node.name} (ite (<= {end} {total}) (- {total} {turn}) {wrapped}))"]
 
     def lower(self, to, node):
-        to.wrapped_sum(node, *self.parts)
+        to.plus(node, *self.parts)
 
 
 def replaced(word: Term, mask: Term, constant: int) -> Choice:
@@ -181,7 +131,7 @@ def rounded_sum(a: Term, b: Term, sign: int) -> Choice:
 
 def joint(s: Term, d: Term, sign: int, turned: tuple[Term, ...]) -> Free:
     """Return the sum or difference of two angles; add half a turn where an odd number of the masks is set."""
-    total = Sum((1, s), (sign, d), (1, Select(Xor(*turned), Constant(-1), 0)))
+    total = Sum((1, s), (sign, d), (1, Select(Logic("xor", ANY, *turned), Constant(-1), 0)))
     return Free(total, lambda to, node: to.joint(node, s, d, sign, turned))
 
 
@@ -197,22 +147,20 @@ def outside(angle, low: int, high: int, width: int):
     return (angle - low & turn) > (high - low & turn)
 
 
-class Outside(Operation):
+class Outside(Unary):
     """Mask of angles off the arc from ``low`` to ``high``."""
+
+    free = True
 
     def __init__(self, angle: Term, low: int, high: int) -> None:
         super().__init__(angle)
-        self.low, self.high = low, high
+        self.frac, self.low, self.high = 0, low, high
 
     def words(self, values):
-        angle = self.operands[0]
-        return outside(angle.words(values), self.low, self.high, angle.format.width)
-
-    def facts(self, node, domain):
-        return []
+        return outside(self.term.words(values), self.low, self.high, self.term.format.width)
 
     def text(self, level=0):
-        return f"{self.operands[0].text()} outside its limits"
+        return f"{self.term.text()} outside its limits"
 
     def mask_registers(self, to, node):
         return {node.name}  # set after the joint's angle
@@ -220,6 +168,8 @@ class Outside(Operation):
 
 class OutsideFormat(Operation):
     """Mask of wrists with a coordinate that does not fit the format of its node."""
+
+    free = True
 
     def __init__(self, *wrists) -> None:
         super().__init__(*(operand for node in wrists for operand in node.operands))
@@ -231,9 +181,6 @@ class OutsideFormat(Operation):
             word = node.rounded(node.op.words(values))
             out = out | (word > node.format.high) | (word < node.format.low)
         return out
-
-    def facts(self, node, domain):
-        return []
 
     def text(self, level=0):
         return f"{', '.join(node.name for node in self.wrists)} outside the format"

@@ -92,15 +92,15 @@ class Datapath:
 
 LEAN = Datapath("lean", 1, lean_turn.lean, lean.SECTIONS, lean.WIDTHS)
 PAPER = Datapath("paper", 0, paper.paper, paper.SECTIONS)
-FOLD = replace(
-    LEAN,
-    name="fold",
-    number=2,
-    widths=range(20, 33, 2),
-    times=shown.times,
-    behind=0,
-    period=program.schedule(24).period,
-)
+
+
+def folded(path: Datapath, name: str) -> Datapath:
+    """Return a datapath as a program for one multiplier."""
+    path = replace(path, name=name, number=2, widths=range(20, 33, 2), behind=0, core="")
+    return replace(path, times=partial(shown.times, name=name), period=program.schedule(24, name).period)
+
+
+FOLD = folded(LEAN, "fold")
 FOLD16 = replace(FOLD, name="fold16", tile=16, widths=range(18, 25, 2))
 
 DATAPATHS = {"lean": LEAN, "paper": PAPER}  # dataflows by name
@@ -113,16 +113,9 @@ CONFIGURATIONS = {path.name: path for path in (LEAN, PAPER, *TILED, FOLD, FOLD16
 of 25x18 or 16x16 bits, the 16x16 ones with small tables, and the lean one as a program for a single multiplier, with
 tiles of 18x18 or 16x16 bits."""
 
-ARM = replace(
-    LEAN, name="arm", flow=arm.arm, sections=arm.SECTIONS, widths=WIDTHS, top="ik_arm",
-    inputs=ARM_FIELDS, side=BRANCHES, results=ARM_RESULT_FIELDS, flags=ARM_FLAGS, flag_bits=ARM_FLAG_BITS,
-    core="u_lean",
-)  # fmt: skip
-
-FOLD_ARM = replace(
-    ARM, name="fold_arm", number=2, widths=FOLD.widths, times=partial(shown.times, name="fold_arm"),
-    period=program.schedule(24, "fold_arm").period, behind=0, core="",
-)  # fmt: skip
+ARM = replace(LEAN, name="arm", flow=arm.arm, sections=arm.SECTIONS, widths=WIDTHS, inputs=ARM_FIELDS, side=BRANCHES)
+ARM = replace(ARM, results=ARM_RESULT_FIELDS, flags=ARM_FLAGS, flag_bits=ARM_FLAG_BITS, top="ik_arm", core="u_lean")
+FOLD_ARM = folded(ARM, "fold_arm")
 FOLD_ARM16 = replace(FOLD_ARM, name="fold_arm16", tile=16, widths=FOLD16.widths)
 
 ARM25, ARM16 = replace(ARM, name="arm25", tile=25), replace(ARM, name="arm16", tile=16, widths=TILED[1].widths)

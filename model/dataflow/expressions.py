@@ -122,11 +122,11 @@ class Term:
     def __ge__(self, other) -> Compared:
         return Compared("<=", as_term(other), self)
 
-    def __or__(self, other: Term) -> Or:
-        return Or(self, other)
+    def __or__(self, other: Term) -> Logic:
+        return Logic("or", ANY, self, other)
 
-    def __and__(self, other: Term) -> And:
-        return And(self, other)
+    def __and__(self, other: Term) -> Logic:
+        return Logic("and", ALL, self, other)
 
     def __invert__(self) -> Term:
         return Not(self)
@@ -153,10 +153,6 @@ def _signed(term: Term) -> tuple[tuple[int, Term], ...]:
     return term.terms if type(term) is Sum else ((1, term),)
 
 
-def _leaves(*terms: Term) -> tuple[Node, ...]:
-    return tuple(dict.fromkeys(node for term in terms for node in term.leaves))
-
-
 def _aligned(values: Values, *terms: Term) -> list:
     """Return the words of terms, all with the fraction bits of the longest fraction."""
     frac = max(term.frac for term in terms)
@@ -177,14 +173,17 @@ class Operation(Term):
     kind = "choose"
     latency: str | None = "mux"  # key of :class:`.formats.Latency`
     adds_rounding = False  # :meth:`growth` is without the operation's own rounding
+    rounds: tuple[float, float] | None = None  # error range of an operation with a rounding of its own, in ulps
+    free = False  # no formula for proofs
+    parts: tuple[Any, ...]  # terms; some operations take nodes
 
     def __init__(self, *parts: Term) -> None:
         self.parts = parts
-        self.operands = self.leaves = _leaves(*parts)
+        self.operands = self.leaves = tuple(dict.fromkeys(node for part in parts for node in part.leaves))
 
     def error(self, node) -> tuple[float, float]:
         """Return the range of the rounding that the operation adds, in ulps of the node."""
-        return node.rounding
+        return self.rounds or node.rounding
 
     def result(self, node, values):
         """Return the node's words."""
@@ -200,7 +199,7 @@ class Operation(Term):
 
     def facts(self, node, domain) -> list[str]:
         """Return formulas that the node's value meets."""
-        return [f"(= {node.name} {self.formula(domain)})"]
+        return [] if self.free else [f"(= {node.name} {self.formula(domain)})"]
 
     def lower(self, to, node) -> None:
         """Add the steps of a node of this operation to the folded program, a :class:`.fold.lowering.Lowering`."""
@@ -262,7 +261,53 @@ class Sum(Operation):
         to.sum(node, self.terms)
 
 
-class Scaled(Operation):
+class Product(Operation):
+    """a * b * 2^scale, exactly."""
+
+    def __init__(self, a: Term, b: Term, scale: int = 0) -> None:
+        super().__init__(a, b)
+        self.scale, self.frac = scale, a.frac + b.frac - scale
+
+    def words(self, values):
+        a, b = (part.words(values) for part in self.parts)
+        return a * b
+
+    def formula(self, domain):
+        return f"(* {' '.join(part.formula(domain) for part in self.parts)})"
+
+    def text(self, level=0):
+        a, b = (part.text(SCALED) for part in self.parts)
+        return f"{2**self.scale} * " * (self.scale > 0) + (f"{a}^2" if a == b else f"{a} * {b}")
+
+    def lower(self, to, node):
+        to.exact_product(node, *self.parts)
+
+
+def square(a: Term) -> Product:
+    """Return a^2, exactly."""
+    return Product(a, a)
+
+
+class Unary(Operation):
+    """An operation on one term, and by default that term."""
+
+    term: Any  # some operations take a node
+
+    def __init__(self, term: Term) -> None:
+        super().__init__(term)
+        self.term, self.frac = term, term.frac
+
+    def words(self, values):
+        return self.term.words(values)
+
+    def formula(self, domain):
+        return self.term.formula(domain)
+
+    def text(self, level=0):
+        return self.term.text(level)
+
+
+class Scaled(Unary):
     """A term times 2^power."""
 
     level = SCALED
@@ -271,58 +316,47 @@ class Scaled(Operation):
         super().__init__(term)
         self.power, self.frac = power, term.frac - power
 
-    def words(self, values):
-        return self.parts[0].words(values)
-
     def formula(self, domain):
-        term = self.parts[0].formula(domain)
+        term = self.term.formula(domain)
         return f"(* {number(2**self.power)} {term})" if self.power > 0 else f"(/ {term} {number(2**-self.power)})"
 
     def text(self, level=0):
-        term = self.parts[0].text(SCALED)
+        term = self.term.text(SCALED)
         return self.enclosed(f"{2**self.power} * {term}" if self.power > 0 else f"{term} / {2**-self.power}", level)
 
 
-class Magnitude(Operation):
+class Magnitude(Unary):
     """|c|, but for a negative word its one's complement, one ulp less."""
 
-    def __init__(self, term: Term) -> None:
-        super().__init__(term)
-        self.frac = term.frac
-
     def words(self, values):
-        return magnitude(self.parts[0].words(values))
+        return magnitude(self.term.words(values))
 
     def formula(self, domain):
-        term = self.parts[0].formula(domain)
+        term = self.term.formula(domain)
         return f"(ite (< {term} 0.0) (- {term}) {term})"
 
     def text(self, level=0):
-        return f"|{self.parts[0].text()}|"
+        return f"|{self.term.text()}|"
 
 
 class Absolute(Magnitude):
     """|c|, exactly."""
 
     def words(self, values):
-        return np.abs(self.parts[0].words(values))
+        return np.abs(self.term.words(values))
 
 
-class Clipped(Operation):
+class Clipped(Unary):
     """A term, limited to 0 and 1."""
 
-    def __init__(self, term: Term) -> None:
-        super().__init__(term)
-        self.frac = term.frac
-
     def words(self, values):
-        return np.clip(self.parts[0].words(values), 0, 1 << self.frac)
+        return np.clip(self.term.words(values), 0, 1 << self.frac)
 
     def text(self, level=0):
-        return f"min(max({self.parts[0].text()}, 0), 1)"
+        return f"min(max({self.term.text()}, 0), 1)"
 
 
-class Floor(Operation):
+class Floor(Unary):
     """A term with its bits below ``frac`` dropped."""
 
     def __init__(self, term: Term, frac: int) -> None:
@@ -330,14 +364,8 @@ class Floor(Operation):
         self.frac, self.drop = frac, term.frac - frac
 
     def words(self, values):
-        words = self.parts[0].words(values)
+        words = self.term.words(values)
         return words >> self.drop if integral(words) else words / (1 << self.drop)
-
-    def formula(self, domain):
-        return self.parts[0].formula(domain)
-
-    def text(self, level=0):
-        return self.parts[0].text(level)
 
 
 class Select(Operation):
@@ -387,12 +415,16 @@ class Compared(Operation):
         return self.enclosed(f"{left} {self.relation} {right}", level)
 
 
-class _Logic(Operation):
-    word: str
-    ufunc: np.ufunc
+class Logic(Operation):
+    """Masks joined by ``or``, ``and`` or ``xor``."""
+
+    def __init__(self, word: str, level: int, *masks: Term) -> None:
+        super().__init__(*masks)
+        self.word, self.level = word, level
 
     def words(self, values):
-        return self.ufunc.reduce([truth(part.words(values)) for part in self.parts])
+        masks = [truth(part.words(values)) for part in self.parts]
+        return getattr(np, f"logical_{self.word}").reduce(masks)
 
     def formula(self, domain):
         return f"({self.word} {' '.join(part.formula(domain) for part in self.parts)})"
@@ -401,31 +433,14 @@ class _Logic(Operation):
         return self.enclosed(f" {self.word} ".join(part.text(self.level) for part in self.parts), level)
 
 
-class Or(_Logic):
-    """Set where one of the masks is set."""
-
-    level, word, ufunc = ANY, "or", np.logical_or
-
-
-class And(_Logic):
-    """Set where all masks are set."""
-
-    level, word, ufunc = ALL, "and", np.logical_and
-
-
-class Xor(_Logic):
-    """Set where an odd number of the masks is set."""
-
-    level, word, ufunc = ANY, "xor", np.logical_xor
-
-
-class Not(_Logic):
+class Not(Unary):
     """Set where the mask is not set."""
 
-    level, word = ATOM, "not"
-
     def words(self, values):
-        return ~truth(self.parts[0].words(values))
+        return ~truth(self.term.words(values))
+
+    def formula(self, domain):
+        return f"(not {self.term.formula(domain)})"
 
     def text(self, level=0):
-        return f"not {self.parts[0].text(COMPARED)}"
+        return f"not {self.term.text(COMPARED)}"

@@ -7,12 +7,12 @@ depends on a float: products and sums are exact and rounded once, division and r
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
+from ..io.flags import BAD_HAND, SATURATED
 from ..io.words import FIELDS
-from . import arm
 from .datapaths import DEFAULT, MODELS
 from .nodes import Dataflow, Limits, Node
 
@@ -34,20 +34,12 @@ def dataflow(datapath: str, width: int, limits: tuple[tuple[int, int], ...] | No
 class Bits:
     """Run of a dataflow in integers: ``nodes`` with their words in ``value``."""
 
-    def __init__(self, flow: Dataflow, inputs: Mapping[str, np.ndarray], datapath: str) -> None:
-        self.flow, self.width, self.tile, self.datapath = flow, flow.width, flow.tile, datapath
+    def __init__(self, flow: Dataflow, inputs: Mapping[str, np.ndarray]) -> None:
         values = dict(inputs)
         for name, node in flow.nodes.items():
             if name not in values:
                 values[name] = node.evaluate(values)
         self.nodes = {name: replace(node, value=values[name]) for name, node in flow.nodes.items()}
-
-    @cached_property
-    def overflow(self) -> dict[str, np.ndarray]:
-        """Mask of the words that did not fit, for every product, sum and quotient of the paper's dataflow."""
-        values = {name: node.value for name, node in self.nodes.items()}
-        masks = {name: getattr(node.op, "overflow", None) for name, node in self.nodes.items()}
-        return {name: mask(self.nodes[name], values) for name, mask in masks.items() if mask}
 
 
 @dataclass(frozen=True)
@@ -69,7 +61,7 @@ def run(words: np.ndarray, width: int, datapath: str = DEFAULT, branch=0, limits
     flow = dataflow(datapath, width, limits if limits is None else tuple((int(low), int(high)) for low, high in limits))
     columns = dict(zip(path.inputs, np.asarray(words, dtype=np.int64).T, strict=True))
     columns |= {name: np.broadcast_to(branch, len(words)) >> k & 1 for k, name in enumerate(path.side)}
-    bits = Bits(flow, columns, datapath)
+    bits = Bits(flow, columns)
     value = {name: node.value for name, node in bits.nodes.items()}
     flags = sum(value[name] * np.int64(flag) for name, flag in path.flags.items())
     return Answer(np.stack([value[name] for name in path.results], axis=1), flags, bits)
@@ -88,9 +80,5 @@ def latency(datapath: str, width: int) -> int:
 def of_hands(words: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the core's input words (N, 6) for hand poses, input words (N, 11) of the whole arm, and the flags (N,)
     of the hand."""
-    path, flow = MODELS["arm"], Dataflow(width)
-    columns = dict(zip(path.inputs, np.asarray(words, dtype=np.int64).T, strict=True))
-    arm.hand(flow, flow.inputs(path.inputs))
-    value = {name: node.value for name, node in Bits(flow, columns, "arm").nodes.items()}
-    flags = sum(value[name] * np.int64(flag) for name, flag in path.flags.items() if name in value)
-    return np.stack([value[k] for k in FIELDS], axis=1), flags
+    answer = run(words, width, "arm")
+    return np.stack([answer.bits.nodes[name].value for name in FIELDS], axis=1), answer.flags & (BAD_HAND | SATURATED)

@@ -28,9 +28,9 @@ word is 0, one ulp, or at least two.  Other names are lemmas, stated after the n
 """
 
 from . import choices
-from .annotations import Growth, Limited, Within
-from .choices import Choice, Product, half_length, half_part, half_sum, square
-from .expressions import FLOOR, HALF_UP, Not, Select, zero
+from .annotations import SUM, Growth, Limited, Within
+from .choices import Choice, half_length, half_part, half_sum
+from .expressions import FLOOR, HALF_UP, Not, Product, Select, square, zero
 from .formats import Format, effective_width, inner_frac, root_frac
 from .mul3 import Mul3
 from .nodes import SATURATE, Dataflow, Node, Record
@@ -72,7 +72,6 @@ TWO = Limited("2, which powers of two can give, becomes the largest word")
 ONE = Limited("1, which powers of two can give, becomes the largest word")
 
 FOURFOLD, EIGHTFOLD = Growth((4.0,)), Growth((8.0,))
-SUM = Growth(added=True, exact=True)
 
 
 def not_negative(why: str) -> Within:

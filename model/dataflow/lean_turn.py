@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Section "turn" of the lean dataflow, and the lean dataflow as a whole."""
 
-from .annotations import Limited, Within
+from .annotations import SUM, Limited, Within
 from .choices import add_sub, mantissa, signed
 from .expressions import HALF_UP, Constant
-from .lean import CIRCLE, FOURFOLD, PAIR, SUM, UPPER_HALF, Lean, direction, equations, guard, norm, triangle
+from .lean import CIRCLE, FOURFOLD, PAIR, UPPER_HALF, Lean, direction, equations, guard, norm, triangle
 from .mul3 import Mul3
 from .nodes import SATURATE, Dataflow, Node, Record
 from .quadratic import HalfAngle, Rsqrt
@@ -113,9 +113,9 @@ def last_rotation(d: Dataflow, f: Lean, *pairs: tuple[Node, Node]) -> None:
 def length_lemmas(d: Dataflow) -> None:
     """State the lemmas on the product's length, in sums of squares that proofs treat as one number each."""
     for name in ("wi", "kj"):
-        d.define(f"{name}_len", norm(*(f"{part}_0" for part in name)))
-        d.define(f"{name}_1_len", norm(*(f"{part}_1" for part in name)))
-    d.define("bend_len", norm("bend_c", "bend_s"))
+        d.definitions[f"{name}_len"] = norm(*(f"{part}_0" for part in name))
+        d.definitions[f"{name}_1_len"] = norm(*(f"{part}_1" for part in name))
+    d.definitions["bend_len"] = norm("bend_c", "bend_s")
     for one, two in ("wi", "kj"):
         uses: tuple[str, ...] = equations(f"{one}{two}_1_len", f"{one}{two}_len", "bend_len")
         statement = f"{one}{two}_1_len == {one}{two}_len*bend_len"

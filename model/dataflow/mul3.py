@@ -1,14 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Products from three tiles, as ``ik_mul3`` computes them."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-from .expressions import SCALED, Operation, number, wrap
-
-if TYPE_CHECKING:
-    from .nodes import Node
+from .expressions import Product, number, wrap
 
 TILE = 18
 """Default tile: bits of the longer operand of the multipliers into which products are split."""
@@ -64,19 +57,15 @@ def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tupl
     return -left_out - 1 - aside, 0.5 + aside
 
 
-class Mul3(Operation):
+class Mul3(Product):
     """a * b * 2^scale from three tiles; bits beyond the node's format, set for clamped targets only, are dropped."""
 
-    kind, latency, level, adds_rounding = "mul3", "mul3", SCALED, True
-
-    def __init__(self, a: Node, b: Node, scale: int = 0) -> None:
-        super().__init__(a, b)
-        self.a, self.b, self.scale, self.frac = a, b, scale, a.frac + b.frac - scale
+    kind, latency, adds_rounding = "mul3", "mul3", True
 
     def _cut(self, node) -> tuple[int, int, int]:
         """Return the number of fraction bits dropped, and the operands' widths as signed words."""
-        a, b = self.a.format, self.b.format
-        return self.frac - node.frac, a.width + (not a.signed), b.width + (not b.signed)
+        a, b = (part.format.width + (not part.format.signed) for part in self.parts)
+        return self.frac - node.frac, a, b
 
     def error(self, node):
         return mul3_error(*self._cut(node), node.flow.tile)
@@ -85,21 +74,13 @@ class Mul3(Operation):
         a, b = (part.words(values) for part in self.parts)
         return wrap(mul3(a, b, *self._cut(node), node.flow.tile), node.format.width)
 
-    def words(self, values):
-        a, b = (part.words(values) for part in self.parts)
-        return a * b
-
     def growth(self, node, bounds):
-        p, q = bounds[self.a.name], bounds[self.b.name]
+        p, q = (bounds[part.name] for part in self.parts)
         return ((p.size + p.error) * q.error + (q.size + q.error) * p.error) * 2.0**self.scale
 
     def formula(self, domain):
         a, b = (part.formula(domain) for part in self.parts)
         return f"(* {number(2.0**self.scale)} {a} {b})"
-
-    def text(self, level=0):
-        a, b = (part.text(SCALED) for part in self.parts)
-        return f"{2**self.scale} * " * (self.scale > 0) + (f"{a}^2" if a == b else f"{a} * {b}")
 
     def lower(self, to, node):
         to.product(node, *self.parts, self.scale)

@@ -35,10 +35,6 @@ WIDE = 0.999 * 2.0**62  # largest magnitude that is computed in 64 bits
 SATURATE, WRAP = "saturate", "wrap"
 
 
-class FormatError(ValueError):
-    """Node format that does not match its operands' formats; the text names the node."""
-
-
 @dataclass(eq=False)
 class Node(Term):
     """Named value of a dataflow.
@@ -161,10 +157,11 @@ class Dataflow:
     """A dataflow at one word length: its nodes in order, and the statements between them.
 
     * ``limits``: lower and upper limit of each of the whole arm's joints, words of a turn;
-    * ``learned``: number of nodes before it -> a fact that tightens a :class:`.annotations.Case`;
-    * ``restarts``: likewise names of nodes whose words are exact for all later nodes;
+    * ``learned``: number of nodes before it -> a fact that tightens the length bounds of a :class:`.annotations.Case`;
+    * ``restarts``: likewise names of nodes whose words, which define a plane, are exact for all later nodes: these are
+      correct for any plane;
     * ``lemmas``: name -> a statement, and the facts that prove it, or none if it is assumed;
-    * ``definitions``: name -> its value in lemmas.
+    * ``definitions``: name -> its value in lemmas; proofs treat it as one number.
     """
 
     def __init__(self, width: int, widths: range = WIDTHS, tile: int = TILE, limits: Limits | None = None) -> None:
@@ -173,7 +170,7 @@ class Dataflow:
         self.width, self.tile, self.limits = width, tile, limits
         self.latency = Latency(width, tile)
         self.nodes: dict[str, Node] = {}
-        self.learned: dict[int, Callable] = {}
+        self.learned: dict[int, Callable[[Case, dict[str, Node], dict[str, Bound]], Case]] = {}
         self.restarts: dict[int, tuple[str, ...]] = {}
         self.lemmas: dict[str, tuple[str, tuple[str, ...]]] = {}
         self.definitions: dict[str, str] = {}
@@ -215,7 +212,7 @@ class Dataflow:
         as_words = self._as_words & {operand.name for operand in op.operands}
         where = self._section, self._equation
         node = Node(name, *where, op, fmt, latency, time, self, after, as_words=as_words, **record)
-        node.op.error(node)  # raises FormatError
+        node.op.error(node)  # may raise RangeError
         self.nodes[name] = node
         return node
 
@@ -230,22 +227,10 @@ class Dataflow:
 
     # ---- statements between nodes ----------------------------------------------------------------------------------
 
-    def learn(self, fact: Callable[[Case, dict[str, Node], dict[str, Bound]], Case]) -> None:
-        """Tighten the length bounds of a case from the nodes so far; only ranges are computed case by case."""
-        self.learned[len(self.nodes)] = fact
-
-    def restart(self, *names: str) -> None:
-        """Treat the words of these nodes, which define a plane, as exact: later nodes are correct for any plane."""
-        self.restarts[len(self.nodes)] = names
-
     def words(self, *names: str) -> None:
         """Treat the words of these nodes as exact: later nodes take them as they are, and start no earlier."""
         self._since = self.nodes[names[-1]]
         self._as_words |= {*names}
-
-    def define(self, name: str, value: str) -> None:
-        """Name a value that proofs treat as one number."""
-        self.definitions[name] = value
 
     def lemma(self, name: str, statement: str, *facts: str) -> None:
         """Add a statement for proofs of ranges, with the facts that prove it; without facts it is assumed."""

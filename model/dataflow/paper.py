@@ -14,8 +14,7 @@ import math
 from dataclasses import replace
 
 from .annotations import COSINE, SQRT3, SUM, Bound, Case, Given, Rule, leading, not_negative, upto, used
-from .choices import square
-from .expressions import FLOOR, JAM, Constant, Floor, Select, zero
+from .expressions import FLOOR, JAM, Constant, Floor, Select, square, zero
 from .formats import Format
 from .nodes import Dataflow, Node
 from .paper_operations import Div, LeadingBits, Mul, Root, SineCosine, Total, normalize
@@ -40,12 +39,7 @@ def paper(d: Dataflow, target: dict[str, Node]) -> None:
     Every node is stored in ``d.nodes`` under its name, which is also its signal name in the RTL.
     """
     guard(d, target)
-    sections(d, target["phi"])
-
-
-def sections(d: Dataflow, phi: Node) -> None:
-    """Build sections 3.1 to 3.5; ``d.nodes`` holds the nodes of :func:`guard`."""
-    swivel(d, phi)
+    swivel(d, target["phi"])
     elbow(d)
     elbow_quaternion(d)
     rotate_to_elbow(d)
@@ -184,7 +178,7 @@ def swivel(d: Dataflow, phi: Node) -> None:
         d.node(f"pi_swivel_{axis}", Div(n[f"pi_num_{axis}"], l_sw), d.word(1), within=PLANE)
     # (12) and everything after it hold for any plane.  Exact arithmetic on the words gives k_e / 2 = p_e p_w and
     # |p_e| = d1 as before; p_w is out of their plane by the tilt, which enters squared.
-    d.restart("pi_swivel_x", "pi_swivel_y", "pi_swivel_z")
+    d.restarts[len(n)] = "pi_swivel_x", "pi_swivel_y", "pi_swivel_z"
 
 
 ARMS = Rule(
@@ -289,7 +283,7 @@ def elbow(d: Dataflow) -> None:
         d.node(f"e_{axis}_pp", Total(n[f"e_{axis}_{u}"] - n[f"e_{axis}_{v}"]), d.wide(5), within=ELBOW_NUM)
         d.node(f"e_{axis}_sqr", Mul(tmp_sqr, n[f"pp_{m}_m"]), d.wide(5))
         d.node(f"e_{axis}_num", Total(n[f"e_{axis}_pp"] + n[f"e_{axis}_sqr"]), d.wide(5), within=ELBOW_NUM)
-        d.learn(off_length)
+        d.learned[len(n)] = off_length
         d.node(f"e_{axis}_quo", Div(n[f"e_{axis}_num"], inf_pp), d.word(1), within=ELBOW)
         # A clamped arm's elbow lies on the line to the target, at half its distance here.
         near = Floor(p[axis] / 2, d.word(1).frac)

@@ -12,9 +12,10 @@ import numpy as np
 
 from .angles import TABLE_BITS, atan_table
 from .annotations import Given, RangeError, leading
-from .expressions import EXACT, FLOOR, HALF_UP, SCALED, Operation, Sum, Term, round_shift
+from .expressions import EXACT, FLOOR, HALF_UP, SCALED, Operation, Product, Sum, Term, Unary, round_shift
 from .formats import Format
-from .nodes import Dataflow, FormatError, Node
+from .nodes import Dataflow, Node
+from .quadratic import HalfAngle
 from .shifts import room
 
 SINCOS_GUARD = 6
@@ -99,11 +100,9 @@ def sincos_bound(width: int) -> float:
 class Rounded(Operation):
     """Operation that rounds half up and saturates."""
 
-    what: str
-
     def error(self, node):
         if self.frac < node.frac:
-            raise FormatError(f"{node.name}: {node.frac} fraction bits, {self.what} only {self.frac}")
+            raise RangeError(f"{node.name}: {node.frac} fraction bits, its operation has only {self.frac}")
         return HALF_UP if self.frac > node.frac else EXACT
 
     def unlimited(self, node, values):
@@ -119,22 +118,14 @@ class Rounded(Operation):
         return (words < node.format.low) | (words > node.format.high)
 
 
-class Mul(Rounded):
+class Mul(Rounded, Product):
     """a * b * 2^scale, rounded half up."""
 
-    kind, latency, level, what = "mul", "mul", SCALED, "the product has"
-
-    def __init__(self, a: Term, b: Term, scale: int = 0) -> None:
-        super().__init__(a, b)
-        self.a, self.b, self.scale = a, b, scale
-        self.frac = a.frac + b.frac - scale
-
-    def words(self, values):
-        return self.a.words(values) * self.b.words(values)
+    kind, latency = "mul", "mul"
 
     def interval(self, node, bounds):
-        p, q = bounds(self.a), bounds(self.b)
-        square = self.a is self.b
+        a, b = self.parts
+        p, q, square = bounds(a), bounds(b), a is b
         ends = [u * v * 2.0**self.scale for u in (p.low, p.high) for v in (q.low, q.high)]
         low = 0.0 if square and p.low <= 0 <= p.high else min(p.low**2, p.high**2) if square else min(ends)
         error = (p.size * q.error + q.size * p.error + p.error * q.error) * 2.0**self.scale
@@ -143,15 +134,11 @@ class Mul(Rounded):
         least = 0.0 if square else min(words) - rounding  # rounding half up preserves the sign
         return low, max(ends), error + rounding, (least, max(words) + rounding)
 
-    def text(self, level=0):
-        a, b = self.a.text(SCALED), self.b.text(SCALED)
-        return f"{2**self.scale} * " * (self.scale > 0) + (f"{a}^2" if a == b else f"{a} * {b}")
-
 
 class Total(Rounded, Sum):
     """Sum of two or three terms of one format, rounded half up and saturated."""
 
-    kind, what = "sum", "its terms have"
+    kind = "sum"
 
     def __init__(self, total: Sum) -> None:
         super().__init__(*total.terms)
@@ -159,8 +146,7 @@ class Total(Rounded, Sum):
 
     def error(self, node):
         if len({term.frac for term in self.operands}) != 1:
-            terms = [(term.name, term.frac) for term in self.operands]
-            raise FormatError(f"{node.name}: terms are not aligned: {terms}")
+            raise RangeError(f"{node.name}: terms are not aligned")
         return super().error(node)
 
     def interval(self, node, bounds):
@@ -177,14 +163,11 @@ class Total(Rounded, Sum):
 class Div(Operation):
     """floor(n / d), saturated; saturates by the sign of n where d <= 0."""
 
-    kind, latency = "div", "div"
+    kind, latency, rounds = "div", "div", FLOOR
 
     def __init__(self, n: Term, d: Term) -> None:
         super().__init__(n, d)
         self.n, self.d = n, d
-
-    def error(self, node):
-        return FLOOR
 
     def quotient(self, node, values):
         """Return the words, and a mask of those that saturate."""
@@ -218,23 +201,19 @@ class Div(Operation):
         return f"{self.n.text(SCALED)} / {self.d.text(SCALED)}"
 
 
-class Root(Operation):
+class Root(Unary):
     """floor(sqrt(n)); 0 where n < 0."""
 
-    kind, latency = "root", "root"
-
-    def error(self, node):
-        return FLOOR
+    kind, latency, rounds = "root", "root", FLOOR
 
     def result(self, node, values):
-        return floor_root(self.parts[0].words(values), 2 * node.frac - self.parts[0].frac)
+        return floor_root(self.term.words(values), 2 * node.frac - self.term.frac)
 
     def real_result(self, node, values):
-        n = self.operands[0]
-        return np.sqrt(np.maximum(n.words(values), 0) * n.format.ulp) / node.format.ulp
+        return np.sqrt(np.maximum(self.term.words(values), 0) * self.term.format.ulp) / node.format.ulp
 
     def interval(self, node, bounds):
-        v, ulp = bounds(self.parts[0]), node.format.ulp
+        v, ulp = bounds(self.term), node.format.ulp
         low, high = math.sqrt(max(v.low, 0)), math.sqrt(max(v.high, 0))
         # |sqrt a - sqrt b| = |a - b| / (sqrt a + sqrt b), at most sqrt |a - b|; below 0 both roots are 0.
         ends = low + math.sqrt(max(v.word[0], 0))
@@ -243,37 +222,19 @@ class Root(Operation):
         return low, high, error + ulp, (max(word[0] - ulp, 0.0), word[1])
 
     def text(self, level=0):
-        return f"sqrt {self.parts[0].text(SCALED)}"
+        return f"sqrt {self.term.text(SCALED)}"
 
 
-class SineCosine(Operation):
+class SineCosine(HalfAngle):
     """Sine or cosine of phi/2 by the CORDIC."""
 
-    kind, latency = "sincos", "sincos"
+    kind, latency, rounds = "sincos", "sincos", CORDIC
 
-    def __init__(self, phi: Term, function: str) -> None:
-        super().__init__(phi)
-        self.function = function
-
-    def error(self, node):
-        return CORDIC
-
-    def result(self, node, values):
-        key = "half angle", self.operands[0].name
-        if key not in values:
-            values[key] = cordic(self.operands[0].words(values), node.flow.width)
-        return values[key][self.function == "cos"]
-
-    def real_result(self, node, values):
-        phi = self.operands[0]
-        half = phi.words(values) * phi.format.ulp * (np.pi / 2)  # half a turn is 1
-        return (np.sin(half) if self.function == "sin" else np.cos(half)) / node.format.ulp
+    def pair(self, node, phi):
+        return cordic(phi, node.flow.width)
 
     def interval(self, node, bounds):
         return -1.0, 1.0, CORDIC[1] * node.format.ulp, (-math.inf, math.inf)
-
-    def text(self, level=0):
-        return f"{self.function}({self.operands[0].name} / 2)"
 
 
 class LeadingBits(Operation):

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import mpmath
 import numpy as np
 
-from .expressions import Operation
+from .expressions import Operation, Unary
 from .mul3 import TILE
 
 if TYPE_CHECKING:
@@ -28,22 +28,6 @@ PRECISION = 200
 Function = Callable[[mpmath.mpf], mpmath.mpf]
 Segment = tuple[mpmath.mpf, mpmath.mpf]
 """Left end and width of a segment."""
-
-
-@dataclass(frozen=True)
-class Interval:
-    """Proved range of an error."""
-
-    low: mpmath.mpf
-    high: mpmath.mpf
-
-    def __add__(self, other: Interval) -> Interval:
-        return Interval(self.low + other.low, self.high + other.high)
-
-    @property
-    def size(self) -> mpmath.mpf:
-        """The largest magnitude."""
-        return max(abs(self.low), abs(self.high))
 
 
 @dataclass(frozen=True)
@@ -162,23 +146,14 @@ def polynomial(form: Form, row, u, rises: bool, bends_up: bool):
 # ---- proof -----------------------------------------------------------------------------------------------------------
 
 
-def interpolation_error(table: Table, form: Form, segment: Segment) -> mpmath.mpf:
-    """Return the largest |c0 + c1 u + c2 u^2 - function| in a segment, before the coefficients are rounded.
-
-    It is limited by the first derivative that the form does not follow: the third one /6 times (u + a) u (u - a), at
-    most 1/32 of the cube of the segment's width; for a linear form, the second one /2 times (u + a) (u - a), at most
-    1/8 of its square.
-    """
-    width, derivative = segment[1], table.derivative(form.linear, segment)
-    return derivative * width**2 / 16 if form.linear else derivative * width**3 / 192
-
-
 @cache
-def row_error(table: Table, form: Form, row: int, rises: bool) -> Interval:
-    """Return the range of :func:`polynomial` for a row of the table, minus the function, over its segment, both ends
-    included; for a cosine, u falls.
+def row_error(table: Table, form: Form, row: int, rises: bool) -> tuple[mpmath.mpf, mpmath.mpf]:
+    """Return the least and greatest value of :func:`polynomial` for a row of the table, minus the function, over its
+    segment, both ends included; for a cosine, u falls.
 
-    * The interpolation (:func:`interpolation_error`).
+    * The interpolation, limited by the first derivative that the form does not follow: the third one /6 times
+      (u + a) u (u - a), at most 1/32 of the cube of the segment's width; for a linear form, the second one /2 times
+      (u + a) (u - a), at most 1/8 of its square.
     * The actual rounding of the coefficients: r0 + r1 u + r2 u^2.
     * The slope's error is less than one ulp of the slope plus c2 times an ulp of u's upper part; times u.
     * Each tile is truncated by less than an ulp of the sum; and the omitted tile.
@@ -195,11 +170,12 @@ def row_error(table: Table, form: Form, row: int, rises: bool) -> Interval:
         if r2:
             slope = one / 2**form.slope_frac + (one * words[2] / 2 ** form.c_frac[2] * u_place if form.u_low else 0)
             bend = r2[0] * width**2 / 4
-        aside = interpolation_error(table, form, segment) + (abs(r1) + slope) * width / 2
+        interpolated = table.derivative(form.linear, segment) * (width**2 / 16 if form.linear else width**3 / 192)
+        aside = interpolated + (abs(r1) + slope) * width / 2
         left_out = u_place / 2 ** (form.slope_frac - form.slope_low) if form.u_low else 0
         tiles = form.tiles * one / 2**form.sum_frac + left_out
         low, high = (tiles, 0) if rises else (0, tiles)
-        return Interval(r0 + min(bend, 0) - aside - low, r0 + max(bend, 0) + aside + high)
+        return r0 + min(bend, 0) - aside - low, r0 + max(bend, 0) + aside + high
 
 
 # ---- reciprocal square root ------------------------------------------------------------------------------------------
@@ -275,8 +251,8 @@ def rsqrt(m, frac: int, tile: int = TILE):
 
 
 @cache
-def rsqrt_error(frac: int, tile: int = TILE) -> Interval:
-    """Return the proved range of :func:`rsqrt` minus 1/(2 sqrt V), in ulps of the result, for all V in [1/4, 1).
+def rsqrt_error(frac: int, tile: int = TILE) -> float:
+    """Return the largest difference of :func:`rsqrt` from 1/(2 sqrt V) in ulps of the result, for all V in [1/4, 1).
 
     V is any real number whose truncation to frac + 3 bits is m.  Per segment: the error at m (:func:`row_error`), the
     rounding constant minus the truncation of less than an ulp, and the fall of 1/(2 sqrt V) from m to V: the steepest
@@ -286,12 +262,12 @@ def rsqrt_error(frac: int, tile: int = TILE) -> Interval:
     with mpmath.workprec(PRECISION):
         last = mpmath.mpf(2) ** -frac
         added = mpmath.mpf(rounding(form, frac)) / 2**form.sum_frac
-        parts = []
+        ends = []
         for row in range(form.rows):
             steepest = INVERSE_ROOT.segment(form, row)[0] ** mpmath.mpf(-1.5) / 4
-            cut = Interval(mpmath.mpf(0), steepest * last / 8)
-            parts.append(row_error(INVERSE_ROOT, form, row, rises=False) + Interval(added - last, added) + cut)
-        return Interval(min(p.low for p in parts) / last, max(p.high for p in parts) / last)
+            low, high = row_error(INVERSE_ROOT, form, row, rises=False)
+            ends += [low + added - last, high + added + steepest * last / 8]
+        return float(max(map(abs, ends)) / last)
 
 
 # ---- sine and cosine of half an angle --------------------------------------------------------------------------------
@@ -352,7 +328,8 @@ def half_sincos_error(frac: int, tile: int = TILE) -> float:
     half an ulp for rounding the result."""
     form = SINE.form(frac, tile)
     with mpmath.workprec(PRECISION):
-        worst = max(row_error(SINE, form, row, rises).size for row in range(form.rows) for rises in (True, False))
+        rows = [row_error(SINE, form, row, rises) for row in range(form.rows) for rises in (True, False)]
+        worst = max(abs(end) for ends in rows for end in ends)
         return float(worst * 2**frac + mpmath.mpf(1) / 2)
 
 
@@ -407,28 +384,33 @@ class Rsqrt(Operation):
         to.rsqrt(node, self.m, self.twice)
 
 
-class HalfAngle(Operation):
+class HalfAngle(Unary):
     """Sine or cosine of phi/2, a binary angle of at most half a turn in either direction."""
 
     kind, latency, adds_rounding = "trig", "trig", True
 
     def __init__(self, phi: Node, function: str) -> None:
         super().__init__(phi)
-        self.phi, self.function = phi, function
+        self.function = function
 
     def error(self, node):
-        return _faithful(node, SINE_FRACS[-1])
+        return self.rounds or _faithful(node, SINE_FRACS[-1])
 
-    def result(self, node, values):
+    def pair(self, node, phi):
+        """Return the words of sine and cosine."""
         width = max(node.flow.width, 16)  # a shorter angle is padded with zeros
         frac = min(node.format.frac, SINE_FRACS[-1])
-        key = "half angle", self.phi.name
+        both = half_sincos(phi << width - node.flow.width, width, frac, node.flow.tile)
+        return [words << node.format.frac - frac for words in both]
+
+    def result(self, node, values):
+        key = "half angle", self.term.name
         if key not in values:
-            values[key] = half_sincos(self.phi.words(values) << width - node.flow.width, width, frac, node.flow.tile)
-        return values[key][self.function == "cos"] << node.format.frac - frac
+            values[key] = self.pair(node, self.term.words(values))
+        return values[key][self.function == "cos"]
 
     def real_result(self, node, values):
-        half = self.phi.words(values) * self.phi.format.ulp * (np.pi / 2)  # half a turn is 1
+        half = self.term.words(values) * self.term.format.ulp * (np.pi / 2)  # half a turn is 1
         return (np.sin(half) if self.function == "sin" else np.cos(half)) / node.format.ulp
 
     def growth(self, node, bounds):
@@ -439,8 +421,8 @@ class HalfAngle(Operation):
         return [f"(= 1.0 (+ (* {sine} {sine}) (* {cosine} {cosine})))", f"(<= 0.0 {cosine})"]
 
     def text(self, level=0):
-        return f"{self.function}({self.phi.text()} / 2)"
+        return f"{self.function}({self.term.text()} / 2)"
 
     def lower(self, to, node):
         if self.function == "cos":
-            to.half_angle(*node.flow.half_angle, self.phi)
+            to.half_angle(*node.flow.half_angle, self.term)

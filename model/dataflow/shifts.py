@@ -45,16 +45,13 @@ def even(value, width: int, mantissa_bits: int):
 class Even(Operation):
     """Mantissa of the low ``width`` bits of a word, shifted left by pairs until the first pair is not 0."""
 
-    kind, latency = "even", "even"
+    kind, latency, rounds = "even", "even", FLOOR
     count: Node
     mantissa: Node
 
     def __init__(self, value: Node, width: int) -> None:
         super().__init__(value)
         self.value, self.width = value, width
-
-    def error(self, node):
-        return FLOOR
 
     def pair(self, node, values):
         """Return shift count and mantissa."""
@@ -99,19 +96,13 @@ class EvenCount(Operation):
 
     def __init__(self, shifted: Even) -> None:
         super().__init__(shifted.value)
-        self.shifted = shifted
-
-    @property
-    def most(self) -> float:
-        """Largest count."""
-        return self.shifted.width / 2 - 1
+        self.shifted, self.most = shifted, shifted.width / 2 - 1  # the largest count
 
     def result(self, node, values):
         return self.shifted.pair(self.shifted.mantissa, values)[0]
 
     def facts(self, node, domain):
-        most = number(2.0 ** (self.shifted.width // 2 - 1))
-        return [f"(and (<= 1.0 {node.name}) (<= {node.name} {most}))"]
+        return [f"(and (<= 1.0 {node.name}) (<= {node.name} {number(2.0**self.most)}))"]
 
     def text(self, level=0):
         return f"clz({self.shifted.value.text()}) / 2"
@@ -146,15 +137,26 @@ class Count(Operation):
         to.count(node, self.constant, self.terms)
 
 
-class ShiftUp(Operation):
-    """v 2^(power + n), truncated; bits above the format, set for clamped targets only, are dropped."""
+class Shift(Operation):
+    """v 2^(power + sign n), truncated."""
+
+    sign: int
 
     def __init__(self, value: Node, count: Node, power: int = 0) -> None:
         super().__init__(value, count)
         self.value, self.count, self.power, self.frac = value, count, power, value.frac - power
 
     def words(self, values):
-        return self.value.words(values) * 2.0 ** self.count.words(values)
+        return self.value.words(values) * 2.0 ** (self.sign * self.count.words(values))
+
+    def text(self, level=0):
+        return f"{self.value.text()} * {_power(self.count, self.sign, self.power)}"
+
+
+class ShiftUp(Shift):
+    """v 2^(power + n), truncated; bits above the format, set for clamped targets only, are dropped."""
+
+    sign = 1
 
     def result(self, node, values):
         up = node.frac - self.frac
@@ -167,31 +169,20 @@ class ShiftUp(Operation):
     def formula(self, domain):
         return f"(* {number(2.0**self.power)} {self.value.formula(domain)} {self.count.name})"
 
-    def text(self, level=0):
-        return f"{self.value.text()} * {_power(self.count, 1, self.power)}"
-
     def lower(self, to, node):
         to.shift_up(node, self.value, self.count.name, self.power)
 
 
-class ShiftDown(Operation):
+class ShiftDown(Shift):
     """v 2^(power - n), truncated."""
 
-    def __init__(self, value: Node, count: Node, power: int = 0) -> None:
-        super().__init__(value, count)
-        self.value, self.count, self.power, self.frac = value, count, power, value.frac - power
-
-    def words(self, values):
-        return self.value.words(values) * 2.0 ** -self.count.words(values)
+    sign = -1
 
     def result(self, node, values):
         return self.value.words(values) << node.frac - self.frac >> self.count.words(values)
 
     def facts(self, node, domain):
         return [f"(= (* {node.name} {self.count.name}) (* {number(2.0**self.power)} {self.value.formula(domain)}))"]
-
-    def text(self, level=0):
-        return f"{self.value.text()} * {_power(self.count, -1, self.power)}"
 
     def lower(self, to, node):
         to.shift_down(node, self.value, self.count.name, self.power)

@@ -62,8 +62,12 @@ def read_csv(
     values |= {column: np.empty(len(rows) - 1) for column in columns if column in (*FIELDS, *of_hands)}
     others: dict[str, list[str]] = {column: [] for column in columns if column not in values}
     for n, (row, cells) in enumerate(rows[1:]):
-        if len(cells) != len(columns):
-            raise _length_error(path, row, cells, columns)
+        count, needed = len(cells), len(columns)
+        if count != needed:
+            column, cell = (str(needed + 1), cells[needed]) if count > needed else (columns[count], "")
+            reason = "is one too many" if count > needed else "is missing"
+            reason += f": the header has {needed} columns, this row has {count}"
+            raise cell_error(path, row, column, cell, reason)
         for column, cell in zip(columns, cells, strict=True):
             if column in others:
                 others[column].append(cell)
@@ -146,16 +150,6 @@ def _check_header(path: str, row: int, header: list[str]) -> list[str]:
         if column not in columns:
             raise TargetError(f"{path}: row {row}, column {column}: is missing; the header is {','.join(columns)!r}")
     return [column or f"column {n}" for n, column in enumerate(columns, 1)]
-
-
-def _length_error(path: str, row: int, cells: list[str], columns: list[str]) -> TargetError:
-    """Return the error of a row with more or fewer cells than the header."""
-    count = f"the header has {len(columns)} columns, this row has {len(cells)}"
-    if len(cells) > len(columns):
-        extra = len(columns)
-        return cell_error(path, row, str(extra + 1), cells[extra], f"is one too many: {count}")
-    missing = columns[len(cells)]
-    return cell_error(path, row, missing, "", f"is missing: {count}")
 
 
 def _parse(path: str, row: int, column: str, cell: str, separator: str) -> float:

@@ -23,26 +23,22 @@ def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
 
     Half of the lengths fill their words; the sizes of the others are spread evenly over the bits.
     """
-    random = np.random.default_rng((seed, width, 1))
-    rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
+    random, rows = np.random.default_rng((seed, width, 1)), np.zeros((0, len(FIELDS)), dtype=np.int64)
     while len(rows) < count:
-        rows = np.concatenate([rows, _reachable(random, count + 16, width)])
+        n = count + 16
+        # log2 of d1 + d2, approximately
+        size = np.where(np.arange(n) % 2, 0.0, random.uniform(3 - width, 0, n))
+        total = np.exp2(size) * random.uniform(0.5, 1.9, n)
+        share = random.uniform(0.03, 0.97, n)
+        d1, d2 = total * share, total * (1 - share)
+        distance = random.uniform(np.abs(d1 - d2), total)
+        direction = random.normal(size=(n, 3))
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        lengths = np.column_stack([direction * distance[:, None], d1, d2]) * 2.0 ** (width - 2)
+        words = np.rint(lengths).astype(np.int64)
+        words = np.insert(words, 3, random.integers(-(1 << (width - 1)), 1 << (width - 1), n), axis=1)
+        rows = np.concatenate([rows, words[expected_flags(words, width) == 0]])
     return rows[:count]
-
-
-def _reachable(random, count: int, width: int) -> np.ndarray:
-    one = 2.0 ** (width - 2)
-    size = np.where(np.arange(count) % 2, 0.0, random.uniform(3 - width, 0, count))  # log2 of d1 + d2, approximately
-    total = np.exp2(size) * random.uniform(0.5, 1.9, count)
-    share = random.uniform(0.03, 0.97, count)
-    d1, d2 = total * share, total * (1 - share)
-    distance = random.uniform(np.abs(d1 - d2), total)
-    direction = random.normal(size=(count, 3))
-    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    lengths = np.column_stack([direction * distance[:, None], d1, d2]) * one
-    words = np.rint(lengths).astype(np.int64)
-    words = np.insert(words, 3, random.integers(-(1 << (width - 1)), 1 << (width - 1), count), axis=1)
-    return words[expected_flags(words, width) == 0]
 
 
 def unreachable(count: int, width: int, seed: int) -> np.ndarray:
@@ -298,9 +294,12 @@ def _region(name: str, random, count: int, width: int) -> np.ndarray:
 def _near_z(random, count: int) -> np.ndarray:
     """Return directions near the z axis and on it."""
     off = np.where(random.random(count) < 0.9, 10 ** random.uniform(-9, -1, count), 0)
-    azimuth = random.uniform(-np.pi, np.pi, count)
-    side = random.choice([-1, 1], count)
-    return np.column_stack([np.sin(off) * np.cos(azimuth), np.sin(off) * np.sin(azimuth), side * np.cos(off)])
+    return _directions(off, random.uniform(-np.pi, np.pi, count)) * random.choice([(1, 1, -1), (1, 1, 1)], count)
+
+
+def _directions(off, azimuth) -> np.ndarray:
+    """Return the directions at angles from the z axis."""
+    return np.column_stack([np.sin(off) * np.cos(azimuth), np.sin(off) * np.sin(azimuth), np.cos(off)])
 
 
 def _elbow_near_z(random, width: int, d1, d2) -> np.ndarray:
@@ -308,9 +307,7 @@ def _elbow_near_z(random, width: int, d1, d2) -> np.ndarray:
     count = len(d1)
     elbow = _near_z(random, count) * d1[:, None]
     # A forearm that points away from the wrist's side would put the elbow on the other side.
-    bend = random.uniform(0, np.pi, count)
-    azimuth = random.uniform(-np.pi, np.pi, count)
-    side = np.column_stack([np.sin(bend) * np.cos(azimuth), np.sin(bend) * np.sin(azimuth), np.cos(bend)])
+    side = _directions(random.uniform(0, np.pi, count), random.uniform(-np.pi, np.pi, count))
     off = np.where(random.random(count) < 0.9, 10 ** random.uniform(-9, -1, count) * random.choice([-1, 1], count), 0)
     phi = np.rint(off / (2 * np.pi) * 2.0**width).astype(np.int64)
     half = 1 << (width - 1)

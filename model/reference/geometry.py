@@ -106,8 +106,6 @@ def solve(x, y, z, phi, d1, d2):
     values |= zip(("qs_w", "qs_i", "qs_j", "qs_k"), cga.quaternion_coefficients(Q_s), strict=True)
     values |= zip(("qe_w", "qe_i"), cga.quaternion_coefficients(Q_e)[:2], strict=True)
     values |= zip(("p_e_x", "p_e_y", "p_e_z"), cga.euclidean_coordinates(P_e), strict=True)
-    return values | {
-        "P_w": P_w, "L_sw": L_sw, "pi_swivel": pi_swivel, "S_1": S_1, "S_2": S_2, "Z_e": Z_e, "PP": PP, "P_e": P_e,
-        "L_se": L_se, "L_ew": L_ew, "Q_e": Q_e, "P_ze": P_ze, "pi_m": pi_m, "pi_e": pi_e, "L_m": L_m, "Q_12": Q_12,
-        "pi_yz2": pi_yz2, "Q_3": Q_3, "Q_s": Q_s,
-    }  # fmt: skip
+    values |= {"P_w": P_w, "L_sw": L_sw, "pi_swivel": pi_swivel, "S_1": S_1, "S_2": S_2, "Z_e": Z_e, "PP": PP}
+    values |= {"P_e": P_e, "L_se": L_se, "L_ew": L_ew, "Q_e": Q_e, "P_ze": P_ze, "pi_m": pi_m, "pi_e": pi_e, "L_m": L_m}
+    return values | {"Q_12": Q_12, "pi_yz2": pi_yz2, "Q_3": Q_3, "Q_s": Q_s}

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from model.dataflow.choices import Choice
 from model.dataflow.expressions import HALF_UP, Floor, Operation, Sum, Term
 from model.dataflow.formats import Format, Latency
 from model.dataflow.nodes import Node
@@ -41,10 +40,9 @@ def additions(term: Term) -> int:
     """Return the number of + and - in an expression; a rounding that is not part of another unit counts as well."""
     if isinstance(term, Count):
         return len(term.terms) - 1 + (term.constant > 0)
-    root = term.expression if isinstance(term, Choice) else term
-    if not isinstance(root, Operation) or isinstance(root, Floor):  # half angles share their sums
+    if not isinstance(term, Operation) or isinstance(term, Floor):  # half angles share their sums
         return 0
-    return sum(map(additions, root.parts)) + (len(root.terms) - 1 if isinstance(root, Sum) else 0)
+    return sum(map(additions, term.parts)) + (len(term.terms) - 1 if isinstance(term, Sum) else 0)
 
 
 def added(node: Node) -> int:

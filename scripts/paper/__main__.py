@@ -11,8 +11,7 @@ from types import SimpleNamespace
 
 import click
 
-from model.dataflow.annotations import RangeError
-from model.dataflow.nodes import FormatError
+from model.bounds.ranges import RangeError
 from scripts.console import command, option
 from scripts.generate.render import update
 from scripts.paper import derivation, figures, operations
@@ -33,7 +32,7 @@ def main(options: SimpleNamespace) -> int:
     try:
         for part in filter(PARTS.get, parts):
             update(PARTS[part]())
-    except (FormatError, RangeError, ProofError) as error:
+    except (RangeError, ProofError) as error:
         print(error, file=sys.stderr)
         return 1
     return table6.main([]) if "table6" in parts else 0

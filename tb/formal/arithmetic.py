@@ -17,12 +17,6 @@ def _number(value: int) -> str:
     return str(value) if value >= 0 else f"(- {-value})"
 
 
-def integers(names: str, facts: list[str], claim: str) -> str:
-    """Return the formula "the facts hold for these integers and the claim does not"."""
-    lines = [f"(declare-const {name} Int)" for name in names.split()]
-    return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"])
-
-
 def inside(name: str, low: int, high: int) -> str:
     """Return low <= name <= high."""
     return f"(<= {_number(low)} {name} {_number(high)})"

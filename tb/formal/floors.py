@@ -15,7 +15,8 @@ import re
 from collections.abc import Iterator
 from functools import partial
 
-from tb.formal.arithmetic import Question, integers
+from tb.formal.arithmetic import Question
+from tb.formal.smt import formula, smt
 from tb.formal.unrolled import ask
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug
@@ -29,75 +30,34 @@ PYTHON = {
     r"\{(\w+), 1'b0\}": r"(2 * \1)",
     r"1'b([01])": r"\1",
     r"\|\|": " or ",
-    r"\?": " if ",  # the condition comes first, as in Verilog: :func:`_term` reads it so
+    r"\?": " if ",  # the condition comes first, as in Verilog: :func:`integer` exchanges the two
     r":": " else ",
 }
 """Replacements that turn a Verilog expression into one that Python can parse; both have the same precedences."""
 
-OPERATORS = {
-    ast.Or: "or",
-    ast.Eq: "=",
-    ast.GtE: ">=",
-    ast.LtE: "<=",
-    ast.Lt: "<",
-    ast.Add: "+",
-    ast.Sub: "-",
-    ast.Mult: "*",
-}
-
-
-class FormulaError(LookupError):
-    """An expression of a .vh file without an equivalent over the integers."""
-
 
 def integer(text: str, names: dict[str, str]) -> str:
-    """Return a Verilog expression as an SMT term over integers, ignoring overflow; ``names`` maps identifiers."""
-    python = text
+    """Return a Verilog expression as an SMT term over integers, ignoring overflow; ``names`` maps identifiers.  Raises
+    SyntaxError or KeyError for other expressions."""
     for verilog, replacement in PYTHON.items():
-        python = re.sub(verilog, replacement, python)
-    try:
-        return _term(ast.parse(python.strip(), mode="eval").body, names)
-    except (SyntaxError, KeyError) as error:
-        raise FormulaError(f"{text!r}: {error}") from None
-
-
-def _term(node: ast.expr, names: dict[str, str]) -> str:
-    term = partial(_term, names=names)
-    match node:
-        case ast.Name() | ast.Attribute() | ast.Subscript():
-            return names[ast.unparse(node)]
-        case ast.Constant(value=int(number)):
-            return str(number)
-        case ast.IfExp(body=condition, test=yes, orelse=no):
-            return f"(ite {term(condition)} {term(yes)} {term(no)})"
-        case ast.UnaryOp(op=ast.Invert(), operand=a):
-            return f"(- (- 1) {term(a)})"
-        case ast.UnaryOp(op=ast.USub(), operand=a):
-            return f"(- {term(a)})"
-        case ast.BinOp(left=a, op=ast.LShift(), right=ast.Constant(value=int(places))):
-            return f"(* {term(a)} {1 << places})"
-        case ast.BinOp(left=a, op=ast.LShift(), right=b):  # by ROWS, which maps to 2^ROWS
-            return f"(* {term(a)} {term(b)})"
-        case (
-            ast.BinOp(left=a, op=operator, right=b)
-            | ast.Compare(left=a, ops=[operator], comparators=[b])
-            | ast.BoolOp(op=operator, values=[a, b])
-        ):
-            return f"({OPERATORS[type(operator)]} {term(a)} {term(b)})"
-    raise KeyError(ast.unparse(node))
+        text = re.sub(verilog, replacement, text)
+    tree = ast.parse(text.strip(), mode="eval").body
+    for choice in ast.walk(tree):
+        if isinstance(choice, ast.IfExp):
+            choice.test, choice.body = choice.body, choice.test
+    return smt(tree, str, names.__getitem__)
 
 
 def _read(text: str, pattern: str, names: dict[str, str]) -> str:
     """Return the term of the expression that a pattern's only match has as its group."""
     expressions = re.findall(pattern, text)
     if len(expressions) != 1:
-        raise FormulaError(f"not exactly one {pattern!r}")
+        raise LookupError(f"not exactly one {pattern!r}")
     return integer(expressions[0], names)
 
 
-def _asked(name: str, says: str, names: str, facts: list[str], claim: str) -> Question:
-    text = {met: integers(names, facts, met) for met in (claim, "false")}
-    return Question(name, says, partial(ask, text[claim]), partial(ask, text["false"]))
+def _asked(name: str, says: str, facts: list[str], claim: str) -> Question:
+    return Question(name, says, partial(ask, formula(facts, claim)), partial(ask, formula(facts, "false")))
 
 
 BIT = "(<= 0 bit 1)"
@@ -114,54 +74,29 @@ def _divider(text: str) -> Iterator[Question]:
     wide = {"f_M_wide": "M", "f_d_wide": "d", "ROWS": "B"}
     over = read(r"wire f_over_1 = f_d_1\[DW-1\] \|\| (.*);", wide)
     out = read(r"f_over_rows, (f_sign_rows \? .*)\};", {"f_sign_rows": "(< N 0)", "f_magnitude": "magnitude"})
-    names = "P Q R d q bit M X D B R2 P2 Q2 M2 t"
     row = [*WORDS, "(<= 0 q 1)", BIT, "(<= 0 R)", least, "(< d D)", "(<= 0 M)", "(<= 0 Q)"]
     row += ["(= P (* Q d))", f"(= {total} M)"]
     behind = ["(<= 0 R2)", "(< R2 d)", f"(= P2 {p_next})", f"(= Q2 {q_next})", "(= M2 (+ (* 2 M) bit))"]
     modulo = "(= (+ P2 R2) (+ M2 (* t X)))"
-    yield _asked(
-        "divider: bits",
-        "M >> k is M >> (k + 1), doubled, and a bit",
-        "M c m n",
-        ["(< 0 c)", "(<= 0 M)", "(<= 0 (- M (* c m)) (- c 1))", "(<= 0 (- M (* 2 c n)) (- (* 2 c) 1))"],
-        "(<= 0 (- m (* 2 n)) 1)",
-    )
-    yield _asked(
-        "divider: first",
-        "before the first row P = Q d, and P + R is what is above the rows' bits",
-        "Q d R M",
-        ["(= Q 0)", "(= R M)"],
-        "(= (+ (* Q d) R) M)",
-    )
+    says = "M >> k is M >> (k + 1), doubled, and a bit"
+    facts = ["(< 0 c)", "(<= 0 M)", "(<= 0 (- M (* c m)) (- c 1))", "(<= 0 (- M (* 2 c n)) (- (* 2 c) 1))"]
+    yield _asked("divider: bits", says, facts, "(<= 0 (- m (* 2 n)) 1)")
+    says = "before the first row P = Q d, and P + R is what is above the rows' bits"
+    yield _asked("divider: first", says, ["(= Q 0)", "(= R M)"], "(= (+ (* Q d) R) M)")
     says = "P = Q d before a row: P = Q d behind it"
-    yield _asked("divider: product", says, names, [*row, *behind], "(= P2 (* Q2 d))")
-    yield _asked(
-        "divider: row",
-        "P + R is M's bits so far modulo the words' length, therefore without it",
-        names,
-        [*row, *behind, modulo],
-        "(= t 0)",
-    )
+    yield _asked("divider: product", says, [*row, *behind], "(= P2 (* Q2 d))")
+    says = "P + R is M's bits so far modulo the words' length, therefore without it"
+    yield _asked("divider: row", says, [*row, *behind, modulo], "(= t 0)")
     last = [*WORDS, "(<= 0 R)", least, "(= (+ (* Q d) R) M)"]
-    yield _asked("divider: last", "Q = floor(M / d)", "Q d R M X D B", last, "(<= 0 (- M (* Q d)) (- d 1))")
-    about = "N Q d R M X D B magnitude q"
+    yield _asked("divider: last", "Q = floor(M / d)", last, "(<= 0 (- M (* Q d)) (- d 1))")
     fits = [f"(= M {magnitude})", *last, f"(not {over})", "(= magnitude Q)", f"(= q {out})"]
     says = "q = floor(N / d), for a negative N as well"
-    yield _asked("divider: sign", says, about, fits, "(<= 0 (- N (* q d)) (- d 1))")
-    yield _asked(
-        "divider: fits",
-        "without overflow the quotient is a word of ROWS bits and a sign",
-        about,
-        [*fits, "(<= 0 Q)"],
-        "(and (<= (- B) q) (< q B))",
-    )
-    yield _asked(
-        "divider: overflow",
-        "with it and d > 0, floor(N / d) is none",
-        "N d M B f",
-        ["(< 0 d)", "(< 0 B)", f"(= M {magnitude})", over, "(<= 0 (- N (* f d)) (- d 1))"],
-        "(or (<= B f) (< f (- B)))",
-    )
+    yield _asked("divider: sign", says, fits, "(<= 0 (- N (* q d)) (- d 1))")
+    says = "without overflow the quotient is a word of ROWS bits and a sign"
+    yield _asked("divider: fits", says, [*fits, "(<= 0 Q)"], "(and (<= (- B) q) (< q B))")
+    says = "with it and d > 0, floor(N / d) is none"
+    facts = ["(< 0 d)", "(< 0 B)", f"(= M {magnitude})", over, "(<= 0 (- N (* f d)) (- d 1))"]
+    yield _asked("divider: overflow", says, facts, "(or (<= B f) (< f (- B)))")
 
 
 def _root(text: str) -> Iterator[Question]:
@@ -171,39 +106,21 @@ def _root(text: str) -> Iterator[Question]:
     total = read(r"\.identity\((S_q \+ R) == M_q >> \(2 \* \(ROWS - 1 - k\)\)\)", {"S_q": "S", "R": "R"})
     twice = read(r"wire \[MW:0\] Q_twice = (\{Q_q, 1'b0\});", {"Q_q": "Q"})
     least = read(r"\.in_range\((.*?) && r_plus", {"R": "R", "Q_twice": twice})
-    names = "S Q R q pair M B R2 S2 Q2 M2 t"
     row = ["(<= 8 B)", "(<= 0 q 1)", "(<= 0 pair 3)", "(<= 0 R)", least, "(<= 0 Q)", "(< Q B)", "(<= 0 M)"]
     row += ["(= S (* Q Q))", f"(= {total} M)"]
     behind = ["(<= 0 R2)", "(<= R2 (* 2 Q2))", f"(= S2 {s_next})", f"(= Q2 {q_next})", "(= M2 (+ (* 4 M) pair))"]
-    yield _asked(
-        "root: pairs",
-        "M >> 2 k is M >> 2 (k + 1), four times, and a pair of bits",
-        "M c m n",
-        ["(< 0 c)", "(<= 0 M)", "(<= 0 (- M (* c m)) (- c 1))", "(<= 0 (- M (* 4 c n)) (- (* 4 c) 1))"],
-        "(<= 0 (- m (* 4 n)) 3)",
-    )
-    yield _asked("root: square", "S = Q^2 before a row: S = Q^2 behind it", names, [*row, *behind], "(= S2 (* Q2 Q2))")
-    yield _asked(
-        "root: row",
-        "S + R is M's bits so far modulo the words' length, 2^(2 ROWS), therefore without it",
-        names,
-        [*row, *behind, "(= (+ S2 R2) (+ M2 (* t B B)))"],
-        "(= t 0)",
-    )
-    yield _asked(
-        "root: last",
-        "Q = floor(sqrt(M))",
-        "Q R M",
-        ["(<= 0 R)", least, "(<= 0 Q)", "(= (+ (* Q Q) R) M)"],
-        "(and (<= (* Q Q) M) (< M (* (+ Q 1) (+ Q 1))))",
-    )
-    yield _asked(
-        "root: overflow",
-        "where n 2^SH has more bits, its root has more than ROWS",
-        "f v B",
-        ["(<= 8 B)", "(<= (* B B) v)", "(<= 0 f)", "(< v (* (+ f 1) (+ f 1)))"],
-        "(<= B f)",
-    )
+    says = "M >> 2 k is M >> 2 (k + 1), four times, and a pair of bits"
+    facts = ["(< 0 c)", "(<= 0 M)", "(<= 0 (- M (* c m)) (- c 1))", "(<= 0 (- M (* 4 c n)) (- (* 4 c) 1))"]
+    yield _asked("root: pairs", says, facts, "(<= 0 (- m (* 4 n)) 3)")
+    yield _asked("root: square", "S = Q^2 before a row: S = Q^2 behind it", [*row, *behind], "(= S2 (* Q2 Q2))")
+    says = "S + R is M's bits so far modulo the words' length, 2^(2 ROWS), therefore without it"
+    yield _asked("root: row", says, [*row, *behind, "(= (+ S2 R2) (+ M2 (* t B B)))"], "(= t 0)")
+    says = "Q = floor(sqrt(M))"
+    facts = ["(<= 0 R)", least, "(<= 0 Q)", "(= (+ (* Q Q) R) M)"]
+    yield _asked("root: last", says, facts, "(and (<= (* Q Q) M) (< M (* (+ Q 1) (+ Q 1))))")
+    says = "where n 2^SH has more bits, its root has more than ROWS"
+    facts = ["(<= 8 B)", "(<= (* B B) v)", "(<= 0 f)", "(< v (* (+ f 1) (+ f 1)))"]
+    yield _asked("root: overflow", says, facts, "(<= B f)")
 
 
 def floors(bug: Bug | None = None) -> Iterator[Question]:

@@ -9,74 +9,18 @@ operands as exact (``Dataflow.words``), it uses ``n_w``, the word of node n: wit
 The questions are in :mod:`tb.formal.lean_proofs`.
 """
 
-import ast
-import re
-from collections.abc import Callable
-from fractions import Fraction
-
 from model.bounds.ranges import LeanRanges, on_grid
 from model.dataflow.annotations import Within
 from model.dataflow.expressions import Compared, Constant, FreeError, number
 from model.dataflow.fixed import dataflow
 from model.dataflow.nodes import Node
 from model.io.words import ARMS
-
-WORDS = {"and", "or", "not", "ite", "true", "false"}  # reserved words of SMT-LIB
+from tb.formal.smt import formula, smt
 
 
 def between(low: float, term: str, high: float, below: bool = False) -> str:
     """Return low <= term <= high, or < high."""
     return f"(and (<= {number(low)} {term}) ({'<' if below else '<='} {term} {number(high)}))"
-
-
-def real_formula(facts: list[str], goal: str, bits: Callable[[str], bool] = lambda name: False) -> str:
-    """Return the formula "the facts hold and the goal does not"; names are declared real, or Boolean where ``bits``."""
-    names = sorted({n for text in (goal, *facts) for n in re.findall(r"[a-z]\w*", text)} - WORDS)
-    lines = [f"(declare-const {name} {'Bool' if bits(name) else 'Real'})" for name in names]
-    return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {goal}))"])
-
-
-def smt(text: str) -> str:
-    """Return a statement in SMT-LIB: Python's arithmetic, comparisons and logic, and ``implies(a, b)``."""
-    return _smt(ast.parse(text, mode="eval").body)
-
-
-COMPARISONS = {ast.Lt: "<", ast.LtE: "<=", ast.Eq: "="}
-
-
-def _smt(tree: ast.expr) -> str:
-    match tree:
-        case ast.Name(name):
-            return name
-        case ast.Constant(value):
-            return number(Fraction(str(value)))
-        case ast.BinOp(ast.Constant(high), ast.Div(), ast.Constant(low)):
-            return number(Fraction(high, low))
-        case ast.BinOp(base, ast.Pow(), ast.Constant(2)):
-            return f"(* {_smt(base)} {_smt(base)})"
-        case ast.BinOp(_, ast.Add() | ast.Mult() as kind, _):
-            symbol = "+" if isinstance(kind, ast.Add) else "*"
-            return f"({symbol} {' '.join(_smt(part) for part in _operands(tree, type(kind)))})"
-        case ast.BinOp(left, ast.Sub(), right):
-            return f"(- {_smt(left)} {_smt(right)})"
-        case ast.Compare(left, [relation], [right]):
-            return f"({COMPARISONS[type(relation)]} {_smt(left)} {_smt(right)})"
-        case ast.BoolOp(kind, parts):
-            return f"({'and' if isinstance(kind, ast.And) else 'or'} {' '.join(map(_smt, parts))})"
-        case ast.UnaryOp(ast.Not(), part):
-            return f"(not {_smt(part)})"
-        case ast.IfExp(test, yes, no):
-            return f"(ite {_smt(test)} {_smt(yes)} {_smt(no)})"
-        case ast.Call(ast.Name("implies"), [left, right]):
-            return f"(=> {_smt(left)} {_smt(right)})"
-    raise SyntaxError(f"no formula for {ast.unparse(tree)}")
-
-
-def _operands(tree: ast.expr, kind: type) -> list[ast.expr]:
-    """Return the terms of a sum, or the factors of a product."""
-    if isinstance(tree, ast.BinOp) and isinstance(tree.op, kind):
-        return [*_operands(tree.left, kind), *_operands(tree.right, kind)]
-    return [tree]
 
 
 class Exact:
@@ -185,9 +129,12 @@ class Exact:
 
     def formula(self, facts: list[str], goal: str) -> str:
         """Return the formula "the facts hold and the goal does not", with its declarations."""
-        return real_formula(
-            facts, goal, lambda n: n.startswith("neg_") or (n in self.nodes and self.nodes[n].format.width == 1)
-        )
+
+        def sort(name: str) -> str:
+            mask = name.startswith("neg_") or (name in self.nodes and self.nodes[name].format.width == 1)
+            return "Bool" if mask else "Real"
+
+        return formula(facts, goal, sort)
 
     @property
     def claimed(self) -> list[str]:

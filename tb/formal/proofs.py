@@ -62,32 +62,17 @@ def axis(name: str, width: int, depth: int = 0) -> Proof:
     path = MODELS.get(name, PAPER)
     sets = {"W": width, "DATAPATH": path.number}
     properties = {path.top: "ik_axis", "ik_fifo": "ik_fifo_port"}
-    return Proof(
-        f"axis_{name}",
-        path.top,
-        sets,
-        "ik_core ik_credit_fifo ik_fifo",
-        properties,
-        CORE[path.name],
-        depth=depth,
-        uses=AXIS_USES,
-        after=AXIS_AFTER,
-    )
+    rest = {"depth": depth, "uses": AXIS_USES, "after": AXIS_AFTER}
+    return Proof(f"axis_{name}", path.top, sets, "ik_core ik_credit_fifo ik_fifo", properties, CORE[path.name], **rest)
 
 
 def handshake(datapath: str) -> Proof:
     """Return the proof that no gates lead from tready or tvalid at one stream to the other's."""
     gates = ("i:m_axis_tready i:s_axis_tvalid", "o:m_axis_tvalid o:s_axis_tready", 2, 2)
     core, path = "ik_core" if datapath in CORE else f"ik_{datapath} {CONTROL}", MODELS[datapath]
-    return Proof(
-        f"handshake_{datapath}",
-        path.top,
-        {"W": 32, "DATAPATH": path.number},
-        f"{core} ik_credit_fifo ik_fifo",
-        defines=CORE.get(datapath, ""),
-        part=datapath not in CORE,
-        gates=gates,
-    )
+    others = f"{core} ik_credit_fifo ik_fifo"
+    rest = {"defines": CORE.get(datapath, ""), "part": datapath not in CORE, "gates": gates}
+    return Proof(f"handshake_{datapath}", path.top, {"W": 32, "DATAPATH": path.number}, others, **rest)
 
 
 def valid(datapath: str) -> Proof:
@@ -98,25 +83,14 @@ def valid(datapath: str) -> Proof:
 
 def rows(kind: str, width: int, shift: int, rest: dict[str, int], depth: int, uses: str) -> Proof:
     """Return the proof of a divider or root of the paper's datapath, row by row."""
-    return Proof(
-        f"{kind}_{width}_{shift}",
-        f"ik_{kind}_digit",
-        {"NW": width, "SH": shift, "QW": 32, **rest},
-        f"ik_checks ik_delay ik_{kind}_row",
-        depth=depth,
-        uses=dict.fromkeys(ROW.split(), uses),
-    )
+    sets, others = {"NW": width, "SH": shift, "QW": 32, **rest}, f"ik_checks ik_delay ik_{kind}_row"
+    needs = dict.fromkeys(ROW.split(), uses)
+    return Proof(f"{kind}_{width}_{shift}", f"ik_{kind}_digit", sets, others, depth=depth, uses=needs)
 
 
 def engine(name: str, others: str = "", size: int = 5) -> Proof:
-    more = {"LOG2_RECORD": size} if size > 5 else {}
-    return Proof(
-        f"axi_{name}_{'arm' if more else 64}",
-        f"ik_axi_{name}",
-        {"DATA_W": 64, **more},
-        others,
-        depth=32 if more else 20,
-    )
+    sets, depth = {"DATA_W": 64} | ({"LOG2_RECORD": size} if size > 5 else {}), 32 if size > 5 else 20
+    return Proof(f"axi_{name}_{'arm' if size > 5 else 64}", f"ik_axi_{name}", sets, others, depth=depth)
 
 
 PROOFS = (

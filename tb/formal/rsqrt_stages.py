@@ -16,7 +16,8 @@ from functools import partial
 from model.dataflow.formats import WIDTHS, root_frac
 from model.dataflow.mul3 import TILE
 from model.dataflow.quadratic import INVERSE_ROOT, Form, place, polynomial, rounding, table_rows
-from tb.formal.arithmetic import Question, inside, integers, word
+from tb.formal.arithmetic import Question, inside, word
+from tb.formal.smt import formula
 from tb.formal.tools import yosys
 from tb.formal.unrolled import Answer, Unrolled, ask
 from tb.sim.env import ROOT
@@ -37,10 +38,6 @@ HELD = re.compile(r"\(= \(bvand \(select \(\|\S+\| state\) #b([01]+)\) #b1+\) #b
 
 MULTIPLIED = re.compile(r"^\(define-fun (\|\S+\|) \(\(state (\|\S+\|)\)\) (\(_ BitVec \d+\)) \(bvmul .*$", re.M)
 """A product, which is an arbitrary word except in the question about it."""
-
-
-class StageError(LookupError):
-    """Formula of ik_rsqrt that Yosys cannot write; the text gives the reason."""
 
 
 @dataclass(frozen=True)
@@ -119,13 +116,12 @@ class Stages:
         copy_rtl(place, bug)
         here = place.relative_to(ROOT)
         read = f"{here}/{RSQRT} {here}/{QUADRATIC} {here}/rtl/lib/ik_delay.v"
-        wrong = yosys(place, "formula", [
-            f"read_verilog -formal -sv -I{here}/rtl/include {read}", f"chparam -set F {frac} -set TILE {tile} ik_rsqrt",
-            "hierarchy -check -top ik_rsqrt", "proc", "flatten", "opt_clean", "memory_collect", "opt_clean",
-            "async2sync", "dffunmap", f"write_smt2 -wires {here}/formula.smt2",
-        ])  # fmt: skip
+        lines = [f"read_verilog -formal -sv -I{here}/rtl/include {read}"]
+        lines += [f"chparam -set F {frac} -set TILE {tile} ik_rsqrt", "hierarchy -check -top ik_rsqrt; proc; flatten"]
+        lines += ["opt_clean; memory_collect; opt_clean; async2sync; dffunmap"]
+        wrong = yosys(place, "formula", [*lines, f"write_smt2 -wires {here}/formula.smt2"])
         if wrong:
-            raise StageError(wrong)
+            raise RuntimeError(wrong)
         text = (place / "formula.smt2").read_text()
         self.rom = {int(address, 2): int(held, 2) for address, held in HELD.findall(text)}
         text = HELD.sub("true", text)  # any table will do unless the question is about its words
@@ -190,8 +186,8 @@ class Stages:
         return products
 
     def _ask(self, claim: str, facts: list[str]) -> Answer:
-        formula = self.whole if "bvmul" in claim else self.unrolled
-        lines = [formula.clocks(self.clocks), *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"]
+        steps = self.whole if "bvmul" in claim else self.unrolled
+        lines = [steps.clocks(self.clocks), *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"]
         return ask("\n".join(lines), SOLVER)
 
     def questions(self) -> Iterator[Question]:
@@ -208,7 +204,7 @@ class Stages:
         for product in self.products:
             a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)
             facts = [inside("a", 0, (1 << a - 1) - 1), word("b", b)]
-            answer = ask(integers("a b", facts, word("(* a b)", widths[f"u_quadratic.{product.register}"])))
+            answer = ask(formula(facts, word("(* a b)", widths[f"u_quadratic.{product.register}"])))
             if answer.said != "unsat":
                 return answer
         return answer
@@ -259,24 +255,19 @@ class Stages:
     def _claims(self) -> Iterator[tuple[str, str, object]]:
         address = f"|{self.unrolled.top}_m:R0A rom@0|"
         longer = WIDE - self.form.index_bits
-        yield (
-            "address",
-            "the table is read at the model's row",
-            lambda row, u, y, f: f"(= ((_ zero_extend {longer}) {address}) {_text(row)})",
-        )
+        says = "the table is read at the model's row"
+        yield "address", says, lambda row, u, y, f: f"(= ((_ zero_extend {longer}) {address}) {_text(row)})"
         yield "u", "u_1 is the model's u", lambda row, u, y, f: f"(= {self.at('u_1', 2)} {u.text})"
         for number, product in enumerate(self.products):
             factors = partial(self._factors, number, product)
             yield f"{product.name}, factors", f"{' and '.join(product.factors)} are the model's factors", factors
             yield f"{product.name}, product", f"{product.register} is their product", partial(self._multiplied, product)
         y, twice = self.unrolled.at("y", self.clocks), self.unrolled.at("twice", 1)
-        yield (
-            "y",
-            "the result is the model's, doubled where twice is 1",
-            lambda row, u, result, f: (
-                f"(= {y} ((_ extract {self.frac} 0) (ite {twice} {(result << 1).text} {result.text})))"
-            ),
-        )
+
+        def result(row, u, result, f) -> str:
+            return f"(= {y} ((_ extract {self.frac} 0) (ite {twice} {(result << 1).text} {result.text})))"
+
+        yield "y", "the result is the model's, doubled where twice is 1", result
 
 
 def forms() -> list[tuple[int, int]]:

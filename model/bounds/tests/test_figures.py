@@ -83,7 +83,7 @@ def reciprocal_root(frac: int, tile: int) -> Figures:
         for part in (np.longdouble(0), np.longdouble(0.5), np.longdouble(1))
     )
     found = measured(error=middle) | {"error max": float(max(np.abs(low).max(), np.abs(high).max()))}
-    proved = float(quadratic.rsqrt_error(frac, tile).size)
+    proved = quadratic.rsqrt_error(frac, tile)
     assert proved < quadratic.rsqrt_places(frac, tile)
     return {"proved": proved} | found
 

@@ -9,13 +9,16 @@ import pytest
 
 from model.bounds import ranges
 from model.bounds.predict import Real
+from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed, paper, paper_turns
 from model.dataflow.annotations import Within
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.formats import WIDTHS as ALL_WIDTHS
-from model.io import monte_carlo
+from model.dataflow.paper_operations import Div, Rounded
 from model.io.flags import UNREACHABLE, expected_flags
+from model.io.scoring import singular_distance
 from model.io.stimuli import REGIONS, corners, edges, extremes, hand_poses, random_reachable, region, unreachable
+from model.io.words import from_words
 
 WIDTHS = (16, 18, 24, 32)
 
@@ -33,12 +36,18 @@ def test_nothing_saturates_but_by_design(width):
     assert only_clamped == {"t_e": True, "c4_quo": False}
 
 
+def shorten(datapath: str, name: str, width: int, spare: int, monkeypatch) -> int:
+    """Shorten a node's format by ``spare`` bits; return its bits."""
+    node = fixed.nodes(datapath, width)[name]
+    monkeypatch.setattr(node, "format", replace(node.format, width=node.format.width - spare))
+    return node.format.width
+
+
 @pytest.mark.parametrize(("name", "width"), [("l_sw", 16), ("k_e", 24), ("inf_pp", 16), ("qs_j", 18)])
-def test_a_format_one_bit_too_short_is_named(name, width):
-    fmt = ranges.proved(width)[name].node.format
-    found = ranges.analyse(width, **{name: replace(fmt, width=fmt.width - 1)})[1]
-    assert name in found
-    assert name in found[name] and f"{fmt.width - 1} bits" in found[name] and f"W = {width}" in found[name]
+def test_a_format_one_bit_too_short_is_named(name, width, monkeypatch):
+    bits = shorten("paper", name, width, 1, monkeypatch)
+    found = ranges.analyse.__wrapped__(width)[1]  # without its cache
+    assert name in found[name] and f"{bits} bits" in found[name] and f"W = {width}" in found[name]
 
 
 @pytest.mark.parametrize(
@@ -57,31 +66,36 @@ def test_without_a_rule_something_does_not_fit(section, rule, monkeypatch):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_random_targets_stay_inside_the_proved_ranges(width):
-    some = random_reachable(20000, width, 7), edges(5000, width, 7), unreachable(2000, width, 7)
+    """Nothing saturates but by design. Before the first restart, in the swivel plane, errors against double precision
+    in regular poses are within the proved ones."""
+    some = random_reachable(20000, width, 7), edges(5000, width, 7), unreachable(5000, width, 7)
     words = np.concatenate([*some, extremes(5000, width, 7), np.array(list(corners(width).values()), dtype=np.int64)])
-    seen = monte_carlo.Observed()
-    monte_carlo.observe(seen, words, width)
-    assert not seen.beyond, seen.first
-    for name, node in seen.nodes.items():
-        proof = ranges.proved(width)[name]
-        ulp = proof.node.format.ulp
-        assert proof.low <= node.low * ulp and node.high * ulp <= proof.high, name
     bits = fixed.run(words, width, "paper").bits
-    j, lz = bits.nodes["scale_j"].value, bits.nodes["lz_r"].value
+    value = {name: np.broadcast_to(node.value, len(words)) for name, node in bits.nodes.items()}
+    clamped = value["clamp"].astype(bool)
+    with np.errstate(all="ignore"):
+        real = Real(bits, {}).values
+    regular = ~clamped
+    regular[regular] = singular_distance(from_words(words[regular], 0, width, "random")) >= REGULAR_DISTANCE
+    for name, proof in ranges.proved(width).items():
+        node, fmt = proof.node, proof.node.format
+        out = (value[name] < fmt.low) | (value[name] > fmt.high)
+        if isinstance(node.op, Rounded | Div):
+            out = out | node.op.overflow(node, value)
+        if node.limited:
+            out = out & ~clamped & node.limited.clamped
+        assert not out.any(), f"{name} of {words[np.argmax(out)]} is beyond its format"
+        if fmt.width > 1:
+            low, high = int(value[name].min()), int(value[name].max())
+            assert proof.low <= low * fmt.ulp and high * fmt.ulp <= proof.high, name
+        if node.section == "swivel":
+            exact = np.broadcast_to(real[name], len(words))[regular] / fmt.ulp
+            worst = np.abs(value[name][regular] - exact).max()
+            assert worst <= proof.error_ulps * (1 + 1e-6) + 1e-3, name
+    j, lz = value["scale_j"], value["lz_r"]
     assert j.min() >= 0 and j.max() <= width and (j[lz > 0] < width).all()
     units = {j for c in ranges.cases(width) if c.long for j in range(c.j[0], c.j[1] + 1)}
     assert units == set(range(width + 1)), "a unit of the target is in no case"
-
-
-@pytest.mark.parametrize("width", WIDTHS)
-def test_proved_errors_hold_in_the_swivel_plane(width):
-    """Before the first restart the observed and the proved error are the same quantity."""
-    seen = monte_carlo.monte_carlo(monte_carlo.CHUNK, width, 2).nodes
-    table = ranges.proved(width)
-    checked = [n for n, p in table.items() if p.node.section == "swivel" and n in seen and seen[n].count]
-    assert len(checked) > 20
-    for name in checked:
-        assert seen[name].worst <= table[name].error_ulps * (1 + 1e-6) + 1e-3, name
 
 
 @pytest.mark.parametrize("width", ALL_WIDTHS)
@@ -89,22 +103,16 @@ def test_every_lean_node_fits(width):
     assert ranges.LeanRanges(width).failed == ranges.LeanRanges(width, datapath="arm").failed == {}
 
 
-SHORT = [
-    ("u_x", 32, 2),
-    ("inv_law_raw", 18, 1),
-    ("k_scaled", 24, 1),
-    ("qs_i", 16, 1),
-    ("rho_sq", 32, 2),
-    ("m_far", 18, 1),
-]
-SHORT += [("hand_sq", 24, 3), ("r_z", 32, 2), ("off_x", 18, 1), ("g_w", 16, 1), ("qw_j", 32, 1), ("qw_ij", 18, 2)]
+SHORT = [("u_x", 32, 2), ("inv_law_raw", 18, 1), ("k_scaled", 24, 1), ("qs_i", 16, 1), ("rho_sq", 32, 2)]
+SHORT += [("m_far", 18, 1), ("hand_sq", 24, 3), ("r_z", 32, 2), ("off_x", 18, 1), ("g_w", 16, 1), ("qw_j", 32, 1)]
+SHORT += [("qw_ij", 18, 2)]
 """Nodes of the lean dataflow and of the whole arm, word lengths, and bits that their formats cannot spare."""
 
 
 @pytest.mark.parametrize(("name", "width", "spare"), SHORT)
-def test_a_lean_format_too_short_is_named(name, width, spare):
-    fmt = fixed.nodes("arm", width)[name].format
-    failed = ranges.LeanRanges(width, {name: replace(fmt, width=fmt.width - spare)}, datapath="arm").failed
+def test_a_lean_format_too_short_is_named(name, width, spare, monkeypatch):
+    shorten("arm", name, width, spare, monkeypatch)
+    failed = ranges.LeanRanges(width, "arm").failed
     assert list(failed) == [name] and name in failed[name] and f"W = {width}" in failed[name]
 
 

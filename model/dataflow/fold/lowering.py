@@ -103,17 +103,13 @@ class Lowering:
             if node.format != self.flow.bit:
                 node.op.lower(self, node)
             elif node.operands:
-                self.made_of[node.name] = self._mask(node)
+                self.made_of[node.name] = node.op.mask_registers(self, node)
 
     def make(self, inputs: dict[str, Node]) -> None:
         """Build the dataflow."""
         lean_turn.lean(self.flow, inputs)
 
     # ---- masks ---------------------------------------------------------------------------------------------------
-
-    def _mask(self, node: Node) -> set[str]:
-        """Return the registers that a mask depends on."""
-        return node.op.mask_registers(self, node)
 
     def operand_registers(self, mask: Node, of: Node) -> set[str]:
         """Return the registers of an operand of a mask: of another mask, the sign of a word, and whether it is 0."""
@@ -142,42 +138,34 @@ class Lowering:
         return self.inner - 1 - node.format.frac
 
     def sum(self, node: Node, terms: tuple[tuple[int, Any], ...]) -> None:
-        if len(terms) > 2 or isinstance(terms[0][1], Constant) or node.ends:
-            self._chain_of(node, terms)
+        """Add two terms, or a chain: three or more terms, a half and terms, or a sum that may leave its format."""
+        (_, first), (sign, second), *others = terms
+        if not (others or isinstance(first, Constant) or node.ends):
+            self.plus(node, first, second, sign < 0)
             return
-        (_, first), (sign, second) = terms
-        self._plus(node, first.name, second.name, sign < 0)
+        name, self.weight[node.name] = node.name, self._weight(node)
+        if isinstance(first, Constant):
+            self.terms[HALF_ROW] = Step(HALF_ROW, ONE, HALF)
+            start, names = HALF_ROW, [f"{name}'"]
+        else:
+            start, names = first.name, [f"{name}{n}" for n in range(2, len(terms))]
+        rest = zip([*names, name], terms[1:], strict=True)
+        self._chain(start, *((made, term.name, sign) for made, (sign, term) in rest), write=Write(name))
 
-    def _plus(self, node: Node, first: str, second: str, less: bool) -> None:
-        name = node.name
+    def plus(self, node: Node, a: Node, b: Node, less: bool = False) -> None:
+        name, first, second, minus = node.name, a.name, b.name, ALWAYS if less else NEVER
         if first in ARMS:  # halved: a length is normalized from T
-            window = Write(name, DOUBLE)
             half = f"{first}/2"  # not the normalized T: both would be written in the same clock
             for term, arm in ((first, first), (half, first), (second, second)):
                 self.terms[term] = Step(term, arm, HALF, write=None)
-            self.sums[half].append(Sum(name, second, ALWAYS if less else NEVER, write=window))
+            self.sums[half].append(Sum(name, second, minus, write=Write(name, DOUBLE)))
             self.weight[name] = EXACT_WEIGHT
         elif less and second not in self.terms:
             self.sums[second].append(Sum(name, first, ALWAYS, inverse=True))
+        elif node.format.width > self.bits:  # an exact sum
+            self.sums[first].append(Sum(name, second, minus))
         else:
-            exact = node.format.width > self.bits
-            if not exact:
-                self.weight[name] = self._weight(node)
-            self.sums[first].append(Sum(name, second, ALWAYS if less else NEVER, write=None if exact else Write(name)))
-
-    def _chain_of(self, node: Node, terms: tuple[tuple[int, Any], ...]) -> None:
-        """Add three or more terms; the first may be a half."""
-        name, self.weight[node.name] = node.name, self._weight(node)
-        if isinstance(terms[0][1], Constant):
-            self.terms[HALF_ROW] = Step(HALF_ROW, ONE, HALF)
-            first, names = HALF_ROW, [f"{name}'"]
-        else:
-            first, names = terms[0][1].name, [f"{name}{n}" for n in range(2, len(terms))]
-        rest = zip([*names, name], terms[1:], strict=True)
-        self._chain(first, *((made, term.name, sign) for made, (sign, term) in rest), write=Write(name))
-
-    def wrapped_sum(self, node: Node, first: Node, second: Node) -> None:
-        self._plus(node, first.name, second.name, False)
+            self._further(node, first, second, minus)
 
     def _chain(self, first: str, *terms: tuple[str, str, int], write: Write | None = None, result: str = "") -> None:
         """Add terms (sum, term, sign) to a first one, and write the last sum or make it a result."""
@@ -200,7 +188,7 @@ class Lowering:
         self.terms[node.name] = Step(node.name, a.name, b.name)
 
     def product(self, node: Node, a: Node, b: Node, scale: int) -> None:
-        weight = self.inner - 1 - node.format.frac
+        weight = self._weight(node)
         for word in (a, b):
             top = word.format.width - word.format.signed - word.format.frac
             if top != self.weight[word.name]:

@@ -71,15 +71,13 @@ def codes(name: str = "fold") -> dict[str, tuple]:
     signs = [node for node in lowering.nodes if node in {step.sign for step in steps}]
     counts = "", *dict.fromkeys(normal.count for normal, _ in lowering.norms.values() if normal.count)
     joints = lowering.joints.values()
-    made = {
-        "a_by": picked(step.a for step in steps), "b_by": picked(step.b for step in steps),
-        "w_by": picked(step.write and step.write.to for step in steps),
-        "s_by": selectors({step.addend_by for step in steps}),
-        "minus_by": selectors({step.minus for step in steps}, ALWAYS, NO_COUNT),
-        "r_function": FUNCTIONS, "b_place": PLACED_AS, "cut": CUTS, "s": ADDENDS, "carry": CARRIES, "window": WINDOWS,
-        "last": LASTS, "sign": ("", *signs), "norm": ("", *NORMS), "source": SOURCES, "input": lowering.INPUTS,
-        "result": ("", *lowering.RESULTS), "e_set": counts, "n_base": BASES, "n_e": counts,
-    }  # fmt: skip
+    made: dict[str, tuple] = {"a_by": picked(step.a for step in steps), "b_by": picked(step.b for step in steps)}
+    made |= {"w_by": picked(step.write and step.write.to for step in steps)}
+    made |= {"s_by": selectors({step.addend_by for step in steps})}
+    made |= {"minus_by": selectors({step.minus for step in steps}, ALWAYS, NO_COUNT), "r_function": FUNCTIONS}
+    made |= {"b_place": PLACED_AS, "cut": CUTS, "s": ADDENDS, "carry": CARRIES, "window": WINDOWS, "last": LASTS}
+    made |= {"sign": ("", *signs), "norm": ("", *NORMS), "source": SOURCES, "input": lowering.INPUTS}
+    made |= {"result": ("", *lowering.RESULTS), "e_set": counts, "n_base": BASES, "n_e": counts}
     if joints:
         shared = {field: (*of, *(code for code in made[field] if code not in of)) for field, of in codes().items()}
         made |= {field: of for field, of in shared.items() if field not in ("input", "result")}
@@ -90,10 +88,8 @@ def codes(name: str = "fold") -> dict[str, tuple]:
     return made
 
 
-PLAIN_BITS = {
-    "a": 7, "b": 7, "b_count": 1, "r": 6, "a_bend": 1, "b_high": 1, "limit": 1, "w": 6, "n_minus": 1, "n_twice": 1,
-    "last_input": 1, "hold": 1, "first_result": 1, "last_result": 1,
-}  # fmt: skip
+PLAIN_BITS = {"a": 7, "b": 7, "b_count": 1, "r": 6, "a_bend": 1, "b_high": 1, "limit": 1, "w": 6}
+PLAIN_BITS |= dict.fromkeys(("n_minus", "n_twice", "last_input", "hold", "first_result", "last_result"), 1)
 """Numeric field -> bits."""
 
 ANGLE_BITS = {"over": 1, "to_h": 1}
@@ -258,14 +254,8 @@ def encode(lowering: Lowering, groups: Groups, of: Schedule, name: str = "fold")
         window = (str(w.double_by) or {1: "plain", 2: "double"}[w.window]) if w else ""
         if step.result:
             window = "double" if step.cut == "double" else "plain"
-        put(
-            t + timing.WRITE,
-            window=window or "plain",
-            limit=bool(w and w.limit),
-            last=w.last if w else "inner",
-            sign=step.sign,
-            norm=step.norm.kind if step.norm else "",
-        )
+        kept, norm = w.last if w else "inner", step.norm.kind if step.norm else ""
+        put(t + timing.WRITE, window=window or "plain", limit=bool(w and w.limit), last=kept, sign=step.sign, norm=norm)
         if step.result:
             put(t + timing.WRITE, result=step.result)
         if w:

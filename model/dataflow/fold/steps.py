@@ -23,10 +23,8 @@ CUTS = ("exact", "power", "plain", "double", "word", "root", "sine")
 two bits below the last place of either window; at the last place of the plain one; at the last place of a table
 function's sum."""
 
-ADDENDS = (
-    "hold", "zero", "half_plain", "half_double", "result_plain", "result_double", "T", "T_half", "slope", "slope_less",
-    "value", "length", "none_or_half",
-)  # fmt: skip
+ADDENDS: tuple[str, ...] = ("hold", "zero", "half_plain", "half_double", "result_plain", "result_double", "T", "T_half")
+ADDENDS += ("slope", "slope_less", "value", "length", "none_or_half")
 """Addend S of a step: its previous value; constants, of which the halves round, also to a result; the T of the step two
 before, or that plus a rounding half; words of a table; 1/2, or 1 by a flag; 0, or 1/2 by a flag."""
 

@@ -9,7 +9,7 @@ import numpy as np
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from model.dataflow.expressions import Sum, round_shift
+from model.dataflow.expressions import Sum
 from model.dataflow.formats import Format
 from model.dataflow.mul3 import TILE, cuts, mul3, mul3_error, unseen
 from model.dataflow.nodes import Dataflow, Input, Node
@@ -24,16 +24,6 @@ def signed(width: int):
 
 def half_up(value: Fraction) -> int:
     return math.floor(value + Fraction(1, 2))
-
-
-@given(signed(64), st.integers(0, 40))
-@example(1, 1)  # ties, on either side of 0
-@example(-1, 1)
-@example(3, 1)
-@example(-3, 1)
-@example(-(1 << 63), 40)
-def test_round_shift_rounds_half_up(value, shift):
-    assert round_shift(value, shift) == half_up(Fraction(value, 1 << shift))
 
 
 W = 16  # word length of these nodes; no operation depends on it

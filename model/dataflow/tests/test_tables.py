@@ -4,7 +4,6 @@
 model/bounds/tests/test_figures.py compares results of the tables with measured and proved errors.
 """
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -18,22 +17,6 @@ SMALL_TILE = 16
 
 every_form = pytest.mark.parametrize("size", ["short", "long", "small"])
 every_table = pytest.mark.parametrize("table", [INVERSE_ROOT, SINE], ids=["root", "sine"])
-
-
-@every_form
-@every_table
-def test_largest_interpolation_error_is_close_to_its_bound(table, size):
-    """Errors reach their bound in segments of nearly constant derivative."""
-    form = getattr(table, size)
-    some = range(form.rows) if table is INVERSE_ROOT else range(form.rows // 10, form.rows - form.rows // 10, 7)
-    with mpmath.workdps(100):
-        for row in some:
-            left, width = table.segment(form, row)
-            c = quadratic.interpolant(form, table.function, (left, width))
-            ends = [width * k / 4 for k in (-2, -1, 0, 1, 2)]
-            off = [sum(c[k] * u**k for k in range(len(c))) - table.function(left + width / 2 + u) for u in ends]
-            bound = quadratic.interpolation_error(table, form, (left, width))
-            assert 0.95 < max(map(abs, off)) / bound <= 1, f"row {row}"
 
 
 @every_form
@@ -68,8 +51,8 @@ def test_each_segment_of_the_root_keeps_its_bound(frac, tile):
         first, last = (int((left + part) * 2 ** (frac + 3)) for part in (0, width))
         m = np.concatenate([rng.integers(first, last, 1000), first + inside, last - 1 - inside])
         off = quadratic.root_sum(form, m, frac) / 2.0**form.sum_frac - 0.5 / np.sqrt(m / 2.0 ** (frac + 3))
-        bound = quadratic.row_error(INVERSE_ROOT, form, row, rises=False)
-        assert bound.low < off.min() and off.max() < bound.high, f"row {row}: {off.min()} to {off.max()}"
+        low, high = quadratic.row_error(INVERSE_ROOT, form, row, rises=False)
+        assert low < off.min() and off.max() < high, f"row {row}: {off.min()} to {off.max()}"
 
 
 @pytest.mark.parametrize(
@@ -138,17 +121,6 @@ def test_longest_vector_keeps_every_bit(width):
 
     assert off(angles.LONGEST) * 2 * np.pi < angles.error_bound(width, 1)
     assert off(2 * angles.LONGEST) > 0.01
-
-
-@pytest.mark.parametrize("width", range(8, 33))
-def test_table_is_the_rounded_arc_tangent(width):
-    head, last = angles.iterations(width)
-    words = angles.table(width)
-    assert len(words) == last
-    with mpmath.workprec(200):
-        exact = [mpmath.atan(mpmath.mpf(2) ** -i) / (2 * mpmath.pi) * 2 ** (width + angles.ANGLE) for i in range(last)]
-    assert words[: head + 1] == tuple(int(mpmath.nint(v)) for v in exact[: head + 1])
-    assert words[head:] == tuple(words[head] >> i for i in range(last - head))
 
 
 @pytest.mark.parametrize("width", range(8, 33))

@@ -13,7 +13,7 @@ import pytest
 from model.bounds.tolerances import REGULAR
 from model.io.files import read_csv
 from model.io.flags import AT_SHOULDER, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
-from model.io.scoring import score, score_json, singular_distance, singular_distances, tables
+from model.io.scoring import score, singular_distance, singular_distances, tables
 from model.io.trajectories import make
 from model.io.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values, to_words
 from model.reference.equations import solve_clamped
@@ -264,8 +264,3 @@ def test_results_file_gives_every_bit_back_and_can_be_read_again(tmp_path):
         np.testing.assert_array_equal(getattr(again, name), getattr(case.targets, name))
     assert again.default_arm == () and [again.others[name] for name in ("t", "na,me")] == [*others.values()][:2]
     assert tables(again, case, result)[".csv"] == contents[".csv"]
-
-
-def test_score_json(case):
-    (score,) = json.loads(score_json([case.score()]))
-    assert score["passed"] is True and score["hand_error_max"] == case.score().hand_error_max

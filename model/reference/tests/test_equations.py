@@ -232,23 +232,6 @@ def test_exact_singular_poses(kind):
     assert_pose(columns(*SINGULAR[kind]))
 
 
-@pytest.mark.parametrize("factor", ["az", "tilt", "arm"])
-def test_lean_equations_are_continuous_where_a_branch_changes(factor):
-    edges = np.array([0.0, 1e-3, 1e-7, 1e-12, 1e-15])
-    sides = np.concatenate((edges, -edges)).repeat(len(PHIS))
-    p, lengths = {
-        "az": ((0.4, -sides, 0.2), (0.4, 0.3)),
-        "tilt": ((0.3, 0.4, sides), (0.4, 0.3)),
-        "arm": ((0.0, 0.75 * (1 + sides), 0.0), (1.0, 1.25)),  # right angle at the shoulder: 3-4-5
-    }[factor]
-    targets = columns(*p, np.tile(PHIS, 2 * len(edges)), *lengths)
-    lean = solve_lean(*targets)
-    above, below = shoulder(lean).reshape(2, len(edges), len(PHIS), 4)
-    for n, edge in enumerate(edges):
-        assert kinematics.angle_between(above[n], below[n]).max() < 10 * edge + ROUNDOFF, f"step over {edge:g}"
-    assert hand_error(lean, targets).max() < ROUNDOFF
-
-
 @both
 def test_defined_at_the_ends_of_the_number_range(solver):
     """All lengths and offsets, on and near each axis."""

@@ -13,7 +13,6 @@ import numpy as np
 import sympy as sp
 
 from model.dataflow import fixed
-from model.dataflow.choices import Choice
 from model.dataflow.expressions import Compared, Operation, Term
 from model.dataflow.nodes import Node
 from model.reference import cga
@@ -53,7 +52,7 @@ def symbolic(node: Node) -> bool:
 
 def _compares(term: Term) -> bool:
     """Return whether an operation has a comparison within it."""
-    parts = (term.expression,) if isinstance(term, Choice) else term.parts if isinstance(term, Operation) else ()
+    parts = term.parts if isinstance(term, Operation) else ()
     return isinstance(term, Compared) or any(map(_compares, parts))
 
 

@@ -15,10 +15,11 @@ from model.io.stimuli import REGIONS, hand_poses, region
 from tb.formal import arithmetic, lean_proofs
 from tb.formal.arithmetic import Question
 from tb.formal.bugs import BUGS
-from tb.formal.floors import ROOT_DIGIT, FormulaError, floors, integer
-from tb.formal.lean_exact import Exact, smt
+from tb.formal.floors import ROOT_DIGIT, floors, integer
+from tb.formal.lean_exact import Exact
 from tb.formal.lean_proofs import BY_WORDS, CASES, Rounded, Rules
 from tb.formal.rsqrt_stages import Stages, forms, model
+from tb.formal.smt import smt
 from tb.formal.unrolled import Answer
 from tb.sim.env import ROOT
 
@@ -78,22 +79,10 @@ def test_decision_that_is_not_of_signs_is_free():
     assert exact.equations["bend_swap"] == ["(= bend_swap (ite clamp away neg_cos_a))"]
 
 
-def test_statements_become_formulas():
-    for text, formula in (
-        ("2*a*b**2 + c <= 1/4", "(<= (+ (* 2.0 a (* b b)) c) (/ 1.0 4.0))"),
-        ("implies(a == 0 and 0 < b, not c)", "(=> (and (= a 0.0) (< 0.0 b)) (not c))"),
-        ("x == (a - b if c else 1.5)", "(= x (ite c (- a b) (/ 3.0 2.0)))"),
-    ):
-        assert smt(text) == formula
-    with pytest.raises(SyntaxError, match="no formula for"):
-        smt("sqrt(a) < b")
-
-
-OPERATORS = {
-    "+": lambda *v: sum(v), "*": lambda *v: math.prod(v), "-": lambda a, *b: a - b[0] if b else -a,
-    "/": lambda a, b: a / b, "ite": np.where, "not": np.logical_not, "=>": lambda a, b: np.logical_not(a) | b,
-    "and": lambda *v: np.all(np.broadcast_arrays(*v), axis=0), "or": lambda *v: np.any(np.broadcast_arrays(*v), axis=0),
-}  # fmt: skip
+OPERATORS = {"+": lambda *v: sum(v), "*": lambda *v: math.prod(v), "-": lambda a, *b: a - b[0] if b else -a}
+OPERATORS |= {"/": lambda a, b: a / b, "ite": np.where, "not": np.logical_not, "=>": lambda a, b: np.logical_not(a) | b}
+OPERATORS["and"] = lambda *v: np.all(np.broadcast_arrays(*v), axis=0)
+OPERATORS["or"] = lambda *v: np.any(np.broadcast_arrays(*v), axis=0)
 
 
 def truth_of(formula: str, values: dict, close: float) -> np.ndarray:
@@ -207,7 +196,14 @@ def test_problems_are_reported():
 
 
 def test_expressions_are_read():
-    """Cases: precedence, shifts by a number or a name, a conditional, a constant of zeros, an appended bit."""
+    """Python: sums, products, logic, a choice. Verilog: precedence, shifts by a number or a name, a conditional, a
+    constant of zeros, an appended bit."""
+    for text, term in (
+        ("2*a*b**2 + c <= 1/4", "(<= (+ (* 2.0 a (* b b)) c) (/ 1.0 4.0))"),
+        ("implies(a == 0 and 0 < b, not c)", "(=> (and (= a 0.0) (< 0.0 b)) (not c))"),
+        ("x == (a - b if c else 1.5)", "(= x (ite c (- a b) (/ 3.0 2.0)))"),
+    ):
+        assert smt(text) == term
     names = {"a": "a", "b": "b", "N": "B", "c": "(= c 1)", "x": "x", "q": "q"}
     for text, term in (
         ("a + (b << 2)", "(+ a (* b 4))"),
@@ -220,8 +216,8 @@ def test_expressions_are_read():
         ("-1 - a", "(- (- 1) a)"),
     ):
         assert integer(text, names) == term
-    for text in ("a & b", "a b", "(a", "c ? a", "y", ""):
-        with pytest.raises(FormulaError):
+    for text in ("sqrt(a)", "a & b", "a b", "(a", "c ? a", "y", ""):
+        with pytest.raises((SyntaxError, KeyError)):
             integer(text, names)
 
 

@@ -27,10 +27,6 @@ TAG_W = 5
 RING = "ik_ring"  # module whose q is d delayed by N clocks, in a memory
 
 
-class NetlistError(Exception):
-    """A signal differs from the model; the text names it."""
-
-
 @dataclass(frozen=True)
 class Bit:
     """Origin of a bit: `constant` 0 or 1, a bit of a `node`, of a `cell`'s output or of an input `port`."""
@@ -58,7 +54,7 @@ class Netlist:
         for name, (signal, width) in reversed(nodes.items()):  # a wire may be two nodes: keep the first
             bits = self.wires[signal]
             if len(bits) != width:
-                raise NetlistError(f"{name}: {len(bits)} bits in the netlist, {width} in the model")
+                raise ValueError(f"{name}: {len(bits)} bits in the netlist, {width} in the model")
             self.origins |= {bit: Bit("node", name, index) for index, bit in enumerate(bits)}
         self.drivers = {
             bit: (name, port, index)
@@ -84,14 +80,14 @@ class Netlist:
                 origin = self.origins[bit]
                 return Bit(origin.kind, origin.name, origin.index, clocks)
             if bit not in self.drivers:
-                raise NetlistError(f"bit {bit} has no driver")
+                raise ValueError(f"bit {bit} has no driver")
             name, port, index = self.drivers[bit]
             delay, source = self._delay(self.cells[name])
             if not delay:
                 return Bit("cell", name, index, clocks)
             bit, clocks = self.cells[name]["connections"][source][index], clocks + delay
         if bit not in "01":
-            raise NetlistError(f"a bit is '{bit}'")
+            raise ValueError(f"a bit is '{bit}'")
         return Bit("constant", index=int(bit))
 
 
@@ -140,13 +136,8 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
     return lines
 
 
-BUILT = [
-    (path, w)
-    for path in (*CONFIGURATIONS.values(), ARM)
-    if path.period == 1
-    for w in (16, 18, 23, 32)
-    if w in path.widths
-]
+PATHS = (path for path in (*CONFIGURATIONS.values(), ARM) if path.period == 1)
+BUILT = [(path, w) for path in PATHS for w in (16, 18, 23, 32) if w in path.widths]
 QUICK = [("lean", 32), ("paper", 32)]
 
 
