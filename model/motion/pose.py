@@ -165,7 +165,7 @@ def _table(
     if position.ndim != 2 or position.shape[1] != 3:
         raise ValueError(f"points have the shape {position.shape}, not (N, 3)")
     columns = [np.asarray(v, dtype=np.float64) for v in (phi, d1, d2)]
-    arrays = dict(zip(("points", *FIELDS[3:]), (position[:, 0], *columns), strict=True))
+    arrays: dict[str, NDArray[Any]] = dict(zip(("points", *FIELDS[3:]), (position[:, 0], *columns), strict=True))
     arrays |= {"hand": hands.q[0], "tool": hands.tool, "branch": hands.branch} if hands else {}
     if len(counts := {v.size for v in arrays.values()} - {1} or {1}) > 1:
         listed = ", ".join(f"{name} has {v.size}" for name, v in arrays.items())
