@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""make check-proofs: list the proofs and measurements on the pages that do not match the present code.
+"""List the pages whose proofs or measurements do not match the present code: `make check-proofs`.
 
-A page carries digests of the code it describes, without comments and blanks. A stale page is a warning (exit status 0),
-or a failure (1) with --strict, as for a release.
+A page carries digests of the code that it describes; comments and white space do not change them. A stale page is a
+warning (exit status 0). With --strict, as for a release, it is a failure (exit status 1).
 """
 
 import sys
@@ -22,11 +22,11 @@ PAGES = {
         lambda: {", ".join(row[:3]): soak.code(row[0]) for row in read_table(soak.PAGE, "datapath")},
     ),
 }
-"""Page -> the command that writes it, and the digests by name: on the page and of the present code."""
+"""Page -> the command that writes it, and two functions that return digests by name: the page's, the present code's."""
 
 
 def stale(page: str) -> list[str]:
-    """Return the names of digests that have changed since a page was written."""
+    """Return the names of the digests that have changed since the page was written."""
     _, recorded, present = PAGES[page]
     written, now = recorded(), present()
     return sorted(name for name in {*written, *now} if written.get(name) != now.get(name))

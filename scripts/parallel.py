@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An ordered parallel map, over processes of this machine or over Dask workers on others.
+"""Ordered parallel map over processes of this machine, or over a farm: Dask workers on other machines.
 
     python -m scripts.parallel --farm tcp://SCHEDULER:8786 [--jobs N]
 
-makes this machine a worker of the scheduler (`make farm-worker`). Work consists of functions of this tree with their
-arguments; a worker refuses it if its sources differ from the client's. Work begun by a worker that died is repeated.
+This command makes this machine a worker of the scheduler (`make farm-worker`). A work item is a function of this tree
+with its arguments. A worker refuses items if its sources differ from the client's. The farm repeats the items of a
+worker that died.
 """
 
 import contextlib
@@ -32,14 +33,14 @@ CODE = {".py", ".v", ".vh", ".f", ".c", ".cc", ".cpp", ".h", ".rdl", ".vlt", ".l
 
 
 class BrokenOffError(SimulationError):
-    """The process or worker died, not the work itself."""
+    """Death of a worker process, or loss of the farm's scheduler. The work itself did not fail."""
 
 
 FARM = option("--farm", "run on the Dask workers of this scheduler, not on this machine", metavar="tcp://HOST:PORT")
 
 
 def _start() -> None:
-    """Ignore the terminal's signals, which the parent handles; end at SIGTERM and with the parent."""
+    """Prepare a worker process: leave the terminal's signals to the parent, and end at SIGTERM or with the parent."""
 
     def end(*_) -> None:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
@@ -54,12 +55,12 @@ def _call(work: Callable, *items):
     try:
         return work(*items)
     except SystemExit:
-        os._exit(1)  # a pool's process would return it as a result and take the next item
+        os._exit(1)  # otherwise the pool's process returns the exception as a result and takes the next item
 
 
 @contextlib.contextmanager
 def shared(jobs: int, farm: str | None = None) -> Iterator[Callable]:
-    """Yield an ordered `map`, on a farm or on `jobs` processes of this machine."""
+    """Yield an ordered `map` that runs on a farm or on `jobs` processes here. Raises BrokenOffError and InputError."""
     if farm:
         with _farm(farm) as each:
             yield each
@@ -67,7 +68,7 @@ def shared(jobs: int, farm: str | None = None) -> Iterator[Callable]:
     if jobs == 1:
         yield map
         return
-    # Processes are spawned: a progress bar has a thread, and fork copies its locks.
+    # Spawn, not fork: fork would copy the locks of the progress bar's thread.
     with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), _start) as pool:
         try:
             yield lambda work, *items: pool.map(functools.partial(_call, work), *items)
@@ -112,13 +113,13 @@ def _farm(farm: str) -> Iterator[Callable]:
 
 @functools.cache
 def sources() -> str:
-    """Return a digest of the code of this tree and of the versions of its packages, as first seen by this process."""
+    """Return a digest of this tree's code and lock files, computed once per process."""
     paths = (path for room in ("model", "rtl", "scripts", "tb", "requirements") for path in (ROOT / room).rglob("*"))
     return digest(sorted(path for path in paths if path.suffix in CODE))
 
 
 def _checked(client: str, payload: bytes):
-    """Run a pickled function on a worker with the same sources."""
+    """Unpickle and run a work item on a worker. Raises InputError if the client's sources are not the worker's."""
     if sources() != client:
         raise InputError(
             f"argument --farm: worker {os.uname().nodename} has other sources than this checkout ({sources()}, not "

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random targets of all kinds through the RTL, every node compared with the model: `make soak`.
+"""Run random targets of all kinds through the RTL and compare every node with the model: `make soak`.
 
-A chunk of 20000 targets is a function of seed, width and chunk number, so --from resumes at any chunk. The run stops at
-the first chunk with a wrong bit or flag, a quaternion that is not of unit length or a hand of the lean datapath beyond
-its tolerance, and prints the first target of each failure. The paper datapath has no tolerance near its singular poses;
-the excess over `model.bounds.predict` is reported. The whole arm gets hand poses with the same wrists; the error of a
-pose is relative to its tolerance.
+Seed, width and chunk number determine the 20000 targets of a chunk, so --from resumes at any chunk. The run stops at
+the first chunk with a wrong bit or flag, a quaternion that is not of unit length, or a hand error above its tolerance.
+It prints the first target of each failure. The paper datapath has no tolerance near its singular poses, so targets
+above their prediction (`model.bounds.predict`) are only counted. For the whole arm, each target becomes a hand pose
+with that wrist, and errors are relative to the tolerance.
 
---worst searches the bit-true model of the lean datapath or of the whole arm for the largest hand errors: each round
-changes the worst targets of the round before in one or more words. Of the whole arm it searches for the largest errors
-of the hand's point and of its orientation, with a reach from 1 on, to which the host scales.
+--worst searches the bit-true model of the lean datapath or of the whole arm for the largest errors. Each round changes
+words of the worst targets of the previous round. For the whole arm, the errors are those of the hand's point and of its
+orientation. Poses with a reach below 1 do not count, because the host scales every pose to a reach of 1 or more.
 """
 
 from __future__ import annotations
@@ -58,8 +58,8 @@ OPTIONS = [
 
 
 def run_chunk(core: Core, seed: int | None, end: int, number: int) -> tuple[Found, list[str]]:
-    """Run chunk `number`, at most to target `end`, on a farm with a program of the worker; return totals and messages
-    of failures."""
+    """Run chunk `number` up to target `end`, exclusive; return totals and messages of failures. If `core` has no
+    program, as on a farm, build it first."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
     if MODELS[core.datapath].side:
@@ -83,15 +83,16 @@ def messages(failure: Failure, words: np.ndarray, start: int) -> list[str]:
 # -- the worst targets -------------------------------------------------------------------------------------------------
 
 KEPT, EACH, ALIKE = 400, 50, 8
-"""Targets of a round, changed copies of each, and targets of one kind: the same signs and sizes."""
+"""Largest numbers of targets that a round keeps, of changed copies of each, and of kept targets of one kind. Targets of
+one kind have coordinates and lengths of the same signs and sizes."""
 
 
 SEARCHED = {"lean": ("of the reach",), "arm": ("of the reach", "rad")}
-"""Datapath -> units of the errors that are searched for: of the hand, or of its point and its orientation."""
+"""Datapath -> units of the errors that --worst searches for; arm: of the hand's point, of its orientation."""
 
 
 def hand_errors(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
-    """Return the errors of a model in its units and their tolerances, (2, units, N); 0 for what is not searched."""
+    """Return errors in the units of SEARCHED, and their tolerances, (2, units, N); excluded targets have error 0."""
     answer = fixed.run(words, width, datapath)
     if datapath == "lean":
         hand = np.nan_to_num(worst_targets.errors(words, answer.results, width)[0])[None]
@@ -104,7 +105,7 @@ def hand_errors(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
 
 
 def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.ndarray:
-    """Return changed copies of targets; hands, if there are any, are of unit length again."""
+    """Return changed copies of targets. The quaternions of hand poses are scaled back to unit length."""
     rows = np.repeat(words, EACH, axis=0)
     steps = random.choice([-1, 1], rows.shape) * random.integers(1, 4, rows.shape)
     steps <<= random.integers(0, random.integers(1, width, (len(rows), 1)), rows.shape)
@@ -117,7 +118,7 @@ def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.n
 
 
 def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.ndarray:
-    """Return the KEPT worst targets, the worst first, with a limited number of each kind."""
+    """Return the KEPT targets with the largest errors in unit number `unit`, worst first, at most ALIKE of one kind."""
     seen: dict[bytes, int] = {}
     chosen = []
     for n in np.argsort(-hand_errors(words, width, datapath)[0, unit], kind="stable").tolist():
@@ -161,13 +162,13 @@ def _worst(options: SimpleNamespace) -> int:
 
 
 def code(datapath: str) -> str:
-    """Return a digest of the Verilog of a datapath, and of its top."""
+    """Return a digest of the Verilog of a datapath and of its top module."""
     path = MODELS[datapath]
     return digest({*closure(path.entity), *closure(path.top)[:1]})
 
 
 def _keep(core: Core, of: str, totals: Found) -> None:
-    """Replace the rows of these targets on the page."""
+    """Write the totals to the page, in place of an earlier row of the same core and targets."""
     key = [core.datapath, str(core.width), of]
     errors = totals.hand_error_max, tolerances.hand(core.width, core.datapath), totals.norm_error_max
     row = [*key, date.today().isoformat(), str(totals.targets), str(totals.reachable), *(error(e, 2) for e in errors)]

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random jobs of ik_axi from memory to memory: `make soak-memory`.
+"""Run random memory-to-memory jobs of ik_axi: `make soak-memory`.
 
 Jobs have random size and alignment, with and without random pauses on the AXI channels. Every result in memory is
-compared with the model of ik_axis; a monitor checks the rules of AXI in every clock. A piece of jobs is one simulation,
-a function of seed and piece number, so --from resumes at any piece. Pieces take the parameters of tb/axi/instances.py
-in turn, first with the datapaths, then with an echo instead of the core.
+compared with the model's; a monitor checks the rules of AXI in every clock. A piece is one simulation of many jobs,
+which seed and piece number determine, so --from resumes at any piece. Successive pieces cycle through the parameter
+sets of tb/axi/instances.py: first those with a real datapath, then those with an echo instead of it.
 
 The run stops at the first piece in which a test fails, and prints seed and piece.
 """
@@ -23,13 +23,13 @@ from tb.sim.env import ROOT
 from tb.sim.simulate import SimulationError
 
 INSTANCES = [(parameters, False) for parameters in CORE] + [(parameters, True) for parameters in ECHO]
-PIECE = 100  # jobs of a piece, including jobs with pauses on one channel
+PIECE = 100  # jobs of a piece, including those with pauses on a single channel
 
 ECHO_PLACE = ROOT / "build" / "soak-memory"
 
 
 def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
-    """Return the parameters, the numbers of correct jobs and targets, and the failure, if any."""
+    """Simulate a piece; return the name of its instance, the numbers of correct jobs and targets, the failure or ""."""
     parameters, echo = INSTANCES[number % len(INSTANCES)]
     what = f"{'echo' if echo else 'core'} {named(parameters)}"
     with tempfile.NamedTemporaryFile("r", prefix="ik_") as done:

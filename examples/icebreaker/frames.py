@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Serial frames of examples/icebreaker.
+"""Serial frames between a host and examples/icebreaker.
 
-Target: A5, tag, x, y, z, phi, d1, d2 (3 bytes each, little endian), CRC-16. Answer: 5A, tag, flags, qs_w, qs_i, qs_j,
-qs_k, qe_w, qe_i (likewise), CRC-16. With ARM = 1: A5, tag, branch, 11 words; 5A, tag, flags (2 bytes), 17
-words.
+    target                 A5, tag, x, y, z, phi, d1, d2, CRC
+    answer                 5A, tag, flags, qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, CRC
+    hand pose (ARM = 1)    A5, tag, branch, 11 words, CRC
+    answer (ARM = 1)       5A, tag, flags (2 bytes), 17 words, CRC
+
+A word has 3 bytes, little endian. The CRC-16 (big endian) covers all bytes before it except the first one.
 """
 
 import binascii
@@ -17,20 +20,20 @@ ARM_ANSWER_BYTES = 1 + 3 + 17 * WORD + 2
 
 
 def frame(tag: int, words: Sequence[int]) -> bytes:
-    """Return the frame of a target of six signed words, or of a hand pose of eleven and its branch."""
+    """Return the frame of a target (six signed words), or of a hand pose (eleven signed words, then the branch)."""
     payload = bytes([tag, *map(int, words[11:])])
     payload += b"".join(int(word).to_bytes(WORD, "little", signed=True) for word in words[:11])
     return TARGET + payload + binascii.crc_hqx(payload, 0xFFFF).to_bytes(2, "big")
 
 
 class Answers:
-    """Decoder of answer frames, by default to targets; other bytes and frames with a wrong CRC are skipped."""
+    """Decoder of answer frames of `size` bytes. It skips frames with a wrong CRC, and bytes outside of frames."""
 
     def __init__(self, size: int = ANSWER_BYTES) -> None:
         self.bytes, self.size = b"", size
 
     def __call__(self, more: bytes) -> list[tuple[int, int, list[int]]]:
-        """Return the answers completed by these bytes: tag, flags, signed words."""
+        """Add received bytes; return the answers that they complete: tag, flags, signed words."""
         self.bytes += more
         found = []
         while (start := self.bytes.find(ANSWER)) >= 0 and len(self.bytes) - start >= self.size:

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Send targets to a board running examples/icebreaker over its serial port (`make -C examples/icebreaker send`).
+"""Send targets over a serial port to a board that runs examples/icebreaker (`make -C examples/icebreaker send`).
 
     python -m examples.icebreaker.host PORT [--trajectory NAME|all|FILE.csv|clip.bvh] [--out DIR] ...
 
-Writes the same bytes as `make run DATAPATH=fold16 WIDTH=24`, except that score.json has no clock counts, which the
-host cannot observe. Every answer is compared with the bit-true model.
+Writes the same files as `make run DATAPATH=fold16 WIDTH=24`, except that score.json names "icebreaker" as the simulator
+and has no clock counts, which the host cannot observe. Every answer is compared with the bit-true model.
 
-The board drops frames (frames.py) with a wrong CRC; unanswered targets are sent again.
+The board drops frames (frames.py) with a wrong CRC. The host sends unanswered targets again.
 """
 
 import os
@@ -31,8 +31,8 @@ from scripts.trajectory import SCORES, Prepared, csv_paths, outputs, prepare, sc
 from tb.sim.simulate import LONG, Run, SimulationError
 
 WINDOW = 64
-"""Targets in flight. With two stop bits a target takes longer than its answer, so the board imposes no limit; a
-window far below 256 keeps 8-bit tags unique."""
+"""Largest number of targets in flight. The board imposes no limit, because a target's frame, sent with two stop bits,
+takes longer than its answer. A window far below 256 keeps the 8-bit tags unique."""
 TRIES = 4  # transmissions of a target before the board counts as silent
 
 
@@ -48,15 +48,15 @@ class Board:
             raise InputError(f"cannot open the serial port {port!r}: {_why(exc)}") from None
 
     def quiet(self) -> None:
-        """Discard answers to an earlier host until the line is quiet."""
+        """Discard answers to an earlier host until the line is quiet. Raises SimulationError if it stays busy."""
         end = time.monotonic() + self.timeout
         while self.port.read(4096):
             if time.monotonic() > end:
                 raise SimulationError(f"{self.name} sends unrequested data: is it the right board?")
 
     def solve(self, words: np.ndarray, done: Callable[[int], None]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the results (N, 6) and flags (N,) of targets (N, 6); report the number answered by ``done(n)``.
-        Raises SimulationError if the board is silent."""
+        """Return results (N, 6) and flags (N,) of target words (N, 6). After each answer, call ``done(n)``, n being the
+        number of answers so far. Raises SimulationError if the board does not answer."""
         results, flags = np.zeros((len(words), 6), dtype=np.int64), np.zeros(len(words), dtype=np.int64)
         answers, sent, tries = Answers(), deque(), [0] * len(words)
         self.quiet()
@@ -92,13 +92,13 @@ class Board:
 
 
 def _why(error: BaseException) -> str:
-    """Return the system's error text if available; pyserial's messages are for programmers."""
+    """Return the operating system's text for an error if it has one, as pyserial's messages are for programmers."""
     numbers = [one.args[0] for one in (error, error.__context__) if one and one.args and isinstance(one.args[0], int)]
     return os.strerror(numbers[0]) if numbers else str(error)
 
 
 def compared(words: np.ndarray, results: np.ndarray, flags: np.ndarray) -> Run:
-    """Compare the board's answers with the bit-true model."""
+    """Compare the board's answers with the bit-true model; return them with the number of wrong bits."""
     model = fixed.run(words, WIDTH, FOLD16.name)
     wrong = np.column_stack(((results ^ model.results) & (1 << WIDTH) - 1, flags ^ model.flags))
     targets = np.flatnonzero(wrong.any(axis=1))
@@ -107,7 +107,7 @@ def compared(words: np.ndarray, results: np.ndarray, flags: np.ndarray) -> Run:
 
 
 def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
-    """Send all targets. Raises SimulationError."""
+    """Send the targets of all trajectories; return one run per trajectory. Raises SimulationError."""
     total, before, runs = sum(len(item.words) for item in prepared), 0, []
     with closing(board.port), progress(f"{board.name}, {total} targets", total) as meter:
         for item in prepared:

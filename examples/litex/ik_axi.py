@@ -6,8 +6,8 @@
     self.bus.add_master("ik", self.ik.memory)
     self.irq.add("ik")
 
-Software finds the registers at IK_BASE (mem.h), the interrupt at IK_INTERRUPT (soc.h), and enables it with
-ik_ev_enable_write(1) (csr.h). With a CPU that caches main RAM, set the driver's `invalidate`.
+The SoC's headers define the registers' address IK_BASE (mem.h) and the interrupt's number IK_INTERRUPT (soc.h).
+ik_ev_enable_write(1) (csr.h) enables the interrupt. If the CPU caches main RAM, set `invalidate` of the C driver.
 """
 
 from pathlib import Path
@@ -21,7 +21,7 @@ LISTS = ("ik_axis.f", "ik_axi.f")
 
 
 class IkAxi(LiteXModule):
-    """The core, its registers and its master; `parameters` are other parameters of rtl/ik_axi.v."""
+    """LiteX module of ik_axi. `parameters` are further parameters of rtl/ik_axi.v, such as W."""
 
     SIZE = 0x1000
 
@@ -51,7 +51,7 @@ class IkAxi(LiteXModule):
 
 
 def _ports(prefix, bus, ax, x, slave):
-    """Return the ports of one interface of the instance: keyword -> signal."""
+    """Return the ports of one AXI interface as keywords of Instance, each with its signal."""
     w, r = ("data strb", "data resp") if slave else ("data strb last", "id data resp last")
     ports = {}
     for channel, fields in {"aw": ax, "w": w, "b": f"{x}resp", "ar": ax, "r": r}.items():

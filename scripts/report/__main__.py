@@ -4,11 +4,11 @@
     python -m scripts.report [--trajectory NAME|all|FILE.csv] [--out DIR] [--datapath NAME[,NAME]] ...
 
 Writes OUT/report.html: the arm (for a clip, the whole figure) posed by the core's quaternions, figures 1 to 5 of the
-paper, joint angles, the error of every target with its limit and prediction, the score, the pipeline over time.
+paper, joint angles, the error of every target with its tolerance and prediction, the score, the pipeline over time.
 The page is self-contained (report.html, .css and the scripts of this folder, and the data as JSON) and opens from disk
-without network. It links to the files of `scripts.run`, written to the same folder; with several datapaths, shown side
-by side, each has its own folder, such as OUT/lean and OUT/fold.
-The page is also written, with a notice, when a trajectory fails.
+without network. It links to result files like those of `scripts.run`, which are written to OUT. The page shows several
+datapaths side by side; the files of each are then in a folder such as OUT/lean.
+If a trajectory fails, the page is written with a notice.
 """
 
 from __future__ import annotations
@@ -59,11 +59,11 @@ DIGITS = 7
 """Significant digits of the numbers in the page."""
 
 MOST_ARMS = 4
-"""Most arms of different lengths drawn together; with more, only the moving arm is drawn."""
+"""Largest number of arms of different lengths that are drawn together; with more, only the moving arm is drawn."""
 
 
 def _numbers(array: np.ndarray, digits: int = DIGITS) -> Any:
-    """Convert an array to nested lists of rounded numbers."""
+    """Convert an array to nested lists of numbers rounded to `digits` significant digits."""
     if array.ndim:
         return [_numbers(row, digits) for row in array]
     return float(f"{array:.{digits}g}")
@@ -72,7 +72,7 @@ def _numbers(array: np.ndarray, digits: int = DIGITS) -> Any:
 def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[str, Any]:
     """Return the page's data for one trajectory: lists over its targets, lengths in the user's unit.
 
-    Results of further datapaths are under "beside", with the same names.
+    The results of the first datapath are at the top level, those of the others in "beside", under the same names.
     """
     targets, width = item.targets, done[0][1].width
     # Decode the input words, so that the swivel plane is the one passed to the core.
@@ -107,12 +107,12 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
 
 
 def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
-    """Return the page's data of hand poses, angles in degrees.
+    """Return the page's data of hand poses. Angles are in degrees.
 
-    * names, joints (N, 7), limits (7, 2): the robot's own, if there is one; limits are None without an end
-    * over: bits of the joints outside their limits; error: of the orientation (rad)
-    * free: intervals of the swivel angle for which all joints are within their limits, None without a robot
-    * goal, point, turn, without a clip: the hand's point as requested and reached, from the shoulder, and orientation
+    * names, joints (N, 7), limits (7, 2): those of the robot, or else of th1 to th7; a missing limit is None
+    * over: bits of the joints outside their limits, bit 0 for the first joint; error: orientation error in rad
+    * free: intervals of the swivel angle for which all joints are within their limits; None without a robot
+    * goal, point, turn (not for clips): requested point, reached point (both from the shoulder), reached orientation
     """
     targets, robot, hand = item.targets, item.robot, result.per_target.hand
     assert hand
@@ -135,7 +135,7 @@ def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
 
 
 def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
-    """Return one datapath's results for a trajectory."""
+    """Return the page's data of one datapath's results for a trajectory."""
     width, scores = result.width, result.per_target
     qs, qe = quaternions(item, ran, width)
     tolerance = result.hand_error_tolerance
@@ -166,7 +166,7 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
 
 
 def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> dict[str, list[str]]:
-    """Return the files to link to for each trajectory and, under "", for all. folders: one per datapath."""
+    """Return the files to link to, by trajectory name; "" has those of all trajectories. folders: one per datapath."""
     names = [item.targets.name for item in prepared]
     links: dict[str, list[str]] = {name: [] for name in (*names, "")}
     for folder in folders:
@@ -179,7 +179,7 @@ def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> 
 def page(
     shown: Sequence[dict[str, Any]], links: dict[str, list[str]], *, names: Sequence[str], width: int, simulator: str
 ) -> str:
-    """Return the whole page. links: files to link to by trajectory name, or "" for all trajectories."""
+    """Return the HTML page. links: the files to link to, as returned by `_links`."""
     data = json.dumps({"trajectories": shown, "files": links}, allow_nan=False, separators=(",", ":"))
     *others, last = names
     listed = f"{', '.join(others)} and {last} datapaths" if others else f"{last} datapath"

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drawings of the report: entities of figures 1 to 5 of the paper; the human figure of a clip; joint angles.
+"""Data for drawings of the report: entities of the paper's figures 1 to 5; the human figure of a clip; joint angles.
 
-The entities are computed from the core's input words in double precision; no result of the core enters.
+The entities are computed in double precision from the core's input words, not from its results.
 
-A clip's figure has every bone in every frame, with the core's arms.
-The page draws with z up, so the clip's axes are permuted cyclically until its up axis is z.  Points are integers in a
-small unit, relative to the root, which keeps a page of 3000 frames at a few megabytes.
+A clip's figure has every bone in every frame; the core poses its arms. The page draws with z up, so the clip's axes are
+permuted cyclically until its up axis is z. Points are integers in a small unit, relative to the root, which keeps a
+page of 3000 frames at a few megabytes.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ from scripts.trajectory import Prepared, quaternions, turned
 from tb.sim.simulate import Run
 
 UNITS = 32000
-"""Units per length 1 and per half turn. Numbers fit in 16 bits, which keeps long clips small."""
+"""Steps per length 1 and per half turn. All numbers then fit in 16 bits, which keeps pages of long clips small."""
 
 NOTHING = -32768
-"""Marks an undefined entity, such as the elbow where the spheres do not meet."""
+"""Number that stands for an undefined entity, such as the elbow where the spheres do not meet."""
 
 NEAR = 1e-4
 """Largest geometric error, as a fraction of the reach, at which an entity near a singular pose is still drawn."""
 
 
 def entities(item: Prepared, width: int) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Return vectors (N, 3) in the user's frame, angles (N,) in rad and lengths (N,) by name.
+    """Return the entities by name: vectors (N, 3) in the user's frame, angles (N,) in rad, and lengths (N,).
 
-    Points and lengths are relative to the reach, directions have length 1. Undefined entities are nan.
+    Points and lengths are relative to the reach; directions are unit vectors. Undefined entities are nan.
     """
     asked = from_words(item.core_words(width), 0, width, item.targets.name)
     lengths = [values / asked.reach for values in (asked.x, asked.y, asked.z, asked.d1, asked.d2)]
@@ -83,7 +83,7 @@ def _vector(mv: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def packed(item: Prepared, width: int) -> dict[str, Any]:
-    """Encode the entities for the page: a row of vectors, angles and lengths per target, 16-bit words in base64."""
+    """Encode the entities for the page: per target, a row of vectors, angles and lengths as 16-bit words, in base64."""
     vectors, angles, lengths = entities(item, width)
     rows = np.column_stack([*vectors.values(), *(values / np.pi for values in angles.values()), *lengths.values()])
     words = np.where(np.isfinite(rows), np.rint(UNITS * np.nan_to_num(rows)), NOTHING)
@@ -100,10 +100,10 @@ def packed(item: Prepared, width: int) -> dict[str, Any]:
 # -- the figure of a clip ----------------------------------------------------------------------------------------------
 
 STEPS = 4000
-"""Units per height of the figure: finer than a pixel."""
+"""Units per diagonal of the figure's bounding box. A unit is smaller than a pixel."""
 
 BODY, UPPER, FORE, HEAD = range(4)
-"""Body part of the bone that ends at a node."""
+"""Body parts. A node carries the part of the bone that ends there."""
 
 
 def place(up: str) -> np.ndarray:
@@ -113,7 +113,7 @@ def place(up: str) -> np.ndarray:
 
 
 def _parts(clip: Clip, moves: tuple[Motion, ...]) -> list[int]:
-    """Return for each node the body part of the bone that ends there; an end site below a joint named head is HEAD."""
+    """Return the body part of the bone that ends at each node. An end site is HEAD if its joint's name has "head"."""
     parts = [HEAD if node.end and "head" in clip.names[node.parent].lower() else BODY for node in clip.nodes]
     for move in moves:
         arm = move.limb
@@ -125,7 +125,7 @@ def _parts(clip: Clip, moves: tuple[Motion, ...]) -> list[int]:
 
 
 def _facing(item: Prepared, turn: np.ndarray) -> float:
-    """Return the figure's facing direction in the first frame (rad, about z)."""
+    """Return the direction that the figure faces in the first frame: the angle about z from x, in rad."""
     first, limbs = item.clip.positions[0], [move.limb for move in item.moves]
     out = [(first[arm.upper] - first[arm.torso]) * (1 if arm.side == "left" else -1) for arm in limbs]
     left = turn @ np.sum(out, axis=0)
@@ -133,12 +133,13 @@ def _facing(item: Prepared, turn: np.ndarray) -> float:
 
 
 def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
-    """Return the figure with the core's arms in F frames, and the clip's own arms, in the page's frame.
+    """Return the page's data of a clip's figure, in the page's frame.
 
-    * nodes: per frame the root, then every node relative to the root; own: per frame elbow and wrist of each of the
-      clip's own arms, relative to the root; both flat lists in `unit`
-    * floor, middle: heights of the floor and of the view's centre; middle None: height of the root
-    * radius: largest distance of any point from the view's centre, which is above the root's position on the floor
+    * nodes: for each frame a flat list, the root and then all other nodes relative to the root, posed by the core
+    * own: for each frame a flat list, elbow and wrist of each arm as in the clip, relative to the root
+    * unit: length of one step of nodes and own; floor: height of the floor
+    * middle: height of the view's centre; None if it follows the root vertically, as it always does horizontally
+    * radius: largest distance of any point from the view's centre
     """
     clip, moves = item.clip, item.moves
     turn = place(clip.up)
@@ -180,8 +181,8 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
 def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
     """Return angles (N, 4) in degrees: azimuth and elevation of the upper arm, swivel angle, elbow flexion.
 
-    Azimuth is measured from forward (x) to the left, elevation from the horizontal: in the torso's frame for a clip,
-    else in the frame of the targets.  Flexion is 0 for a straight arm.
+    Azimuth is measured from forward (x) to the left, elevation from the horizontal. Both are in the torso's frame for
+    a clip, else in the frame of the targets. Flexion is 0 for a straight arm.
     """
     qs, qe = quaternions(item, ran, width)
     upper = rotate(qs, (0.0, 0.0, 1.0))

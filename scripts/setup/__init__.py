@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-up of a fresh machine."""
+"""Set-up of the checkout's environment."""

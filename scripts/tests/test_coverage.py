@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of make coverage: counts of Verilator's files, waivers, findings."""
+"""Test `make coverage`: counts in Verilator's files, waivers, findings."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ ROW = next(n for n, line in enumerate((ROOT / FIFO).read_text().splitlines(), 1)
 
 
 def simulate(root, *points, fails=False):
-    """Write what Verilator writes for points (file, page, line, what, count)."""
+    """Write a coverage file as Verilator does, for points (file, page, line, what, count)."""
     lines = []
     for file, page, row, what, count in points:
         fields = {"f": file, "l": row, "n": 3, "page": page, "o": what, "h": "top.u"}
@@ -28,7 +28,7 @@ def simulate(root, *points, fails=False):
 
 
 def test_simulations_that_pass_are_added(tmp_path, monkeypatch):
-    """Counts are added over instances and parameters; other modules than the core's do not count."""
+    """Counts are added over instances and parameters; files outside of rtl/ are not counted."""
     monkeypatch.setenv("IK_COVERAGE", str(tmp_path / "counts"))
     points = [
         (ROOT / FIFO, "v_toggle/ik_fifo", 13, "clk:0->1", 2),
@@ -44,7 +44,7 @@ def test_simulations_that_pass_are_added(tmp_path, monkeypatch):
 
 
 def test_only_unchanged_files_of_a_copy_count(tmp_path, monkeypatch):
-    """A file with AXI rules counts as the original; the echo does not count as ik_lean."""
+    """A copy with AXI rules adds to the counts of the original file; the echo does not add to those of ik_lean."""
     monkeypatch.setenv("IK_COVERAGE", str(tmp_path / "counts"))
     root = echoing(tmp_path / "echo")["root"]
     (rules,) = [path for path in with_rules([root / "rtl/ik_axis.v"], tmp_path) if path.parent == tmp_path]
@@ -54,7 +54,7 @@ def test_only_unchanged_files_of_a_copy_count(tmp_path, monkeypatch):
 
 @pytest.fixture
 def judge(tmp_path, monkeypatch, command):
-    """Return a function that judges counts: a point in every file, the bins, and points of one FIFO line."""
+    """Return a function that runs the command on counts of one line of the FIFO; all files and bins are reached."""
     for name in ("COUNTS", "WAIVERS", "PAGE"):
         monkeypatch.setattr(coverage, name, tmp_path / name)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the mutation campaign: it resumes and lists survivors; mutants are killed, equivalent ones proved."""
+"""Test the mutation campaign: it resumes, lists survivors, kills mutants, and proves equivalent mutants."""
 
 import dataclasses
 
@@ -16,7 +16,7 @@ FILE = "rtl/lib/ik_half.v"
 
 
 def test_a_campaign_resumes_and_tries_survivors_again(command, monkeypatch, tmp_path):
-    """Without netlists and benches; mutant 3 survives."""
+    """No netlist is built and no bench runs; mutant 3 survives."""
     monkeypatch.setattr(Netlist, "key", "key")
     netlist = Netlist("lean 18", "ik_axis", (), 1)
     options = "mutate -mode inv -module ik_half -cell u -port a -portbit {}"
@@ -54,7 +54,7 @@ def place(tmp_path):
 
 
 def square(lean, mode: str, port: str, bit: int):
-    """Return a mutant of the first square in ik_lean_guard."""
+    """Return a mutant of u_x_sq, a square in ik_lean_guard."""
     (module,) = (name for name in lean.modules if source_name(name) == "ik_lean_guard")
     command = f"mutate -mode {mode} -module {module} -cell u_x_sq -port {port} -portbit {bit}"
     return dataclasses.replace(lean.mutants[0], command=command)
@@ -65,7 +65,7 @@ def square(lean, mode: str, port: str, bit: int):
 def test_only_an_equivalent_mutant_is_proved(lean, place):
     assert proof(square(lean, "const1", "b", 0), place, deep=True) == "ik_lean_guard"  # a square ignores b
     assert proof(square(lean, "inv", "p", 0), place, deep=False) == ""
-    assert proof(square(lean, "inv", "clk", 0), place, deep=True) == ""  # ignored by the solver
+    assert proof(square(lean, "inv", "clk", 0), place, deep=True) == ""  # equiv commands ignore clocks
 
 
 @pytest.mark.release
@@ -82,7 +82,6 @@ def test_unit_bench_kills_a_mutant(lean, place):
 @pytest.mark.needs("fpga")
 @pytest.mark.sim
 def test_jobs_kill_a_mutant(place):
-    """The netlist of ik_axi passes them without it."""
     number = [design.name for design in DESIGNS].index("memory 32")
     mutant = next(mutant for mutant in netlist(number, 1).mutants if mutant.file.endswith("ik_axi_target.v"))
     assert fault(DESIGNS[number].benches[0], mutant, place)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the ordered map: over processes, and over a farm of one worker process."""
+"""Test the ordered map over processes, and over a farm of one worker process."""
 
 import functools
 import os
@@ -17,7 +17,7 @@ from tb.sim.env import ROOT, environment
 
 
 def noted(folder, seconds, number):
-    """Record the number at the start and again at the end."""
+    """Write the number to the file `begun` and, after a pause, to the file `done`; return its square."""
     for name in ("begun", "done"):
         with open(Path(folder) / name, "a") as notes:
             print(number, file=notes)
@@ -56,7 +56,7 @@ def test_processes_keep_the_order_and_end_with_the_block(tmp_path):
 
 @pytest.fixture
 def farm(tmp_path):
-    """Start a cluster without workers, and a worker in its own process group; return the cluster."""
+    """Return a cluster with one worker, which is a process in a group of its own."""
     from distributed import LocalCluster
 
     with LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=None) as cluster:
@@ -72,7 +72,7 @@ def farm(tmp_path):
 @pytest.mark.release
 @pytest.mark.needs("farm")
 def test_a_farm_keeps_the_order_and_reports_what_fails(farm, monkeypatch, tmp_path):
-    """The work, a worker with other sources, workers that die, the scheduler."""
+    """The work fails, a worker has other sources, workers die, the scheduler is lost or absent."""
 
     def results_of(work, items):
         with parallel.shared(1, farm.scheduler_address) as ordered_map:

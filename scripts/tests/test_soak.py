@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the soaks with the bit-true model as simulator: counts, stops, kept files."""
+"""Test the soaks: counts, stops, kept files. The bit-true model replaces the simulator."""
 
 import signal
 from functools import partial
@@ -25,7 +25,7 @@ HEAD = ",".join(worst_targets.COLUMNS)
 
 @pytest.fixture
 def cli(simulator, command, monkeypatch, tmp_path):
-    """Run the soak with chunks of 400 targets and a private regression list."""
+    """Return a function that runs the soak with chunks of 400 targets and a temporary regression list and page."""
     monkeypatch.setattr(soak, "CHUNK", 400)
     monkeypatch.setattr(chunk, "__defaults__", (400,))
     monkeypatch.setattr(worst_targets, "LIST", tmp_path / "kept.csv")
@@ -34,7 +34,7 @@ def cli(simulator, command, monkeypatch, tmp_path):
 
 
 def test_targets_depend_on_seed_and_number_alone(cli, simulator):
-    """Fewer targets are the first of more; --from resumes at a chunk with the same targets and numbers."""
+    """A shorter run has the first targets of a longer one; --from resumes with the same targets and target numbers."""
     whole = []
     for words in (["1200"], ["500"], ["700", "--from", "1", "--out", "later"]):
         assert cli("--targets", *words)[0] == 0
@@ -73,7 +73,7 @@ def test_a_stopped_soak_reports_where_to_resume(cli, simulator, files):
 
 
 def test_poses_of_the_whole_arm(cli, simulator, files):
-    """Chunks have hands of all kinds; a wrong over_limit is a failure."""
+    """Chunks have all branches, and poses with and without each flag; a wrong over-limit flag is a failure."""
     words = ["--datapath", "fold_arm", "--width", "20", "--targets", "800"]
     assert cli(*words)[::2] == (0, []) and files() == ["build/soak/hardest.csv"]
     poses = np.concatenate(simulator.words)
@@ -92,7 +92,7 @@ def test_poses_of_the_whole_arm(cli, simulator, files):
 
 
 def test_a_node_that_differs(cli, simulator):
-    """The scoreboard reports a difference although the results are correct; --from repeats the chunk."""
+    """A node differs although the results are correct: the soak fails, and --from repeats the chunk."""
 
     def spoil(run):
         if np.array_equal(simulator.words[-1], failing):
@@ -114,7 +114,7 @@ def test_a_node_that_differs(cli, simulator):
 
 
 def test_results_are_compared_apart_from_the_scoreboard(cli, simulator):
-    """The scoreboard may compare nothing; a lost result is an error."""
+    """A wrong result fails even if the scoreboard reports no difference; a lost result is an error."""
     simulator.spoil = lambda run: np.add.at(run.results, ([5, 9], 0), 1)
     status, _, err = cli("--targets", "400", "--sim", "icarus")
     assert status == 1 and err[0].startswith("soak: target 5: ") and err[0].endswith(" results of 2 targets")
@@ -128,7 +128,7 @@ def wrong_flag(answer, words, width):
 
 
 def turned(answer, words, width):
-    """Move the hands of three targets within reach."""
+    """Change Qs of three reachable targets, which moves their hands."""
     answer.results[np.flatnonzero(expected_flags(words, width) & UNREACHABLE == 0)[:3], 3] += 1 << 10
 
 
@@ -162,7 +162,7 @@ def test_the_paper_datapath_has_no_tolerance_and_its_excess_is_reported(cli, sim
 
 
 def test_keep(cli, simulator):
-    """The last run of each datapath, word length and kind of targets is kept; flag counts match exact integers."""
+    """The page keeps the last run of each datapath, word length and seed; flag counts equal those in exact integers."""
     for words in (["800", "18"], ["400", "24"], ["400", "18", "--seed", "2"], ["400", "18"]):
         assert cli("--keep", "--targets", words[0], "--width", *words[1:])[0] == 0
     assert worst_targets.LIST.read_bytes() == Path("build/soak/hardest.csv").read_bytes()
@@ -214,7 +214,6 @@ def test_later_rounds_find_worse_targets(cli, monkeypatch, datapath):
 
 
 def test_jobs_of_memory_are_counted_and_a_failing_piece_is_replayed(command, monkeypatch, tmp_path):
-    """Piece 2 of seed 7 fails."""
     ran = []
 
     def run_in_process(modules, sim, env, **options):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Benches that run with one mutant: every node of a core (`NodeBench`), jobs of ``ik_axi``, and the unit benches.
 
-``run(mutant, netlist, place, seconds)`` returns the fault that a bench finds, empty if none, and its measurements;
-without a mutant it runs the netlist itself. `place` is an empty folder.
+A bench has ``run(mutant, netlist, place, seconds)``; `place` is an empty folder. It returns the fault, "" if the bench
+finds none, and the bench's measurements. If `mutant` is None, it runs the unchanged netlist.
 """
 
 import functools
@@ -25,16 +25,16 @@ from tb.sim.sources import LIST
 from tb.units.unit import Case, simulation
 
 LEAST, TIMES = 30.0, 10.0
-"""Time limit of a simulation: LEAST seconds, or TIMES its duration without a mutant if that is longer."""
+"""Time limit of a mutant's simulation: LEAST seconds, or TIMES as long as without the mutant if that is longer."""
 
 
 CORE = re.compile(r"^  (\S+  )\\(g_axis|g_arm)\.(\w+)(  \(\n.*?^  \);\n)", re.M | re.S)
-"""Instance of the core in the netlist of ``ik_axi_records``; the benches refer to it in its named block."""
+"""Instance of the core in the netlist of ``ik_axi_records``. The benches need the named block, which is restored."""
 
 
 @dataclass(frozen=True)
 class Replaced:
-    """cocotb tests of a module that is replaced by its netlist; `given` are the arguments of `simulate`."""
+    """cocotb tests that run with a netlist in place of a module; `given`: the arguments of `tb.sim.runner.simulate`."""
 
     kind: str
     module: str
@@ -75,7 +75,7 @@ class Replaced:
 
 @functools.cache
 def unit_benches() -> dict[str, Case]:
-    """Return a dict: module of rtl/ -> its bench in tb/units."""
+    """Return a dict: module of rtl/ -> its unit bench."""
     benches = {}
     for file in sorted((ROOT / "tb" / "units").glob("test_*.py")):
         for test in vars(importlib.import_module(f"tb.units.{file.stem}")).values():
@@ -84,7 +84,8 @@ def unit_benches() -> dict[str, Case]:
 
 
 def unit_bench(mutant: Mutant) -> Replaced | None:
-    """Return the unit bench of a mutant's module, or of the nearest module around it whose parameters it supports."""
+    """Return the unit bench of the mutant's module or, if none supports its parameters, of the nearest module around it
+    that has one; None without a bench."""
     modules, wanted = mutant.netlist.modules, [mutant.options["module"]]
     while wanted:
         for module in wanted:
@@ -98,10 +99,10 @@ def unit_bench(mutant: Mutant) -> Replaced | None:
 
 
 def fault(bench: NodeBench | Replaced, mutant: Mutant, place: Path) -> str:
-    """Return the fault by which a bench kills a mutant, empty if it survives.
+    """Return the fault by which a bench kills a mutant, "" if the mutant survives.
 
-    The unchanged netlist must pass first. A unit bench that fails on it does not support its parameters and kills
-    nothing.
+    The unchanged netlist must pass first. A unit bench that fails on it does not support its parameters, and kills
+    nothing. Raises SimulationError if another bench fails on it.
     """
     netlist = mutant.netlist
     passed = netlist.folder / "passed" / f"{bench.name.replace(' ', '-')}.json"
@@ -120,7 +121,7 @@ def fault(bench: NodeBench | Replaced, mutant: Mutant, place: Path) -> str:
 
 
 def emptied(place: Path) -> Path:
-    """Return a fresh folder in `place`."""
+    """Make a new folder in `place` and return it."""
     folder = place / f"run{len(list(place.glob('run*')))}"
     folder.mkdir(parents=True)
     return folder

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A campaign: the designs that are mutated, the order of the mutants, the verdict on each, and the file of results."""
+"""Mutation campaign: the mutated designs, the order of the mutants, the verdict on each, and the file of results."""
 
 import functools
 import itertools
@@ -23,7 +23,7 @@ KILLED, PROVED, SURVIVED = "killed", "proved", "survived"
 
 @dataclass(frozen=True)
 class Design:
-    """A top with its parameters, and its benches, the cheapest first."""
+    """Top module to mutate, its parameters, and its benches, the cheapest first."""
 
     name: str
     top: str
@@ -32,13 +32,13 @@ class Design:
 
 
 def core(*benches: NodeBench) -> Design:
-    """Return a design of a core; its benches differ only in their targets."""
+    """Return the design of the core that these benches test; they differ only in their targets."""
     name = " ".join(benches[0].name.split()[1:-1])
     return Design(name, benches[0].path.top, benches[0].parameters, benches)
 
 
 def memory(log2_burst: int, data_w: int) -> Design:
-    """Return a design of ``ik_axi``; its benches are the short tests of jobs, faults and registers, then all."""
+    """Return a design of ``ik_axi``. One bench has the short tests of jobs, faults and registers, the other one all."""
     parameters = {"W": 18, "LOG2_BURST": log2_burst, "DATA_W": data_w}
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "16", "IK_AXI_FAULTS": "2"}
     options = {"toplevel": "ik_axi", "module": MODULES, "parameters": parameters, "env": env}
@@ -63,14 +63,14 @@ DESIGNS = (
 
 @functools.cache
 def netlist(number: int, seed: int) -> Netlist:
-    """Return the netlist of DESIGNS[number]."""
+    """Return the netlist of DESIGNS[number] with the mutants of a seed."""
     design = DESIGNS[number]
     return Netlist(design.name, design.top, tuple(design.parameters.items()), seed)
 
 
 @dataclass(frozen=True)
 class Result:
-    """The verdict on a mutant; `by`: the bench that kills it, or the modules in which it is proved equivalent."""
+    """Verdict on a mutant. `by` is the bench that kills it, or the modules in which it is proved equivalent."""
 
     key: str
     file: str
@@ -82,7 +82,7 @@ class Result:
 
     @property
     def column(self) -> str:
-        """Return the column of the table: the kind of bench, or the verdict."""
+        """Return the column of the table: the kind of the bench that kills the mutant, or the verdict."""
         return self.by.split()[0] if self.verdict == KILLED else self.verdict
 
 
@@ -90,11 +90,11 @@ COLUMNS = ("nodes", "unit", "jobs", PROVED, SURVIVED)
 
 
 def order(seed: int, only: str) -> Iterator[tuple[int, int, Mutant]]:
-    """Yield design, seed and mutant: files whose name contains `only` take turns, as do the designs of a file.
+    """Yield design number, seed and mutant for all files whose names contain `only`.
 
-    All designs with such a file are elaborated, even if it belongs to another datapath of their top.
-
-    Of mutants of a module that designs share, only the first design's is used.
+    The files take turns and, within a file, the designs take turns. Mutants of a module that
+    several designs share are yielded only for the first of them. All designs whose tops contain such a file are
+    elaborated, even if it belongs to another datapath.
     """
     files: dict[str, list[list]] = {}
     changes: set[tuple[int, str]] = set()
@@ -111,7 +111,7 @@ def order(seed: int, only: str) -> Iterator[tuple[int, int, Mutant]]:
 
 
 def judge(job: tuple[int, int, int]) -> Result:
-    """Judge a mutant, given by design, seed and number: run benches and equivalence proofs, the cheapest first."""
+    """Return the verdict on a mutant (design, seed, number); benches and equivalence proofs run cheapest first."""
     design, seed, number = job
     first, *more = DESIGNS[design].benches
     mutant = netlist(design, seed).mutants[number - 1]
@@ -137,7 +137,7 @@ def judge(job: tuple[int, int, int]) -> Result:
 
 
 def recorded(path: Path) -> dict[str, Result]:
-    """Read results by key, without survivors, which are tried again. An incomplete line is ignored."""
+    """Return the results in a file by key. Survivors are left out, to be tried again, and so is an incomplete line."""
     results = {}
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
         with suppress(ValueError):
@@ -147,7 +147,7 @@ def recorded(path: Path) -> dict[str, Result]:
 
 
 def rows(results: list[Result]) -> list[list]:
-    """Return the table by file: mutants, then each of COLUMNS; the last row is the total."""
+    """Return the rows of the table: file, number of mutants, a number for each of COLUMNS; totals in the last row."""
     groups = {name: [r for r in results if r.file == name] for name in sorted({r.file for r in results})}
     return [
         [name.removeprefix("rtl/"), len(group), *(sum(r.column == column for r in group) for column in COLUMNS)]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Equivalence of a module with and without a mutant, by Yosys' equiv commands.
+"""Proofs that a module is equivalent with and without a mutant, by Yosys' equiv commands.
 
-Wires of the same name are compared bit by bit. Bits left unproven, except ports, are removed from the comparison until
-the rest is proved. If a module is not equivalent, the modules that instantiate it may be. The proofs use two-valued
-logic: they hold for a chip and ignore X.
+Wires of the same name are compared bit by bit. Bits that are not proved equal, except ports, are removed from the
+comparison, and the proof is tried again. If a mutant changes a module's function, the modules that instantiate it may
+still be equivalent. The proofs use two-valued logic: they hold for a chip and ignore X.
 """
 
 import re
@@ -14,17 +14,17 @@ from tb.formal.tools import yosys
 from tb.mutation.netlists import SECONDS, Mutant, relative, source_name
 
 CLOCKS = {"clk", "CLK", "WR_CLK"}
-"""Ports that the equiv commands ignore: mutants there are not proved."""
-ROUNDS = 12  # attempts to prove a module, each without the bits left open by the previous one
+"""Clock ports. The equiv commands ignore them, so a mutant there is never proved equivalent."""
+ROUNDS = 12  # attempts to prove a module; each removes the bits that the previous one did not prove
 UNPROVEN = re.compile(r"Unproven \$equiv \S+: \\(\S+)_gold ")
 PORT = re.compile(r"^ *wire .*\b(?:input|output) \d+ .*\\(\S+)$", re.M)
 
 
 def proof(mutant: Mutant, place: Path, deep: bool) -> str:
-    """Return the modules in which a mutant is proved equivalent, empty if it is not.
+    """Return the names of the modules in which a mutant is proved equivalent, "" if it is not proved within SECONDS.
 
-    The search begins with the module of the mutant; `deep`, it continues with the modules that instantiate it. It ends
-    after SECONDS.
+    The first proof is of the mutant's module. If it fails and `deep` is set, all modules that instantiate that module
+    have to be proved, and so on.
     """
     if mutant.options["port"] in CLOCKS:
         return ""
@@ -40,9 +40,9 @@ def proof(mutant: Mutant, place: Path, deep: bool) -> str:
 
 
 def equivalent(mutant: Mutant, module: str, place: Path, end: float, deep: bool) -> bool:
-    """Prove a module equal with and without the mutant before `end`, a time of the monotonic clock.
+    """Return whether a module is proved equivalent with and without the mutant before `end` (time.monotonic).
 
-    `deep`: flattened, otherwise inner modules are cut out.
+    If `deep` is set, the module is flattened; else its submodules are black boxes.
     """
     place.mkdir(parents=True, exist_ok=True)
     right, changed, removed, status = (place / name for name in ("right.il", "changed.il", "removed", "status"))
@@ -62,7 +62,7 @@ def equivalent(mutant: Mutant, module: str, place: Path, end: float, deep: bool)
     statement = f"tee -q -o {relative(status)} equiv_status"
     lines = [
         *(f"read_rtlil -overwrite {relative(path)}" for path in (right, changed)),
-        "techmap -map +/pmux2mux.v",  # the first of several hits, as in the Verilog that is simulated
+        "techmap -map +/pmux2mux.v",  # of several selects the first wins, as in the simulated Verilog
         "opt_dff",
         "dffunmap",
         "opt_expr",
@@ -74,7 +74,7 @@ def equivalent(mutant: Mutant, module: str, place: Path, end: float, deep: bool)
         "opt_merge",
         "equiv_simple -seq 10",
         statement,
-        "equiv_induct -seq 4",  # fails on memories, which are only compared by name
+        "equiv_induct -seq 4",  # fails on memories, so these are only compared by name
         statement,
     ]
     ports = set(PORT.findall(right.read_text()))

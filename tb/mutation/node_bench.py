@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Verilog bench of ``ik_axis`` or ``ik_arm`` that compares every node of a netlist: under stalls, with a full FIFO,
-after a reset.
+"""Verilog bench that compares every node of a netlist of ``ik_axis`` or ``ik_arm`` with the model's.
 
-Under Icarus it finishes in the few seconds that cocotb takes to start. It stops at the first difference. A plusarg
-selects a mutant.
+It sends targets without stalls, with stalls, until the FIFO is full, and after a reset, and stops at the first
+difference. Under Icarus it takes a few seconds, as long as cocotb takes to start. A plusarg selects a mutant.
 """
 
 from dataclasses import dataclass
@@ -20,12 +19,12 @@ from tb.sim.simulate import SimulationError
 
 TOP, DATA = Path(__file__).with_name("node_bench.v"), "data.hex"
 TAG_W = 8
-RIGHT = "all right"  # start of the last output line of a run without differences; it stands in the bench
+RIGHT = "all right"  # start of the last line that node_bench.v prints if nothing differs
 
 
 @dataclass(frozen=True)
 class NodeBench:
-    """A datapath, its word length, and the number of mixed targets; `corners` adds corner targets."""
+    """Bench of a datapath at a word length. `targets`: number of mixed targets; `corners`: add corner targets."""
 
     datapath: str
     width: int
@@ -43,12 +42,11 @@ class NodeBench:
 
     @property
     def parameters(self) -> dict[str, int]:
-        """Parameters of the top."""
         digit = {} if self.path.side else {"DIGIT": self.digit}
         return {"W": self.width, "TAG_W": TAG_W, **digit, **self.path.parameters}
 
     def run(self, mutant: Mutant | None, netlist: Netlist, _: Path, seconds: float) -> tuple[str, str]:
-        """Run the netlist with a mutant; return the first difference, and latency and clocks."""
+        """Run the netlist with a mutant; return the first difference or "", and the output with latency and clocks."""
         folder = netlist.folder / self.name.replace(" ", "-")
         with alone(folder):
             if not (folder / "program").exists():
@@ -68,7 +66,7 @@ class NodeBench:
         return ("", output) if last.startswith(RIGHT) else (last[-200:], output)
 
     def write(self, folder: Path) -> None:
-        """Write the data of the bench, and the files that it includes, into a folder."""
+        """Write the data and the include files of the bench to a folder."""
         path, width, port = self.path, self.width, None
         if path.side:
             words = arm_targets(self.targets, width, 4)  # with the branch
@@ -76,7 +74,7 @@ class NodeBench:
             corners = [arithmetic_corners(width, path.tile)] * self.corners
             words = np.concatenate([mixed(self.targets, width, 4), *corners])
         answered = answer(words, width, self.datapath)
-        if path.side:  # each limit is the angle of a target, so that one ulp more or less is found
+        if path.side:  # limits equal angles of targets, so that a limit wrong by one ulp is found
             limits = [tuple(th[[len(th) // 3, 2 * len(th) // 3]].tolist()) for th in answered.results[:, :7].T]
             answered, port = answer(words, width, self.datapath, limits), limits_port(limits, width)
         nodes, count = list(answered.bits.nodes.values()), len(path.inputs)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Coverage counts of Verilator simulations; the environment variable IK_COVERAGE names the folder for them.
+"""Coverage counts of Verilator simulations, in the folder that the environment variable IK_COVERAGE names.
 
-With it, builds go to ``build/coverage``, and each simulation that passes writes a file of counts, summed over instances
-and parameters. Files that differ from the checkout's, such as the echo of tb/axi, do not count.
+If it is set, builds go to ``build/coverage``, and each simulation that passes writes a file of counts, summed over
+instances and parameters. Files that differ from the checkout's, such as the echo of tb/axi, are not counted.
 """
 
 import json
@@ -21,12 +21,12 @@ from tb.sim.env import ROOT
 from tb.sim.sources import headers, sources
 
 FLAGS = ["--coverage-line", "--coverage-toggle", "--coverage-expr"]
-"""Separate options: --coverage also enables FSM coverage, with which Verilator 5.048 stops at ``v[1:0] == 0``."""
+"""Single options, since --coverage would add FSM coverage, with which Verilator 5.048 stops at ``v[1:0] == 0``."""
 
 
 class Point(NamedTuple):
-    """Coverage point: ``kind`` is line, branch, expr, toggle or cross; ``what`` names a bit with its transition, or the
-    values in an expression."""
+    """Coverage point of ``kind`` line, branch, expr, toggle or cross. ``what`` identifies it among the points at one
+    place: the bit and transition of a toggle, the values in an expression or cross."""
 
     file: str
     line: int
@@ -36,19 +36,19 @@ class Point(NamedTuple):
 
 
 def folder() -> Path | None:
-    """Return the folder for counts; None without coverage."""
+    """Return the folder for counts; None if IK_COVERAGE is not set."""
     name = os.environ.get("IK_COVERAGE")
     return Path(name) if name else None
 
 
 def build(kind: str) -> Path:
-    """Return the folder for builds of a kind, sim or native."""
+    """Return the folder for builds; kind: sim or native."""
     return ROOT / "build" / ("coverage" if folder() else "") / kind
 
 
 @contextmanager
 def counting(root: Path) -> Iterator[list[str]]:
-    """Yield the simulator arguments that write counts; keep the counts if nothing raises."""
+    """Yield the simulator arguments that enable counts; keep the counts if the block does not raise."""
     if not (kept := folder()):
         yield []
         return
@@ -60,7 +60,7 @@ def counting(root: Path) -> Iterator[list[str]]:
 
 
 def totals(text: str, root: Path = ROOT) -> Counter[Point]:
-    """Sum the counts in Verilator's file over instances and parameters."""
+    """Sum the counts in the text of Verilator's file over instances and parameters. root: the simulated tree."""
     names = [str(path.relative_to(root)) for path in [*sources(root), *headers(root)]]
     same = {Path(name).name: name for name in names if (root / name).read_bytes() == (ROOT / name).read_bytes()}
     counts: Counter[Point] = Counter()
@@ -80,7 +80,7 @@ def write(path: Path, counts: Mapping[Point, int]) -> None:
 
 
 def read(folder: Path) -> Counter[Point]:
-    """Sum all counts in a folder."""
+    """Sum the counts of all files in a folder."""
     counts: Counter[Point] = Counter()
     for path in folder.glob("*.json"):
         for *point, count in json.loads(path.read_text()):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The playground in a real browser: its core equals the model, and its controls work."""
+"""Test the playground in headless Chromium: its cores equal the model, and its controls work."""
 
 import gzip
 import json
@@ -24,7 +24,7 @@ from tb.sim.native_run import nodes_of
 
 BUILT = [Machine("lean", 32), Machine("fold", 32)]
 EVERY = [m if m in BUILT else pytest.param(m, marks=pytest.mark.slow) for m in machines.MACHINES]
-"""The others take minutes to compile: ``make test-browser ONLY=core``."""
+"""All cores. Those outside of BUILT take minutes to compile: ``make test-browser ONLY=core``."""
 FLOW = "document.querySelector('button[data-flow={}]').click()"
 MACHINE = "playground.ui.machines[0]"
 LEAN = fixed.latency("lean", 32)
@@ -43,7 +43,7 @@ RESET = f"""(async () => {{
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory):
-    """Write the page with two cores; return its path."""
+    """Write the page with the cores of BUILT; return its path."""
     out = tmp_path_factory.mktemp("playground")
     assert playground.main(["--datapath", "lean,fold", "--width", "32", "--out", str(out)]) == 0
     return out / "index.html"
@@ -60,7 +60,7 @@ def loaded(written, chromium):
 
 @pytest.fixture
 def page(loaded):
-    """Return the page with the lean core and all controls as at the start, stopped."""
+    """Return the page with the lean core, stopped, and with all controls as after loading."""
     loaded.resize(*WIDE)
     loaded.run(RESET)
     yield loaded
@@ -72,7 +72,7 @@ def step(page, clocks):
 
 
 def rows_of(name):
-    """Return the targets of a trajectory, x to d2; the page scales each target separately."""
+    """Return the rows of a trajectory, x to d2. The page scales each row separately."""
     return next(trajectory["rows"] for trajectory in playground.data([])["trajectories"] if trajectory["name"] == name)
 
 
@@ -81,7 +81,7 @@ def bits(node):
 
 
 def assert_answers(answers, words, width, datapath):
-    """Assert that results and flags equal the model's; return the model's run."""
+    """Assert that results and flags of the core equal the model's; return the model's run."""
     model = fixed.run(words, width, datapath)
     assert [answer["result"] for answer in answers] == model.results.tolist()
     assert [answer["flags"] for answer in answers] == model.flags.tolist()
@@ -90,7 +90,7 @@ def assert_answers(answers, words, width, datapath):
 
 @pytest.mark.parametrize("machine", EVERY, ids=lambda machine: machine.name)
 def test_every_core_equals_the_model(page, browser, tmp_path, machine):
-    """Words, flags, clocks and all named nodes equal the model for 200 targets from trajectories and hard cases."""
+    """Results, flags, latency and all nodes equal the model's for 200 targets from trajectories and hard cases."""
     width = machine.width
     built_in = [to_words(trajectories.make(name), width)[0][::10] for name in trajectories.TRAJECTORIES]
     words = np.concatenate([*built_in, stimuli.mixed(200, width, seed=15)])[:200]
@@ -136,7 +136,7 @@ def test_words_equal_the_model(page, width):
 
 
 def test_every_axis_gives_the_hand_its_target(page):
-    """The wrist is at the target in the user's frame for every axis, with different quaternions."""
+    """For every axis the wrist is at the target in the user's frame, while the quaternions differ."""
     seen = set()
     for axis in playground.data([])["axes"]:
         page.choose("axis", axis)
@@ -199,8 +199,8 @@ NOW = "(({ joints, one }) => [joints.map(({ at }) => at), one.words, one.turn])(
 @pytest.mark.parametrize("touch", [False, True])
 @pytest.mark.parametrize("name", playground.ARMS)
 def test_the_hand_turns_and_the_joints_follow(page, name, touch):
-    """A ring turns the hand about its axis, its point at rest, by pointer or by keys; the joints, and which of them are
-    beyond their limits, equal the arm's in double precision, to the core's."""
+    """A ring, by pointer or keys, turns the hand about the ring's axis, while the hand's point stays. The joints equal
+    those of the arm in double precision, and the same ones are marked as beyond their limits."""
     arm = playground.ARMS[name]
     page.choose("robot", name)
     step(page, LEAN + 2)
@@ -263,7 +263,7 @@ def test_a_receiver_that_stalls_loses_nothing(page):
 
 
 def test_a_target_is_followed_through_its_nodes(page):
-    """The column of node words fills as the target proceeds and finally equals the model's; a click shows one node."""
+    """The column shows the model's words of all nodes that the target has passed; a click on the lane shows a node."""
     cells = "[...document.getElementById('column').rows].map((row) => [1, 3].map((k) => row.cells[k].textContent))"
     step(page, 10)
     model = fixed.run(np.array([page.run("playground.ui.followed.words")]), 32, "lean").bits.nodes
@@ -286,7 +286,7 @@ def test_a_target_is_followed_through_its_nodes(page):
 
 @pytest.mark.parametrize("machine", BUILT, ids=lambda machine: machine.name)
 def test_the_vcd_holds_every_node(page, tmp_path, machine):
-    """All nodes of all targets in the VCD, read as by `make follow`, equal the model's."""
+    """All nodes of all targets in the VCD equal the model's. The VCD is read as `make follow` reads it."""
     page.choose("machine", machine.name)
     page.wait_for(f"document.documentElement.dataset.ready === '{machine.name}'")
     page.choose("trajectory", "overhead")
@@ -348,7 +348,7 @@ def test_without_webassembly_the_page_reports_it(written, browser):
 
 
 def test_page_is_one_file(written, page):
-    """The page makes no request and contains no local path; each core is below 1 MiB."""
+    """The page loads no other file and contains no local path; each core takes less than 1 MiB."""
     assert page.requests == [written.as_uri()]
     assert str(ROOT) not in written.read_text(encoding="utf-8")
     for machine in BUILT:

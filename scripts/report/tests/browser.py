@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages in headless Chromium for tests, driven by Playwright."""
+"""Browser windows for tests: headless Chromium, driven by Playwright."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ STICKING_OUT = """[...document.body.querySelectorAll("*")]
         || (e.clientWidth && e.scrollWidth > e.clientWidth + 1))
     .map((e) => e.tagName + "#" + e.id)"""
 
-# Sets a control, as a user does.
+# Function that sets a control as a user does.
 SET = """((name, value) => {
     const e = document.getElementById(name);
     e.value = value;
@@ -24,8 +24,8 @@ LIMIT = 60  # seconds per action; a loaded computer may start a browser slowly
 
 
 class Page:
-    """Window of `width` x `height` CSS pixels with a profile of its own; `problems` collects console messages and
-    uncaught errors."""
+    """Window of `width` x `height` CSS pixels with its own browser profile. `problems` collects console messages and
+    uncaught errors; `requests` collects the addresses that are loaded."""
 
     def __init__(self, browser, width: int, height: int, **media: str):
         self.problems: list[str] = []
@@ -42,12 +42,11 @@ class Page:
         self.resize(width, height, **media)
 
     def resize(self, width: int, height: int, **media: str) -> None:
-        """Set size and media features, such as color_scheme."""
         self._page.set_viewport_size({"width": width, "height": height})
         self._page.emulate_media(**media)
 
     def open(self, url: str, before: str = "") -> Page:
-        """Load a page, after the script `before`, and wait until its script has run."""
+        """Load a page and wait until its scripts have run. The script `before` runs before them."""
         self._page.add_init_script(before)
         for address in ("about:blank", url):  # a change of only the #hash would not reload the page
             self.requests.clear()
@@ -70,7 +69,7 @@ class Page:
         return self.run(f"document.getElementById('{name}').toDataURL()")
 
     def drag(self, start: tuple[float, float], end: tuple[float, float], *, touch: bool = False) -> None:
-        """Press the mouse or a finger at one point and release it at another; the same point twice is a click."""
+        """Press the mouse or a finger at `start` and release it at `end`; with start == end it is a click."""
         middle = tuple((a + b) / 2 for a, b in zip(start, end, strict=True))
         if touch:
             for kind, points in (("Start", [start]), ("Move", [middle]), ("Move", [end]), ("End", [])):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report in headless Chromium (`make test-browser`, which installs it if necessary); not part of `make test`."""
+"""Test the report in headless Chromium. `make test-browser` runs this and installs Chromium; `make test` does not."""
 
 import json
 import time
@@ -27,12 +27,12 @@ BADGES = """[...document.querySelectorAll('.badge')].filter((b) => b.clientHeigh
 CANVAS = Path(__file__).with_name("canvas.js").read_text().rstrip()
 PIXELS, CALLS, AXIS, GREEN = (f"{CANVAS}.{name}" for name in ("pixels", "calls", "axis", "green"))
 
-# The position of a plot's middle along its axis, between the margins: 0 to 1.
+# Position of a plot's middle on the plot's axis, which lies between the margins: 0 to 1.
 MIDDLE = "((plot) => (plot.clientWidth / 2 - 66) / (plot.clientWidth - 80))(document.querySelector('{}'))"
 
 
 def stays(page, seconds=0.1):
-    """Assert that the page stays at its target; return the target."""
+    """Assert that the page shows the same target for some time; return the target."""
     before = page.run(AT)
     time.sleep(seconds)
     assert page.run(AT) == before
@@ -40,14 +40,14 @@ def stays(page, seconds=0.1):
 
 
 def walk(page, steps, script=AT):
-    """Press keys and click elements (#id); assert the value of a script after each."""
+    """Press keys or click elements (#id); after each, assert that the script has the expected value."""
     for action, expected in steps:
         (page.click if action.startswith("#") else page.press)(action)
         assert page.run(script) == expected, action
 
 
 def assert_plots_move_to_the_pointer(page, plots, last, script=AT):
-    """Assert that a click on a plot of targets 0 to `last` moves to the target at the pointer."""
+    """Assert that a click on a plot of targets 0 to `last` selects the target at the pointer."""
     for plot in plots:
         page.press("Home")
         page.click(plot)
@@ -60,7 +60,7 @@ def assert_fits(page, what=None):
 
 
 def assert_figure_is_whole(page, what):
-    """Assert that the figure of the paper is inside its canvas, and that its names do not overlap."""
+    """Assert that the paper's figure is inside its canvas and that its labels do not overlap; return their number."""
     assert page.run(f"{PIXELS}('paper', [null])")[0][1] >= 2, what
     boxes = []
     for name, x, y, width, align, font in page.run(f"{CALLS}('paper', 'fillText')"):
@@ -139,7 +139,7 @@ def test_controls(written, browser):
 
 @pytest.mark.parametrize(("size", "scheme"), SIZES, ids=str)
 def test_every_trajectory_is_drawn_and_fits(written, browser, size, scheme):
-    """Limbs are inside the picture and large enough to see; figures 1 to 5 are whole; every picture differs."""
+    """Limbs are inside the picture and large enough to see; figures 1 to 5 are whole; no two pictures are equal."""
     page = browser(written + "#target=50", size, color_scheme=scheme)
     pictures, figures = set(), set()
     for name in NAMES:
@@ -193,7 +193,7 @@ def test_a_clip_is_played_by_frames(clip, browser):
 
 @pytest.mark.parametrize(("size", "scheme"), SIZES[::2], ids=str)
 def test_a_clip_is_drawn_and_fits(clip, browser, size, scheme):
-    """The whole figure is in the picture; figure 1 of each arm has the joints' directions, apart from perspective."""
+    """The whole figure is in the picture; bones have the same directions in figure 1 and in the scene (nearly)."""
     page = browser(clip + "#frame=0", size, color_scheme=scheme)
     pictures = set()
     for frame in (0, 20, 40, 55):  # the motion ends in the pose of its beginning
@@ -220,7 +220,7 @@ def test_a_clip_is_drawn_and_fits(clip, browser, size, scheme):
 
 @pytest.mark.parametrize(("size", "scheme"), SIZES[::2], ids=str)
 def test_hand_poses_are_drawn_and_fit(browser, size, scheme, tmp_path):
-    """Strips of seven joints; the elbow's circle is green just where all joints are within their limits."""
+    """Each joint has a strip; the elbow's circle is green exactly where all joints are within their limits."""
     poses, phi = trajectories.make("pick_and_place"), np.linspace(-3, 3, 100)
     still = {name: np.full(100, getattr(poses, name)[30]) for name in "xyz"}
     others = {name: column[30:31] * 100 for name, column in poses.others.items()}
@@ -250,7 +250,7 @@ def test_hand_poses_are_drawn_and_fit(browser, size, scheme, tmp_path):
 
 @pytest.mark.parametrize(("size", "scheme"), SIZES[:3], ids=str)
 def test_datapaths_side_by_side(three, browser, size, scheme):
-    """Each datapath has its colour, plots, verdict, files; axes are common."""
+    """Each datapath has its own colour, plots, verdict and score; plots of errors have one scale."""
     page = browser(three + "#target=10", size, color_scheme=scheme)
     assert_fits(page)
     folder, names = Path(three.removeprefix("file://")).parent, ("lean", "fold", "paper")
@@ -277,7 +277,7 @@ THOUSANDS = "".join(f"0.3,{k / 15_000},-0.2,3\n" for k in range(3000))
 
 @pytest.mark.parametrize("rows", ["0.3,0.1,-0.2,3\n", "0.3,0.1,-0.2,3\n" * 2, SINGULAR, THOUSANDS])
 def test_other_targets(simulator, browser, rows, tmp_path):
-    """Any number of targets; a name that is markup is text."""
+    """The page shows any number of targets, and singular ones; a name with markup is shown as text."""
     name = "<img src=x onerror=console.log(1)>&'" + "long" * 30
     (tmp_path / f"{name}.csv").write_text("x,y,z,phi\n" + rows)
     assert report.main(["--trajectory", str(tmp_path / f"{name}.csv"), "--out", str(tmp_path)]) == 0

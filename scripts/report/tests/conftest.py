@@ -12,7 +12,7 @@ from tb.sim.env import simulator as simulator_name
 
 
 def without_rtl(patch):
-    """Replace the simulator by the bit-true model, and the predicted errors by a ramp; return the fake."""
+    """Replace the simulator by the bit-true model, and the predicted errors by a ramp; return the fake simulator."""
     fake = FakeSimulator()
     patch.setattr(trajectory, "simulate", fake)
     patch.setattr(
@@ -41,14 +41,14 @@ def written(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def clip(tmp_path_factory):
-    """Address of the page of a clip with a changed swivel angle."""
+    """Address of the page of a clip whose swivel angles are changed to 1.5 rad."""
     path = figure.write(tmp_path_factory.mktemp("clip") / "t.bvh", frames=61)
     return write_without_rtl(path.parent, "--trajectory", str(path), "--phi", "1.5")
 
 
 @pytest.fixture(scope="session")
 def three(tmp_path_factory):
-    """Address of the page of an RTL run of three datapaths, 20 targets."""
+    """Address of the page of 20 targets, run through the RTL of three datapaths."""
     path = tmp_path_factory.mktemp("three") / "t.csv"
     path.write_text("x,y,z\n" + "".join(f"0.3,{n / 50},0.1\n" for n in range(20)))
     return write(path.parent, "--trajectory", str(path), "--datapath", "lean,fold,paper")

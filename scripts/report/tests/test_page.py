@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report without a browser: its data agree with scores, clips and geometry; its files; its command line.
+"""Test the report without a browser: its data agree with scores, clips and geometry; its files and command line.
 
 The bit-true model replaces the simulator. browser_test_report.py tests the opened page.
 """
@@ -37,7 +37,7 @@ def cli(simulator, command):
 
 
 def data_in(path, key="trajectories"):
-    """Return data of a page, delimited as a browser does."""
+    """Return an entry of a page's data, which the first `</script` ends, as in a browser."""
     text = Path(path).read_text(encoding="utf-8")
     (content,) = re.findall(r'<script type="application/json" id="data">(.*?)</script', text, re.S)
     return json.loads(content)[key]
@@ -45,7 +45,7 @@ def data_in(path, key="trajectories"):
 
 @pytest.fixture
 def shown(cli):
-    """Write a page and return the data of its only trajectory."""
+    """Return a function that writes a page and returns the data of its only trajectory."""
 
     def shown(*options, status=0):
         assert cli(*options)[0] == status
@@ -56,7 +56,7 @@ def shown(cli):
 
 
 def test_data_agree_with_the_score(cli, command, simulator):
-    """Plots have the maxima that `make run` writes; drawn arms reach their targets and lie in the swivel plane."""
+    """Plots have the maxima of score.json; elbow and wrist follow from the quaternions and lie in the swivel plane."""
     assert cli("--trajectory", "all") == (0, [f"wrote {PAGE}"], [])
     assert len(simulator.calls) == 1 and PAGE.stat().st_size < 2_000_000
     command(run.main, "--trajectory", "all", "--datapath", "lean")
@@ -84,7 +84,7 @@ def test_data_agree_with_the_score(cli, command, simulator):
 
 
 def test_several_datapaths(cli, command, simulator):
-    """Each datapath has its own simulation, results and files, as `make run` writes them."""
+    """Each datapath has its own simulation and results; its files equal those that `make run` writes."""
 
     def spoil(run):
         if simulator.calls[-1]["datapath"] == "paper":
@@ -107,7 +107,7 @@ def test_several_datapaths(cli, command, simulator):
 
 
 def test_hands_of_a_robot(shown):
-    """Points, axes, joints and limits equal the run's; swivel angles are free where no joint is over its limit."""
+    """Points, orientations, joints and limits are right; an angle is free if and only if no joint is over its limit."""
     poses = replace(trajectories.make("pick_and_place"), phi=np.linspace(-3, 3, 100))
     Path("t.csv").write_text(format_csv(poses))
     data = shown("--trajectory", "t.csv", "--robot", "iiwa14")
@@ -130,7 +130,7 @@ def test_hands_of_a_robot(shown):
 
 
 def test_hands_without_a_robot(shown):
-    """Joints are th1 to th7 without limits; a clip's hands are drawn by its figure."""
+    """Joints are th1 to th7 without limits; a clip's hands are part of the drawn figure."""
     figure.write(Path("t.bvh"), frames=9)
     for name in ("writing", "t.bvh"):
         data = shown("--trajectory", name)
@@ -141,7 +141,7 @@ def test_hands_without_a_robot(shown):
 
 
 def test_arms_and_units_of_a_file(shown):
-    """Up to four arms are drawn; coordinates are in the file's unit, entities of the paper's figures in no unit."""
+    """Up to four arms are drawn; coordinates are in the file's unit; entities of the paper's figures have no unit."""
     for count, arms in ((4, [0, 1, 2, 3]), (5, [0] * 5)):
         Path("t.csv").write_text("x,y,z,d1\n" + "".join(f"0.2,0.1,0.1,{0.3 + k / 100}\n" for k in range(count)))
         assert shown("--trajectory", "t.csv")["arm"] == arms
@@ -155,7 +155,7 @@ def test_arms_and_units_of_a_file(shown):
 
 
 def test_the_page_is_self_contained_and_reproducible(cli, shown, tmp_path):
-    """Markup in a name is text; no path of this computer stands in the page; the same run writes the same bytes."""
+    """Markup in a name is shown as text; the page contains no local path; the same run writes the same bytes."""
     name = """<!--<script>&"'{{links}}{{x}}\u2028.csv"""
     Path(name).write_text("x,y,z\n0.3,0.1,-0.2\n")
     assert shown("--trajectory", str(tmp_path / name))["name"] == name[:-4]
@@ -241,7 +241,7 @@ TURNS = ("folded", "rest", "half", "middle", "yz2", "theta4", "theta3")
 
 
 def unpack(data):
-    """Decode the page's entities by name: vectors (N, 3), angles and lengths (N,); undefined ones are nan."""
+    """Return the page's entities by name: vectors (N, 3), angles and lengths (N,). Undefined entities are nan."""
     vectors, angles, lengths = (data[kind] for kind in ("vectors", "angles", "lengths"))
     words = np.frombuffer(base64.b64decode(data["rows"]), "<i2").astype(float)
     words[words == data["nothing"]] = np.nan
@@ -268,7 +268,7 @@ def assert_near(a, b, what):
     + [("circle", "-z"), ("circle", "x"), ("circle", "0.3,1,0"), ("t.bvh", "torso"), ("t.bvh", "0.2,1,0.1")],
 )
 def test_each_figure_leads_to_the_next(shown, name, axis):
-    """Each entity, rotated by the drawn angle, gives the next one; the elbow is the core's."""
+    """Each entity, rotated by the drawn angle, gives the next entity; the elbow equals the core's."""
     figure.write(Path("t.bvh"), frames=40)
     data = shown("--trajectory", name, f"--axis={axis}")
     e, lengths = unpack(data["paper"]), np.array(data["lengths"])
@@ -298,7 +298,7 @@ def test_each_figure_leads_to_the_next(shown, name, axis):
 
 
 def test_entities_are_undefined_at_singular_poses(shown):
-    """On the axis, straight, out of reach, at the shoulder, elbow on the axis."""
+    """Targets: wrist on the axis, arm straight, out of reach, wrist at the shoulder, elbow on the axis."""
     Path("t.csv").write_text("x,y,z,phi\n0,0,0.5,1\n0.6,0,0,1\n0.6,0.6,0,1\n0,0,0,1\n0.27,0,0.33,0\n")
     e = unpack(shown("--trajectory", "t.csv")["paper"])
     has = {name: np.isfinite(value).reshape(5, -1).all(axis=1).tolist() for name, value in e.items()}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""scripts/setup/bootstrap.py without network, imports of commands and tests, and the Makefile."""
+"""Test scripts/setup/bootstrap.py without network, the imports of commands and tests, and the Makefile."""
 
 import ast
 import json
@@ -23,7 +23,7 @@ def script(path, text):
 
 @pytest.fixture
 def path(tmp_path, monkeypatch):
-    """The folder of an empty checkout that is set up for Icarus; returns a PATH of programs that do nothing."""
+    """Enter an empty checkout that is set up for Icarus. Return the only folder of PATH; its programs do nothing."""
     root, path = tmp_path / "check out", tmp_path / "bin"
     for folder in (root / ".venv" / "bin", root / "requirements", path):
         folder.mkdir(parents=True)
@@ -40,7 +40,7 @@ def path(tmp_path, monkeypatch):
 
 @pytest.fixture
 def pip(path, monkeypatch):
-    """Replace pip: return a list of the lock files that it installs, up to one named "bad"."""
+    """Replace pip; return the list of installed lock files. Once "bad" is in the list, each installation fails."""
     installed = []
     monkeypatch.setattr(
         bootstrap, "pip_install", lambda lock: installed.append(lock) or "no hash" * ("bad" in installed)
@@ -98,7 +98,7 @@ def test_an_extra_is_added_once_and_again_after_its_lock_has_changed(pip):
 
 
 def test_an_extra_that_does_not_install(pip, capsys):
-    """It is an error for fpga and one line for table6, which is optional; the rest stays ready."""
+    """Fail for fpga, but only print a line for table6, which is optional. Other needs stay ready."""
     pip.append("bad")
     assert "no hash" in refused(capsys, bootstrap.set_up, ["fpga"])
     bootstrap.set_up(["table6"])
@@ -118,7 +118,7 @@ def test_a_half_finished_environment_leaves_no_stamp(tmp_path, monkeypatch, caps
 
 @pytest.mark.parametrize(("user", "status"), [("root", 0), ("sudo", 0), ("sudo", 100), ("sudo with a password", 0)])
 def test_apt_get(path, tmp_path, monkeypatch, capsys, user, status):
-    """apt-get runs without prompts where allowed; otherwise, or if it fails, one line names its command."""
+    """apt-get runs without prompts where it is allowed. Otherwise, or if it fails, one line names its command."""
     allowed = user != "sudo with a password"
     log = tmp_path / "log"
     log.touch()
@@ -156,7 +156,7 @@ def test_a_second_set_up_of_a_checkout_waits():
 
 
 def test_lock_files_agree():
-    """All are installed into one .venv, so a package has one version in them."""
+    """All lock files are installed into one .venv, so a package must have the same version in each."""
     versions = {}
     for lock in ("run", *bootstrap.EXTRAS):
         text = (ROOT / bootstrap.LOCK.format(lock)).read_text()
@@ -181,7 +181,7 @@ for name in sys.argv[2:]:
 
 @pytest.mark.parametrize("lock", ["run", "checkout"])
 def test_commands_and_tests_can_be_imported_where_only_their_lock_file_is_installed(lock):
-    """Packages of the other lock files are imported by functions, or are programs."""
+    """Only functions, not modules, import packages of other lock files."""
     recipes = re.findall(r"\(SETUP\) (.*)((?:\n\t.*)+)", (ROOT / "Makefile").read_text())
     mine = [recipe for needs, recipe in recipes if ("checkout" in needs.split()) == (lock == "checkout")]
     modules = {name for recipe in mine for name in re.findall(r" (scripts\.[\w.]+)", recipe)}
@@ -208,7 +208,7 @@ VALUE = "a folder/with spaces 'b \" $(touch made)$(shell touch made)`touch made`
 
 
 def test_only_words_of_the_command_line_are_passed_and_as_they_were_typed(tmp_path):
-    """make runs in a copy whose set-up does nothing and whose commands print their words."""
+    """make runs in a copy of the checkout in which set-up does nothing and commands print their arguments."""
     root = tmp_path / "a checkout"
     for folder in ("scripts/setup", ".venv/bin"):
         (root / folder).mkdir(parents=True)
