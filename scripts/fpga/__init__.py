@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Size and clock on FPGAs by open tools."""
+"""Size and clock of the datapaths on FPGAs, measured with open tools."""

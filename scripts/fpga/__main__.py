@@ -2,10 +2,10 @@
 """Table 5 of the paper again: logic, multipliers and clock of the datapaths, by open tools (make fpga).
 
 Synthesizes with Yosys for the paper's family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on an
-ECP5-85k with nextpnr; the fold datapath targets the smallest chips. Each netlist is simulated next to the RTL; one that
-differs has no figures. The figures go to fpga.json, the source of the page fpga.md; --page only renders the page. A run
-is repeated only if the hash of its sources, options and tools is not there, so an interrupted command resumes. With
---farm, Dask workers execute the runs in parallel (scripts/parallel.py).
+ECP5-85k with nextpnr; the fold datapath targets the smallest chips. Each netlist is simulated side by side with the
+RTL; a netlist that differs gets no figures. The figures go to fpga.json, the source of the page fpga.md; --page only
+renders the page. A run whose key (hash of sources, options and tools) is in fpga.json is not repeated, so an
+interrupted command resumes. With --farm, Dask workers execute the runs in parallel (scripts/parallel.py).
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ from scripts.soak import hand_errors
 
 
 def describe(design: Design) -> dict:
-    """Return commit and digest of the code; for a core also its latency and the model's largest wrist error (for the
-    whole arm, hand error)."""
+    """Return the commit and digest of a design's code. A design with a model also gets its latency in clocks and the
+    model's largest wrist error / reach (for the whole arm, its largest hand error / reach)."""
     facts = {"rtl": designs.code(design), "commit": commit()}
     if design.datapath not in MODELS:
         return facts
@@ -47,7 +47,7 @@ def describe(design: Design) -> dict:
 
 
 def execute(data: dict, runs: Sequence[Run], ordered_map: Callable = map) -> dict[str, dict]:
-    """Execute the runs without figures of their key, and record these; return the figures by title."""
+    """Execute and record the runs whose key in ``data`` is missing or differs; return a dict: title -> figures."""
     known = {run.title: data["runs"].get(run.title, {}) for run in runs}
     new = [run for run in runs if known[run.title].get("key") != run.key()]
     with progress("fpga", len(new)) as meter:
@@ -63,7 +63,7 @@ def execute(data: dict, runs: Sequence[Run], ordered_map: Callable = map) -> dic
 
 
 def measure(data: dict, chosen: Sequence[Design], ordered_map: Callable = map) -> list[str]:
-    """Synthesize designs for all of their families, and place them; return the runs without figures."""
+    """Synthesize designs for ``families`` and place them for ``aims``; return the titles of runs without figures."""
     for design in chosen:
         data["designs"].setdefault(design.name, {}).update(describe(design))
     runs = [design.run(family) for design in chosen for family in design.families]
@@ -79,10 +79,8 @@ def measure(data: dict, chosen: Sequence[Design], ordered_map: Callable = map) -
 
 
 def write(data: dict) -> None:
-    """Write fpga.json and its page.
-
-    `tried` in the file is written by hand: [what, where, before, after] of each change of the RTL, kept or not.
-    """
+    """Write fpga.json and its page. `tried` in the file is written by hand: [what, where, before, after] of each change
+    of the RTL that was tried, kept or not."""
     data["tools"] = {tool: version(tool) for tool in TOOLS}
     data["commands"] = commands()
     for part in ("tools", "commands", "designs", "runs"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Memories and multipliers of a netlist as cells of ``cells.v``, where Yosys has no model of a family's own."""
+"""Replacement of a netlist's memories and multipliers by cells of ``cells.v``, where Yosys has no simulation model."""
 
 import re
 from collections.abc import Iterator
@@ -24,15 +24,16 @@ PORTS = {
     r"SDPX?9?B": ["CLKA CEA 1 ADA DI - - -", "CLKB CEB 0 ADB - - DO -"],
     r"DPX?9?B": [f"CLK{s} CE{s} WRE{s} AD{s} DI{s} - DO{s} -" for s in "AB"],
 }
-"""Kind of memory -> its sides: clock, enable, write enable, address, data and parity in, data and parity out."""
+"""Pattern of a memory's cell type -> port names of each side: clock, enable, write enable, address, data and parity in,
+data and parity out. "-": the side has no such port; 0 or 1: a constant."""
 
 MULTIPLIERS = {"MULT18X18D": (18, 18), "MULT18X18": (18, 18), "MULT9X9": (9, 9), "DSP48E2": (27, 18)}
-"""Kind of multiplier -> widths of its operands."""
+"""Cell type of a multiplier -> widths of its operands."""
 
 
 @dataclass
 class Cell:
-    """One cell of a netlist (module of write_json); nets are numbers or the constants "0", "1", "x"."""
+    """One cell of a netlist in write_json's format; nets are numbers or the constants "0", "1", "x"."""
 
     name: str
     kind: str
@@ -41,7 +42,8 @@ class Cell:
     fresh: Iterator[int]
 
     def nets_of(self, port: str, width: int, output: bool = False) -> list:
-        """Return the nets of a port, or of a port per bit such as DOA17, lowest first; new ones for unused outputs."""
+        """Return ``width`` nets of a port, or of ports for single bits such as DOA17, lowest bit first. Unconnected
+        outputs get fresh nets, unconnected inputs "0"."""
         if port in ("0", "1"):
             return [port] * width
         single = (f"{port}{k}" for k in range(36))
@@ -55,12 +57,12 @@ class Cell:
         return str(self.parameters.get(parameter, "")).strip()
 
     def rows(self, prefix: str, bits: int) -> str:
-        """Return the rows of initial content, lowest bit first."""
+        """Return the joined values of the parameters ``prefix`` + two hex digits, ``bits`` bits each, lowest first."""
         keys = sorted(key for key in self.parameters if re.fullmatch(prefix + "[0-9A-F]{2}", key))
         return "".join(self.parameters[key].replace("x", "0").zfill(bits)[::-1] for key in keys)
 
     def content(self) -> str:
-        """Return the initial content, nine bits for each byte, lowest bit first."""
+        """Return the memory's initial content with nine bits per byte, lowest bit first."""
         if self.kind == "DP16KD":
             text = self.rows("INITVAL_", 320)
             return "".join(text[k : k + 18] for k in range(0, len(text), 20))
@@ -71,7 +73,7 @@ class Cell:
         return "".join(text[8 * k : 8 * k + 8] + (parity[k] if parity else "0") for k in range(len(text) // 8))
 
     def width(self, side: int) -> int:
-        """Return the width of a side with nine bits a byte, 0 if it is unused."""
+        """Return the word width of side 0 or 1, counted with nine bits per byte; 0 if the side is unused."""
         if self.kind.startswith("RAMB16"):
             return int(re.findall(r"_S(\d+)", self.kind)[side])
         names = (f"READ_WIDTH_{'AB'[side]}", f"WRITE_WIDTH_{'AB'[side]}", f"DATA_WIDTH_{'AB'[side]}")
@@ -80,12 +82,11 @@ class Cell:
 
 
 def _memory(cell: Cell, sides: list[list[str]]) -> dict:
-    """Return a block_ram."""
     content, clocks = cell.content(), set()
-    nine_bits = cell.kind == "DP16KD" or "X9" in cell.kind  # nine bits a byte in the ports already
+    nine_bits = cell.kind == "DP16KD" or "X9" in cell.kind  # the data ports include the ninth bits
     wide = re.fullmatch(r"RAMB(18|36)E\d", cell.kind)
     half = 18 if nine_bits else 32 if "36" in cell.kind else 16
-    # A word of the data of both sides: one side reads it, the other writes it.
+    # True if a word spans the data ports of both sides: one side reads it, the other writes it.
     joined = (wide or cell.kind == "DP16KD") and (36 if nine_bits else 9 * half // 4) in (cell.width(0), cell.width(1))
     ports, values = {}, {"UNITS": len(content) // 9, "INIT": content[::-1]}
 
@@ -104,7 +105,7 @@ def _memory(cell: Cell, sides: list[list[str]]) -> dict:
             continue
         lanes = max(width // 9, 1)
         where = cell.nets_of(address, 15 if "36" in cell.kind else 14)
-        if cell.kind.startswith("RAMB16"):  # the address of a word, not of its lowest bit
+        if cell.kind.startswith("RAMB16"):  # addresses words; block_ram addresses bits
             where = (["0"] * ((width // 9 * 8 or width).bit_length() - 1) + where)[:14]
         enables = cell.nets_of(write, lanes)
         if len(cell.nets.get(write, "")) == 1:
@@ -128,9 +129,8 @@ def _memory(cell: Cell, sides: list[list[str]]) -> dict:
 
 
 def _product(cell: Cell) -> dict:
-    """Return a product."""
     a, b = MULTIPLIERS[cell.kind]
-    # In Lattice's cells a register has the name of its clock; elsewhere a number of registers.
+    # Lattice's parameters name the clock of each register; other vendors' parameters give their number.
     stages = ("INPUTA", "INPUTB", "OUTPUT", "PIPELINE")
     has = {stage: cell.text(f"REG_{stage}_CLK") not in ("", "NONE") for stage in stages}
     others = [key for key in cell.parameters if re.fullmatch(r"([ABCDMP]|AD|OUT_|PIPE_)REG", key) and cell.number(key)]
@@ -156,8 +156,8 @@ def _instance(kind: str, values: dict, ports: dict) -> dict:
 
 
 def modelled(module: dict) -> dict:
-    """Replace the memories and multipliers of a module (of write_json) that have no model in Yosys, by cells of
-    ``cells.v``. Raises ToolError for an option that has none."""
+    """Replace memories and multipliers without a Yosys model by cells of ``cells.v``. Changes and returns ``module``,
+    which is in write_json's format. Raises ToolError for an option that ``cells.v`` does not model."""
     nets = (net for wire in module["netnames"].values() for net in wire["bits"] if isinstance(net, int))
     fresh = count(1 + max(nets, default=1))
     module["attributes"] = {}

@@ -1,26 +1,26 @@
 // Exact models of block memories and multipliers, for netlists of families without models in Yosys.
 // SPDX-License-Identifier: Apache-2.0
 //
-// cells.py puts them in the place of the vendors' cells. A memory has bytes of nine bits and at most two sides on one
+// cells.py replaces the vendors' cells by these modules. A memory has bytes of nine bits and at most two sides on one
 // clock. Both sides read what the memory held before the clock.
 `default_nettype none
 
 module block_ram #(
     parameter integer UNITS = 2048,    // bytes of nine bits
     parameter [UNITS*9-1:0] INIT = 0,  // lowest byte first
-    parameter integer WIDTH_A = 0,     // of a word: 1, 2, 4, or 9 and its multiples up to 72; 0 unused
+    parameter integer WIDTH_A = 0,     // width of a word: 1, 2, 4, or 9 and its multiples up to 72; 0 unused
     parameter integer WIDTH_B = 0,
     parameter integer REG_A = 0,       // 1: a register behind the output
     parameter integer REG_B = 0,
     parameter integer BYTES_A = 0,     // 1: the lowest bits of the address enable the bytes of a write
     parameter integer BYTES_B = 0,
-    parameter integer OLD_A = 1,       // 0: a side that writes has the complement of its word at its output, not to be used
+    parameter integer OLD_A = 1,       // 0: a side that writes outputs the complement of its word, which must not be used
     parameter integer OLD_B = 1
 ) (
     input  wire        CLK,
     input  wire        ENA,
-    input  wire [ 7:0] WEA,  // a bit for each byte
-    input  wire [15:0] ADA,  // of a bit, ninth bits not counted
+    input  wire [ 7:0] WEA,  // one bit for each byte
+    input  wire [15:0] ADA,  // address of a bit; ninth bits do not count
     input  wire [71:0] DIA,
     output wire [71:0] DOA,
     input  wire        ENB,

@@ -18,10 +18,10 @@ PAGE = GENERATED / "fpga.md"
 
 @dataclass(frozen=True)
 class Design:
-    """Top module with parameters, and the families for which it is synthesized or placed.
+    """Top module with its parameters, and the families for which it is synthesized (``families``) or placed (``aims``).
 
-    parameters: all but W. aims: family -> MHz at which no further placement seed is tried; clocks vary by up to a fifth
-    between seeds. within: parameters of `ik_axis`, if it is placed instead of the top.
+    ``parameters`` excludes W. ``aims`` maps a family to the MHz at which no further placement seed is tried; clocks
+    vary by up to a fifth between seeds. If ``within`` is given, `ik_axis` with these parameters is placed, not the top.
     """
 
     datapath: str
@@ -42,7 +42,7 @@ class Design:
         return {"echo": "memory", "fold16": "fold", "fold_arm16": "fold_arm"}.get(self.datapath, self.datapath)
 
     def run(self, family: str, kind: str = "synth") -> Run:
-        """Return a run of the top, or of `ik_axis` around it."""
+        """Return a synth, tree or place run on a family. A design with ``within`` is placed as a part of `ik_axis`."""
         values = {"W": self.width, **self.parameters}
         aim = self.aims.get(family) if kind == "place" else None
         if kind == "place" and self.within is not None:
@@ -69,8 +69,8 @@ DESIGNS = (
     Design("fold_arm", 24, "ik_arm", ("ecp5-12k",), {"ecp5-12k": 90}, FOLD),
     Design("fold_arm", 32, "ik_arm", ("ecp5-12k",), {"ecp5-12k": 85}, FOLD),
 )
-"""Default designs. lean25: only the gain of larger tiles is measured. paper: dividers and roots built from logic.
-memory: ``ik_axi`` with the lean datapath. echo: ``ik_axi`` with a stand-in for the datapath."""
+"""Default designs. lean25 shows the gain of larger tiles. paper has dividers and roots built from logic. memory is
+``ik_axi`` with the lean datapath, echo is ``ik_axi`` with a stand-in for the datapath."""
 
 GROUPS = list(dict.fromkeys(design.group for design in DESIGNS))
 
@@ -80,17 +80,17 @@ CHIPS = {
     "xc7": ("xc7", "LUT6"),
     "gowin": ("Gowin GW2A", "LUT4"),
 }
-"""Chips of the folded datapath, with their unit of logic."""
+"""Family in which the fold datapath is measured -> (chip, unit of logic)."""
 
 
 def find(datapath: str, width: int) -> Design | None:
-    """Return the design of a datapath at any word length."""
+    """Return a datapath's design with any word length; None if no default design has the datapath."""
     known = [one for one in DESIGNS if one.datapath == datapath]
     return next((replace(one, width=width) for one in sorted(known, key=lambda one: one.width != width)), None)
 
 
 def select(groups: Sequence[str], widths: Sequence[int]) -> list[Design]:
-    """Return the default designs, or the designs of groups and word lengths."""
+    """Return the default designs of ``groups``, or of all groups; with ``widths``, their datapaths at these instead."""
     designs = [one for one in DESIGNS if one.group in (groups or [one.group])]
     if widths:
         names = dict.fromkeys(one.datapath for one in designs)
@@ -100,7 +100,7 @@ def select(groups: Sequence[str], widths: Sequence[int]) -> list[Design]:
 
 
 def measured(data: dict, *datapaths: str) -> list[Design]:
-    """Return the measured designs of datapaths, by default of all."""
+    """Return the designs in ``data`` of the named datapaths, or without names all designs."""
     names = (name.split("-") for name in data["designs"])
     return [find(datapath, int(width)) for datapath, width in names if datapath in (datapaths or [datapath])]
 
@@ -110,18 +110,18 @@ def load() -> dict:
 
 
 def run_of(data: dict, run: Run) -> dict:
-    """Return the figures of a run, empty if it was not measured."""
+    """Return the figures of a run; an empty dict if it was not measured."""
     return data["runs"].get(run.title, {})
 
 
 def clock(data: dict, datapath: str, width: int) -> float | None:
-    """Return the clock of a placed design (MHz), None unless it was placed."""
+    """Return the clock of a placed design (MHz); None if it was not placed."""
     design = find(datapath, width)
     return next(filter(None, (run_of(data, design.run(family, "place")).get("mhz") for family in design.aims)), None)
 
 
 def size(data: dict, datapath: str, width: int) -> tuple[dict | None, str]:
-    """Return the cells of a design with LUT4, None if not measured, and the family, such as up5k."""
+    """Return a design's cells on a family with LUT4, and that family, such as up5k; None for cells not measured."""
     design = find(datapath, width)
     family = next((one for one in ("xc2vp", "up5k", "ecp5-12k") if design and one in design.families), "")
     return (run_of(data, design.run(family)).get("cells") if family else None), family
@@ -132,10 +132,10 @@ def code(design: Design) -> str:
 
 
 def recorded() -> dict[str, str]:
-    """Return a dict: design, such as lean-32 -> digest of the code behind the checked-in figures."""
+    """Return a dict: "RTL of lean-32" and so on -> digest of the code that the checked-in figures belong to."""
     return {f"RTL of {name}": design["rtl"] for name, design in load()["designs"].items()}
 
 
 def present() -> dict[str, str]:
-    """Return a dict: design -> digest of the present code."""
+    """Return the same dict as :func:`recorded`, with digests of the present code."""
     return {f"RTL of {design.name}": code(design) for design in measured(load())}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sites for the multipliers of an ECP5-85k, chosen before nextpnr, whose placer sends some of them across the chip."""
+"""Choice of the multipliers' sites on an ECP5-85k before nextpnr runs: its placer puts some of them too far apart."""
 
 from __future__ import annotations
 
@@ -14,21 +14,20 @@ from tb.sim.sources import digest
 SITES = [
     (left + k, y, k) for y in (10, 34, 58) for left in (*range(4, 59, 9), *range(69, 115, 9)) for k in (0, 1, 4, 5)
 ]
-"""x, y and number of each multiplier of the chip."""
+"""(x, y, number) of each multiplier site of the chip."""
 
 FANOUT = 32
-"""Nets with more readers, such as resets, do not hold cells together."""
+"""Nets with more readers, such as resets, are ignored by :func:`coupling`."""
 
 STEPS, MOVES = 60, 500_000
-"""Steps of the random walks, moves of the annealing."""
+"""Number of steps of the random walks, and of moves of the annealing."""
 
 VERSION = digest([Path(__file__)])
 
 
 def floorplan(module: dict, seed: int) -> None:
-    """Assign a site to each MULT18X18D of a module (of write_json), so that multipliers with much logic between them
-    are close. Does nothing if there are more multipliers than sites.
-    """
+    """Assign a site to each MULT18X18D of a module in write_json's format. Multipliers with much logic between them get
+    sites close together. With fewer than two multipliers, or more than sites, the module is left unchanged."""
     names = [name for name, cell in module["cells"].items() if cell["type"] == "MULT18X18D"]
     if 1 < len(names) <= len(SITES):
         weights = np.zeros((len(SITES),) * 2)
@@ -39,8 +38,8 @@ def floorplan(module: dict, seed: int) -> None:
 
 
 def coupling(module: dict, names: list[str]) -> np.ndarray:
-    """Return the symmetric coupling of the named cells: how often random walks through other cells lead from one to
-    another."""
+    """Return the symmetric coupling matrix of the named cells: how often random walks lead from one named cell to
+    another through unnamed cells."""
     order = {name: k for k, name in enumerate(dict.fromkeys([*names, *module["cells"]]))}
     drivers: dict[int, int] = {}
     readers = defaultdict(list)
@@ -64,7 +63,7 @@ def coupling(module: dict, names: list[str]) -> np.ndarray:
     edges = one_way + one_way.T
     total = np.maximum(edges.sum(axis=1), 1e-9)[:, None]
     walk, fixed = edges / total, np.eye(len(names))
-    reached = np.zeros((len(order), len(names)))  # the share of walks from a cell that first meet each of the named
+    reached = np.zeros((len(order), len(names)))  # share of the walks from a cell whose first named cell is this one
     for _ in range(STEPS):
         reached[: len(names)] = fixed
         reached = walk @ reached
@@ -73,7 +72,7 @@ def coupling(module: dict, names: list[str]) -> np.ndarray:
 
 
 def annealed(weights: np.ndarray, seed: int) -> np.ndarray:
-    """Return a site for each cell, by simulated annealing of the weighted sum of distances."""
+    """Return the index in SITES of each cell's site. Annealing minimizes the sum of distances times weights."""
     draw = np.random.default_rng(seed)
     places = np.array(SITES)[:, :2]
     distance = np.abs(places[:, None] - places).sum(axis=2).astype(float)

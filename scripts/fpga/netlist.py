@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Netlists of Yosys and reports of nextpnr: cells by kind, packing of registers, clock and critical path."""
+"""Analysis of Yosys netlists and nextpnr reports: cells by kind, packing of registers, clock and critical path."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from itertools import groupby
 
 from scripts.console import InputError
 
-MULTIPLIERS = 156  # of an ECP5-85k
+MULTIPLIERS = 156  # in an ECP5-85k
 
 MULTIPLIER_NS = 3.65
-"""Delay from input to output registers: nextpnr's 3.07 ns through the multiplier, 0.58 ns from clock to output."""
+"""Shortest clock period of a multiplier: nextpnr's 3.07 ns through the multiplier, 0.58 ns from clock to output."""
 
 KINDS = ("LUT", "shift", "FF", "carry", "MUXF", "multipliers", "RAM")
 """Kinds of cells in fpga.json and on the page."""
@@ -20,7 +20,7 @@ KINDS = ("LUT", "shift", "FF", "carry", "MUXF", "multipliers", "RAM")
 CELLS = [
     ("LUT", r"LUT[1-6]|INV|SRL16E|SRLC32E|ALU|SB_LUT4", 1),
     ("LUT", r"CCU2C", 2),
-    ("LUT", r"TRELLIS_DPR16X4", 6),  # 16x4 bits take the LUTs of two slices, and two for writing
+    ("LUT", r"TRELLIS_DPR16X4", 6),  # 16x4 bits: four LUTs store, two write
     ("shift", r"SRL16E|SRLC32E", 1),
     ("FF", r"FD[RSCP]E|TRELLIS_FF|SB_DFFE?(S[RS])?|DFF[RS]?E?", 1),
     ("carry", r"MUXCY|CARRY4|CCU2C|SB_CARRY|ALU", 1),  # on xcup, two CARRY4 are a CARRY8
@@ -30,12 +30,12 @@ CELLS = [
     ("RAM", r"RAMB36E[12]", 2),
     ("", r"\$scopeinfo|XORCY|GND|VCC|BUFG", 0),
 ]
-"""Kind, pattern of cells that count, and their weight, for all families: an ALU of Gowin is a LUT with a carry, a CCU2C
-of ECP5 two. On iCE40 a LUT next to a carry shares its logic cell; a run replaces their number by nextpnr's."""
+"""(kind, pattern of cell types, weight) for all families. A Gowin ALU is one LUT with a carry, an ECP5 CCU2C is two.
+On iCE40 a LUT and a carry share a logic cell, so a run replaces the LUTs by nextpnr's number of logic cells."""
 
 LUT4_MEMORIES = [("RAM16X1S", 1), ("RAM16X1D|RAM32X1S", 2), ("RAM32X1D|RAM64X1S", 4), ("RAM64X1D", 8)]
 LUT6_MEMORIES = [("RAM(32|64)X1S", 1), ("RAM(32|64)X1D", 2), ("RAM(32|64)M|RAM128X1D", 4), ("RAM32M16|RAM64M8", 8)]
-"""Xilinx' memories in logic, with their LUTs: LUT4 on xc2vp, LUT6 on the others."""
+"""(pattern of Xilinx' memories made of LUTs, number of LUTs): LUT4 on xc2vp, LUT6 on the other families."""
 
 
 class ToolError(InputError):
@@ -43,13 +43,14 @@ class ToolError(InputError):
 
 
 def counted(stat: dict, family: str) -> dict[str, int]:
-    """Return a dict: kind -> number for the whole design of a `stat -json`. Raises ToolError for an unknown cell."""
+    """Return a dict: kind -> number of cells in the design of a `stat -json`. Raises ToolError for an unknown cell."""
     sections = by_section(stat, family).values()
     return {kind: sum(section[kind] for section in sections) for kind in KINDS}
 
 
 def by_section(stat: dict, family: str) -> dict[str, dict]:
-    """Return a dict: module instantiated by the top -> its cells at all levels, summed over its instances."""
+    """Return a dict: module instantiated by the top -> kind -> number of cells inside all of its instances. The key
+    "itself" has the cells directly in the top."""
     modules = {
         name.lstrip("\\"): {cell.lstrip("\\"): n for cell, n in module["num_cells_by_type"].items()}
         for name, module in stat["modules"].items()
@@ -72,7 +73,7 @@ def by_section(stat: dict, family: str) -> dict[str, dict]:
 
 
 def _kinds(cells: Counter, family: str) -> dict[str, int]:
-    """Return a dict: kind -> number of cells by weight."""
+    """Return a dict: kind -> weighted number of cells."""
     memories = LUT4_MEMORIES if family == "xc2vp" else LUT6_MEMORIES
     rules = [*CELLS, *(("LUT", pattern, luts) for pattern, luts in memories)]
     kinds, strange = Counter(dict.fromkeys(KINDS, 0)), []
@@ -86,13 +87,13 @@ def _kinds(cells: Counter, family: str) -> dict[str, int]:
 
 
 def used(report: dict) -> dict[str, int]:
-    """Return a dict: kind of cell -> number used."""
+    """Return a dict: kind of cell -> number used, from nextpnr's report."""
     kinds = "MULT18X18D TRELLIS_COMB TRELLIS_FF DP16KD ICESTORM_LC ICESTORM_DSP ICESTORM_RAM".split()
     return {k: report["utilization"][k]["used"] for k in kinds if k in report["utilization"]}
 
 
 def placed(report: dict) -> dict:
-    """Return clock, utilization and critical path from nextpnr's report."""
+    """Return clock (MHz), utilization and critical path from nextpnr's report. MULTIPLIER_NS limits the clock."""
     clock = next(iter(report["fmax"].values()))
     path = next(p for p in report["critical_paths"] if p["from"].split()[-1] == p["to"].split()[-1])["path"]
     return {
@@ -109,14 +110,14 @@ def placed(report: dict) -> dict:
 
 
 def signal(cell: str) -> str:
-    """Return u_turn.u_w_q.hh for dut.u_turn.u_w_q.hh_TRELLIS_FF_Q_12_DI_MULT18X18D_P3."""
+    """Return a cell's signal: u_turn.u_w_q.hh for dut.u_turn.u_w_q.hh_TRELLIS_FF_Q_12_DI_MULT18X18D_P3."""
     name = re.sub(r"^(\$\w+\$)?dut\.", "", cell)
     name = re.sub(r"_(TRELLIS_FF|MULT18X18D|LUT4|CCU2C|PFUMX|L6MUX21|DP16KD|SB_[A-Z]+\d*)_.*|_RAM$", "", name)
     return re.sub(r"\$[\w$:./-]+$", "", name) or cell
 
 
 def steps(path: list[dict]) -> list[str]:
-    """Return the kinds of cells along a path; repeats are collapsed with their number: CCU2C x 14."""
+    """Return the kinds of cells along a path; 14 equal ones in a row become "CCU2C x 14"."""
     kinds = []
     for step in path:
         if step["type"] == "routing":
@@ -135,18 +136,18 @@ def steps(path: list[dict]) -> list[str]:
 
 
 PACKER = "5"
-"""Version of the function below."""
+"""Version of :func:`pack_registers`; part of a run's key."""
 
 
 def pack_registers(module: dict) -> dict:
-    """Move registers into MULT18X18D and DP16KD, as Lattice's tools do and Yosys does not (module of write_json, with
-    one clock).
+    """Move registers into MULT18X18D and DP16KD, as Lattice's tools do and Yosys does not. The module, in write_json's
+    format and with one clock, is changed in place.
 
-    Output register of a multiplier or memory port: used if the only reader of each bit is a plain flip-flop. A word of
-    36 bits leaves a memory on both ports, which have the register or neither.
-    Input registers of a multiplier: used if A and B both come from plain flip-flops or are constant. A flip-flop with
-    other readers is kept for them; one behind a memory, whose outputs are late, stays near it. Returns the number of
-    registers of each kind and of removed flip-flops.
+    A multiplier or memory port gets its output register if the only reader of each bit is a plain flip-flop. A memory
+    with words of 36 bits reads them on both ports, so both get the register or neither does.
+    A multiplier gets its input registers if all bits of A and B come from plain flip-flops or are constant. A flip-flop
+    that other cells read is kept for them. A flip-flop behind a memory is not moved, because memory outputs are late.
+    Returns the numbers of multipliers, of registers moved into each kind of cell, and of removed flip-flops.
     """
     cells = module["cells"]
     readers, source, late, gone = defaultdict(list), {}, set(), set()
@@ -175,8 +176,8 @@ def pack_registers(module: dict) -> dict:
     (clock,) = {pin(name, "CLK") for name in plain}
 
     def absorb(nets: dict, ports: list[str]) -> bool:
-        """Replace the flip-flops behind ports by their nets. Return False, without a change, if a port has another
-        reader or no port has any."""
+        """Connect ports to the outputs of the flip-flops that read them, and mark these for removal. Return False,
+        without a change, if a port has another reader or no port has a reader."""
         behind = {port: readers[nets[port][0]] for port in ports if port in nets and readers[nets[port][0]]}
         used = [reader for flops in behind.values() for reader in flops]
         if not len(used) == len(behind) > 0 or not all(name in plain and port == "DI" for name, port in used):
@@ -212,7 +213,7 @@ def pack_registers(module: dict) -> dict:
             cell["port_directions"] |= {"CLK0": "input", "CE0": "input", "RST0": "input"}
             parameters |= {f"REG_{which}_{pin}": f"{pin}0" for pin in ("CLK", "CE", "RST")}
         counts.update(multipliers=1, input=loaded, output=output)
-    # Remove flip-flops without readers, and then their sources that have become unread.
+    # Remove flip-flops without readers, and then the flip-flops that only these read.
     todo = list(source.values())
     while todo:
         name = todo.pop()

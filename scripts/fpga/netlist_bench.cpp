@@ -16,7 +16,7 @@ int main(int, char **arguments) {
     VerilatedContext context;
     Vtop top(&context);
     unsigned long clock = 0, differ = 0, first = 0, results = 0;
-    uint64_t before = 0;  // the pins that the core saw before the clock's edge
+    uint64_t before = 0;  // the core's input pins before the clock's edge
     for (uint64_t pins; fread(&pins, sizeof pins, 1, stdin) == 1; before = pins, clock++) {
         top.in = pins;
         for (int level : {0, 1}) {

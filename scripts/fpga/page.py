@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page made from fpga.json: our table 5, critical paths, breakdown of the logic."""
+"""Page fpga.md, made from fpga.json: our table 5, critical paths, logic by section."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from scripts.generate.render import TEMPLATES
 from scripts.paper import tables
 
 BROKEN_DOWN = {"lean": (32, 18), "paper": (32,)}
-"""Datapath -> widths whose logic is counted by section."""
+"""Datapath -> word lengths at which logic is counted by section."""
 
 
 def form(value: object, form: str = "{}") -> str:
@@ -37,12 +37,12 @@ def page(data: dict) -> TemplateModule:
         return run_of(data, design.run(family, kind))
 
     def sources(*datapaths: str) -> str:
-        """Return commit and digest of the measured code, each datapath once."""
+        """Return a text with the commit and digest of each datapath's measured code."""
         latest = {d.datapath: data["designs"][d.name] for d in measured(data, *datapaths)}
         return "; ".join(f"{name} as of commit `{of['commit']}`, sources `{of['rtl']}`" for name, of in latest.items())
 
     def column(design: Design) -> dict:
-        """Return the figures of a design for table 5."""
+        """Return the figures of a design's column in table 5."""
         figures = {"head": f"{design.datapath}, W = {design.width}", **data["designs"][design.name]}
         figures |= {family: run(design, family).get("cells", {}) for family in FAMILIES}
         if figures["xc2vp"]:

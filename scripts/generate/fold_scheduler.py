@@ -3,9 +3,9 @@
 
     make schedule [DATAPATH=fold|fold_arm] [PERIOD=CLOCKS] [SECONDS=N]
 
-Writes the schedule of least latency found in the time limit to model/dataflow/fold/schedule.json or schedule_arm.json,
-the source of the program (`python -m scripts.generate.headers`).  Rerun after adding, dropping or renaming a step of
-the dataflow.
+Writes the schedule with the least latency found within the time limit to model/dataflow/fold/schedule.json or
+schedule_arm.json, from which `python -m scripts.generate.headers` makes the program.  Rerun it after adding, dropping
+or renaming a step of the dataflow.
 """
 
 import json
@@ -23,15 +23,15 @@ from model.dataflow.fold.steps import Placed, Selector
 from scripts.console import InputError, command, option, whole
 
 LATENCY, PERIOD = {"fold": 140, "fold_arm": 340}, {"fold": {32: 88}, "fold_arm": {24: 140, 32: 143}}
-"""Largest latency of a target, and default period by the longest word length of each program, in clocks."""
+"""Clocks: datapath -> largest latency of a target; datapath -> longest word length of a program -> default period."""
 
 
 class _Problem:
-    """Schedule as variables and constraints: ``model`` and the start of each group and vector."""
+    """Schedule as a constraint model. Its variables are ``loads`` of inputs and ``starts`` of groups and vectors."""
 
     def __init__(self, model, lowering: Lowering, groups: Groups, period: int, latency: int) -> None:
         self.model, self.lowering, self.period, self.latency = model, lowering, period, latency
-        self.at_place: dict[str, list] = {}  # load or start -> whether it has each place of the lap
+        self.at_place: dict[str, list] = {}  # load or start -> a mask for each place of the lap
         self.loads = {name: self._clock(f"load {name}", 0, period - 1) for name in lowering.INPUTS}
         vectors = [angle for angle, vector in lowering.vectors.items() if not vector.lengths]
         self.starts = {name: self._clock(name, 1, latency) for name in [*groups, *vectors]}
@@ -44,7 +44,7 @@ class _Problem:
         self._resources(vectors)
 
     def _clock(self, name: str, first: int, last: int):
-        """Return a variable for a clock; ``at_place`` gets a mask for each of its possible places in the lap."""
+        """Return a variable for a clock. Its masks in ``at_place`` are 1 for its place in the lap and 0 for others."""
         clock, place = self.model.new_int_var(first, last, name), self.model.new_int_var(0, self.period - 1, name)
         lap = self.model.new_int_var(0, last // self.period, name)
         self.model.add(clock == lap * self.period + place)
@@ -54,14 +54,14 @@ class _Problem:
         return clock
 
     def _one_each(self, uses: Iterable[tuple[str, int]]) -> None:
-        """Allow at most one of these uses in each clock of the lap; clocks are counted from a load or start."""
+        """Allow at most one use in each clock of the lap. A use is (load or start, clocks from it)."""
         uses = list(uses)
         for n in range(self.period):
             self.model.add_at_most_one(self.at_place[name][(n - clock) % self.period] for name, clock in uses)
 
     def _resources(self, over: dict[str, tuple[str, int]]) -> None:
-        """Allow one step issue, one row read, one word write and one result per clock of the lap, and one user of the
-        counter."""
+        """Allow one step issue, one row read, one word write, one result and one user of the counter in each clock of
+        the lap. ``over`` is the result of :meth:`_angles`."""
         steps, last = self.placed, timing.last_count
         loads = [(f"load {name}", 0) for name in self.loads]
         joints = self.lowering.joints.values()
@@ -75,8 +75,8 @@ class _Problem:
         self._one_each((name, n) for name, of in counting for n in range(timing.first_count(of), last(of) + 1))
 
     def _angles(self) -> dict[str, tuple[str, int]]:
-        """Allow one vector at a time in the angle unit, from the elbow's to the wrist's, and two clocks for its angle;
-        return the clock in which each is handed over, counted from a start."""
+        """Allow one vector at a time in each stage of the angle unit, from the elbow's to the wrist's. Return a dict:
+        angle -> (start, clocks from it) at which its vector is handed over to the second stage."""
         early = (of.step for _, of in self.placed if of.step.name in timing.ELBOW and of.step.write)
         at = self.results | {step.write.to: self.results[step.result] for step in early}
         handed_over: dict[str, tuple[str, int]] = {}
@@ -93,7 +93,7 @@ class _Problem:
                     name, after = handed_over[before.angle]
                     self.model.add(x > self.starts[name] + after)
                     self.model.add(over > self.starts[name] + after + clocks.shown)
-        if order:  # the wrist's is handed over in the lap of the next target's first one, which needs no reset so
+        if order:  # in the next lap, but before the first vector of that lap's target, which thus needs no reset
             name, after = handed_over[order[-1].angle]
             over = self.starts[name] + after
             self.model.add(over >= self.period)
@@ -102,7 +102,7 @@ class _Problem:
         return handed_over
 
     def _written(self, by: Callable[[Placed], Iterable[timing.Use]], loaded: Iterable[str]) -> dict[str, list]:
-        """Return a dict: word or register -> the clocks in which it is written. ``by`` returns the writes of a step."""
+        """Return a dict: word or register -> clocks of its writes. ``by`` returns the writes of a step."""
         clocks = {name: [self.loads[name]] for name in loaded}
         for name, placed in self.placed:
             for use in by(placed):
@@ -110,15 +110,15 @@ class _Problem:
         return clocks
 
     def _words(self) -> None:
-        """Constrain reads of a word to lie between its write and the next target's write."""
+        """Constrain the reads of a word to lie between its write and its write for the next target."""
         written = self._written(timing.word_writes, self.loads)
         for name, placed in self.placed:
             for use in timing.word_reads(placed):
                 self._needs(written, {use.of}, self.starts[name] + use.at, self.period - 1)
 
     def _registers(self) -> dict[str, list]:
-        """Constrain flags and counts, which are registers, in the same way; return the clocks that set them. A register
-        can be read in the clock that sets it for the next target."""
+        """Constrain the reads of flags and counts, which are registers. A register can be read even in the clock that
+        sets it for the next target. Return a dict: register -> clocks that set it."""
         written = self._written(timing.registers_set, ["phi"])
         for name, placed in self.placed:
             start = self.starts[name]
@@ -129,17 +129,17 @@ class _Problem:
         return written
 
     def _needs(self, written: dict[str, list], names: set[str], clock, most: int) -> None:
-        """Constrain a clock to be 1 to ``most`` clocks after every write of these words or registers."""
+        """Constrain a clock to be 1 to ``most`` clocks after every write of the named words or registers."""
         for at in (at for name in names for at in written[name]):
             self.model.add(clock > at)
             self.model.add(clock <= at + most)
 
     def _results(self, registers: dict[str, list], vectors: dict[str, tuple[str, int]]) -> None:
-        """Constrain the results of a target.
+        """Constrain the results of a target, and minimize the clock of the last result.
 
-        Flags and tag leave with the first result. The last result precedes the next target's first one. It is not in
-        the last clocks of a lap, because these already fetch steps of the next lap. A joint's limit is compared after
-        its angle.
+        Flags and tag leave with the first result. The last result precedes the next target's first result. It is not
+        in the last clocks of a lap, because these already fetch steps of the next lap. A joint's angle is compared with
+        its limits after it is written.
         """
         over = {angle: self.starts[name] + clock for angle, (name, clock) in vectors.items()}
         shown = self.lowering.angle_clocks.shown
@@ -154,12 +154,12 @@ class _Problem:
             self._needs(registers, self.lowering.registers(Selector(name)), first, self.period)
         self.model.add(first <= taken + self.period)
         self.model.add(last + bool(joints) < first + self.period)
-        if joints:  # the elbow uses the branch of the target taken last, the others the results' branch
+        if joints:  # the elbow uses the branch of the target loaded last, the joints the branch kept for the results
             self.model.add(self.results["elbow_w"] > taken)
             self.model.add(self.results["elbow_w"] <= taken + self.period)
         lap, place = self.model.new_int_var(0, 3, "lap"), self.model.new_int_var(0, self.period - 1, "place")
         self.model.add(last == lap * self.period + place)
-        self.model.add(lap <= (2 if joints else 1))  # laps of a target that the RTL keeps
+        self.model.add(lap <= (2 if joints else 1))  # the RTL keeps a target for no more laps
         self.model.add(place < self.period - timing.FETCH)
         self.model.add(last <= self.latency)
         self.model.minimize(last)
@@ -197,7 +197,7 @@ def main(parsed: SimpleNamespace) -> int:
             return 1
         parts = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
         made[longest] = Schedule(period, *parts)
-        encode(lowering, groups, made[longest], name)  # raises where two steps need a field or a place
+        encode(lowering, groups, made[longest], name)  # raises if two steps need the same field or place
     written = {longest: asdict(of) for longest, of in made.items()}
     SCHEDULES[name].write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
     print(f"wrote {SCHEDULES[name].name}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write the generated Verilog headers: node formats and clocks, tables, the program of the fold datapath.
+"""Write the generated Verilog headers: node formats and clocks, tables, programs of the fold datapath.
 
 python -m scripts.generate.headers      writes the headers that are out of date
 """
@@ -37,12 +37,13 @@ NOTE = """// SPDX-License-Identifier: Apache-2.0
 
 
 def traced(datapath: str) -> dict[int, dict[str, Node]]:
-    """Return the nodes of a dataflow at every width, with their formats and clocks."""
+    """Return a dict: word length -> nodes of a dataflow by name."""
     return {w: nodes(datapath, w) for w in MODELS[datapath].widths}
 
 
 def _start(operands: tuple[Node, ...], runs: dict[int, dict[str, Node]]) -> str:
-    """Return the T_ of the last ready operand. Raises ValueError if it depends on the width."""
+    """Return the name, T_NODE, of the clock at which the last operand is ready. Raises ValueError if the last operand
+    depends on the word length."""
     times = {}
     for node in operands:
         if node.name:  # constants are always ready
@@ -88,16 +89,14 @@ def latencies() -> str:
 
 
 def _row(words: Iterable[int], bits: Sequence[int], add: str) -> str:
-    """Join the words of a row, each cut to its bits."""
+    """Return a row in Verilog: its words, each cut to its bits, joined to one constant, plus ``add``."""
     row = "".join(format(word % (1 << size), f"0{size}b") for word, size in zip(words, bits, strict=True))
     return f"{sum(bits)}'h{int(row, 2):0{-(-sum(bits) // 4)}x} + {add}"
 
 
 def quadratic_table(name: str, table: Table, rounding: str, *more: str) -> str:
-    """Return the table of a module around ``ik_quadratic``.
-
-    rounding: the constant added to c0. more: further parameters of the module.
-    """
+    """Return the header of a module around ``ik_quadratic``: its parameters and its table. rounding: Verilog of the
+    constant added to c0. more: properties of a form that are parameters as well."""
     forms = {"small": table.small, "long": table.long, "short": table.short}
     roms = {size: [_row(row, of.c_bits, "ADD") for row in table_rows(table, of)] for size, of in forms.items()}
     return BODIES.quadratic_table(name, table.short_frac, rounding, forms, more, roms)
@@ -106,7 +105,7 @@ def quadratic_table(name: str, table: Table, rounding: str, *more: str) -> str:
 # -- fold datapath -------------------------------------------------------------------------------------------------
 
 FOLD_FORMS = {size: (getattr(INVERSE_ROOT, size), getattr(SINE, size)) for size in ("small", "long")}
-"""Forms (root, sine) of the fold datapath's table."""
+"""Size -> forms (root, sine) that share the fold datapath's table."""
 
 
 def fold_codes(name: str) -> str:
@@ -126,11 +125,11 @@ def fold_fields(name: str) -> str:
 
 
 NO_STEP = 255
-"""Number of the step that does nothing, for reset."""
+"""Address of the step that does nothing, used in reset."""
 
 
 def _rows(made: Program) -> list[tuple[str, list[str]]]:
-    """Return the rows of a program, each with its notes."""
+    """Return (word in Verilog, notes for its comment) for each clock of a program's lap."""
     bits, period = sum(fields(made.name).values()), made.period
     notes = [(clock, f"{name} loaded") for name, clock in made.loads.items()]
     for placed in made.steps:
@@ -144,13 +143,13 @@ def _rows(made: Program) -> list[tuple[str, list[str]]]:
 
 
 def _pick(values: Iterable[object]) -> str:
-    """Return a value of each program, the one of short words first, as Verilog."""
+    """Return the value of one or two programs in Verilog; if two differ, SHORT selects the first."""
     values = list(map(str, values))
     return values[0] if len(set(values)) == 1 else f"SHORT ? {values[0]} : {values[1]}"
 
 
 def _after(made: Program) -> str:
-    """Return for each result, a byte each, how many are written after it."""
+    """Return hex digits with a byte for each result: the number of results written after it."""
     clocks = [made.written[result] for result in codes(made.name)["result"] if result in made.written]
     return "_".join(f"{sum(other > clock for other in clocks):02x}" for clock in reversed(clocks))
 
@@ -198,7 +197,7 @@ def fold_nodes(name: str) -> str:
         clocks = (
             [f"{bits}'d{c % p.period}" for c, (_, p) in zip(one, made, strict=True)]
             for one in zip(*(place.clocks for place in each), strict=True)
-        )  # in every program
+        )  # each clock as a list of its places, one per program
         when = " || ".join(f"clock == {f'({pick})' if '?' in pick else pick}" for pick in map(_pick, clocks))
         blocks.setdefault(of.node.instance, []).append((of, _range(of.node), when, _pick(at.text for at in each)))
     return BODIES.fold_nodes(name, blocks)
@@ -214,7 +213,7 @@ def _range(node: Node) -> str:
 
 
 def texts() -> dict[Path, str]:
-    """Return a dict: file -> its text."""
+    """Return a dict: header file -> text."""
     rounding = "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2"
     found = {
         "paper_nodes": (node_formats("paper"), "paper.py"),

@@ -36,7 +36,7 @@ from tb.sim.env import GENERATED
 
 SCORES = GENERATED / "scores.md"
 BUSES = (32, 64, 128)
-TARGETS, ARM_WIDTHS = 4000, (32, 24, 18)  # of a region
+TARGETS, ARM_WIDTHS = 4000, (32, 24, 18)  # targets of a region, word lengths of the arm
 
 COLOURS = {
     "root": "#c2410c",
@@ -54,22 +54,22 @@ NAMES = {of: name for of, (name, *_) in KINDS.items()} | {"fifo": "output FIFO"}
 
 
 def by_region() -> Iterator[tuple[str, ...]]:
-    """Yield rows: region, then for each datapath the median and largest hand error and the largest angle error."""
+    """Yield rows: region, then for each datapath median and largest hand error / reach, largest angle error (rad)."""
     for name in REGIONS:
         errors = [model_errors(region(name, TARGETS, WIDTH, 1), WIDTH, path) for path in DATAPATHS]
         yield name, *(error(v) for hand, angle in errors for v in (np.median(hand), hand.max(), angle))
 
 
 def arm_by_region(widths: Iterable[int]) -> Iterator[tuple[str, ...]]:
-    """Yield rows: region, then for each word length the largest errors of the whole arm's hand, point / reach and
-    orientation (rad), for reaches from 1 on."""
+    """Yield rows: region, then for each word length two largest errors of the whole arm's hand: hand error / reach, and
+    orientation (rad). Reaches below 1 are left out."""
     for name in (name for name in REGIONS if name != "short lengths"):
         poses = [(hand_poses(region(name, TARGETS, width, 1), width, 1), width) for width in widths]
         yield name, *(error(errors.max()) for words, width in poses for errors in hand_errors(words, width, "arm")[0])
 
 
 def scores_page(scores: dict[str, list[dict]]) -> str:
-    """Return scores.md. scores: datapath -> objects of its score.json."""
+    """Return scores.md. scores: datapath -> contents of its score.json, one object per trajectory."""
     named = {"lean_tolerance": f"{tolerances.LEAN[32]:.0e}", "regular_tolerance": f"{tolerances.REGULAR:.0e}"}
     regions = {"region_targets": TARGETS, "by_region": by_region(), "regions": REGIONS}
     regions |= {"arm_by_region": arm_by_region(ARM_WIDTHS), "arm_widths": ARM_WIDTHS}
@@ -78,7 +78,7 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 
 
 def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
-    """Return the rows that test `rates` of tb/axi/ik_axi.py writes for one or all latencies. Raises SimulationError."""
+    """Run test `rates` of tb/axi/ik_axi.py at one or all latencies; return its rows. Raises SimulationError."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         path = Path(folder) / "rates.json"
         env = {"IK_AXI_RATES": str(path), "COCOTB_TEST_FILTER": f"latency={latency or ''}" + ("$" if latency else "")}
@@ -87,10 +87,8 @@ def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -
 
 
 def lanes(nodes: Iterable[Node]) -> list[list[tuple[str, int, int, list[str]]]]:
-    """Group operations by kind and clocks into bars (kind, from, to, names), in lanes without overlap.
-
-    Kinds are in the order of ``COLOURS``. A selection without a clock is wiring and is omitted.
-    """
+    """Join operations of the same kind and clocks to a bar (kind, from, to, names). Return lanes of bars that do not
+    overlap, kinds in the order of ``COLOURS``. A selection without a clock is wiring and is omitted."""
 
     def key(node: Node) -> tuple[int, int, int]:
         return list(COLOURS).index(kind(node)), start(node), node.time
@@ -119,7 +117,7 @@ def pipeline_svg(datapath: str) -> str:
 
 
 def texts() -> dict[Path, str]:
-    """Return the files that need no simulation: path -> text."""
+    """Return a dict: path -> text of each file that needs no simulation."""
     paths = {name: [node for node in longest_path(fixed.nodes(name, WIDTH)) if node.latency] for name in DATAPATHS}
     latency = render("latency", paths=paths, width=WIDTH, start=start, table=Latency.TABLE, fifo=FIFO_CLOCKS)
     pictures = {GENERATED / f"pipeline-{name}.svg": pipeline_svg(name) for name in DATAPATHS}

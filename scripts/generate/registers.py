@@ -3,7 +3,7 @@
 
     python -m scripts.generate.registers      writes the files that are out of date
 
-The project has its own templates: PeakRDL's C header names registers that share a type by a hash.
+The templates are the project's own, because PeakRDL's C header names registers of a shared type by a hash.
 """
 
 import textwrap
@@ -17,7 +17,7 @@ FILES = {
     ROOT / "examples" / "driver" / "ik_regs.h": "ik_regs.h.j2",
     GENERATED / "registers.md": "registers.md.j2",
 }
-"""File -> its template."""
+"""Generated file -> template."""
 
 TEMPLATES.filters |= {
     "access": access,
@@ -27,7 +27,7 @@ TEMPLATES.filters |= {
 
 
 def texts() -> dict[Path, str]:
-    """Return a dict: file -> its text."""
+    """Return a dict: generated file -> text."""
     codes = [(code.name, code.value, code.rdl_desc) for code in ENCODED]
     values = {"top": TOP, "registers": REGISTERS, "codes": codes}
     return {path: TEMPLATES.get_template(name).render(values) for path, name in FILES.items()}

@@ -3,7 +3,7 @@
 
     python -m scripts.paper [--only derivation|operations|figures|table6]
 
-Each part writes those of its pages that have changed; a failed check stops the command. Table 5 is `make fpga`.
+Each part but table6 writes only pages that have changed. A failed check stops the command. Table 5 is `make fpga`.
 """
 
 import sys
@@ -19,7 +19,7 @@ from scripts.paper.derivation.proofs import ProofError
 from scripts.paper.table6 import __main__ as table6
 
 PARTS = {"derivation": derivation.texts, "operations": operations.texts, "figures": figures.texts}
-"""Part -> function that returns its files; table6 measures and writes its own."""
+"""Part -> function that returns a dict: path -> text. The part table6 has a command of its own."""
 
 
 @command(

@@ -2,7 +2,7 @@
 """Figures 6 and 7 of the paper: dataflow graph and pipeline schedule of p_e_x (13), as SVG.
 
 A balancing delay lasts from the clock in which a node is ready to the last clock in which a consumer starts. graphviz
-draws the graph; the picture carries the digest of its graph, so a test can check without graphviz that it is current.
+draws the graph. The picture holds a digest of the graph, so a test without graphviz detects an outdated picture.
 """
 
 import hashlib
@@ -30,7 +30,7 @@ PAGE = GENERATED / "figures.md"
 
 
 def drawn(nodes: Mapping[str, Node]) -> dict[str, Any]:
-    """Return what both figures show: nodes, arrows from operand to node, the longest path and its steps."""
+    """Return the values that both templates need: nodes, arrows (operand, node), longest path and its arrows."""
     arrows = [(o, name) for name, node in nodes.items() for o in operands(node)]
     path = [node.name for node in longest_path(nodes)]
     return {
@@ -44,21 +44,19 @@ def drawn(nodes: Mapping[str, Node]) -> dict[str, Any]:
 
 
 def graph(nodes: Mapping[str, Node]) -> str:
-    """Return the dataflow graph of nodes in the DOT language, coloured by section, with the longest path in red.
-
-    A node without operands that is not an input belongs to another section and is dashed.
-    """
+    """Return the graph of nodes in the DOT language. Sections have colours, the longest path is red, and nodes of other
+    equations are dashed."""
     title = f"p_e_x (13), figure 6 of the paper, W = {WIDTH}"
     return render("graph.dot", title=title, sections=SECTIONS, proved=ranges.proved(WIDTH), **drawn(nodes))
 
 
 def digest(text: str) -> str:
-    """Return the graph digest that is embedded in the picture."""
+    """Return the digest of a graph, which its picture holds."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def svg(text: str) -> str:
-    """Draw a graph with graphviz' ``dot``. Raises InputError if it is not installed."""
+    """Return the picture of a graph, drawn by graphviz' ``dot``. Raises InputError if dot is not installed."""
     if shutil.which("dot") is None:
         raise InputError("graphviz' dot is missing: `make paper ONLY=figures` installs it (Debian's package graphviz)")
     drawn = subprocess.run(["dot", "-Tsvg"], input=text, capture_output=True, text=True, check=True).stdout
@@ -83,13 +81,13 @@ def schedule(nodes: Mapping[str, Node]) -> str:
 
 
 def figures() -> dict[str, str]:
-    """Return the figures of the page: file name -> graph or SVG."""
+    """Return a dict: file name of a picture -> SVG, or the DOT text from which it is drawn."""
     elbow = flow.cone(fixed.nodes("paper", WIDTH), "p_e_x")
     return {"graph_p_e_x.svg": graph(elbow), "schedule_p_e_x.svg": schedule(elbow)}
 
 
 def texts() -> dict[Path, str]:
-    """Draw the figures; return them and their page by path. Raises RangeError if a node does not fit its format."""
+    """Return a dict: path -> figure or page. Raises RangeError if a node does not fit its format."""
     if wrong := ranges.analyse(WIDTH)[1]:
         raise RangeError("\n".join(wrong.values()))
     drawn = {SHOWN / name: svg(text) if text.startswith("digraph") else text for name, text in figures().items()}

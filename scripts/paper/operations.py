@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 4 of the paper: operation counts of the datapaths, by their dataflow; operations.md."""
+"""Table 4 of the paper: operations of the datapaths, counted in their dataflows for operations.md."""
 
 from collections import Counter, defaultdict
 from pathlib import Path
@@ -19,15 +19,14 @@ COLUMNS = {
     "root": "root",
     "rsqrt": "root",
 }
-"""Unit, a kind of `Latency.TABLE`, that is one operation -> its column."""
+"""Unit, a kind of `Latency.TABLE`, that counts as one operation -> column of the table."""
 
 
 def by_section(datapath: str) -> dict[str, Counter]:
-    """Return the operations of each section of a datapath; its RTL has an instance or an operator for each.
+    """Return the operations of each section of a datapath. The RTL has an instance or an operator for each operation.
 
-    Each + or - of a rounded or exact sum is an addition; those inside another unit, such as the rounding of a product
-    or a shift count, are not. Sine and cosine of an angle come from one unit.
-    """
+    Each + or - of a rounded or exact sum counts as an addition. Additions inside another unit, such as the rounding of
+    a product, do not count. Sine and cosine of an angle come from one unit and count as two operations."""
     counts: dict[str, Counter] = defaultdict(Counter)
     angles = set()
     for node in fixed.nodes(datapath, WIDTH).values():
@@ -45,7 +44,7 @@ def by_section(datapath: str) -> dict[str, Counter]:
 
 
 def texts() -> dict[Path, str]:
-    """Return operations.md by its path."""
+    """Return a dict: path of operations.md -> text."""
     paper = by_section("paper")
     counts = {"guard": paper["guard"], "everything": sum(paper.values(), Counter())}
     counts |= {"rtl": counts["everything"] - counts["guard"], "lean": sum(by_section("lean").values(), Counter())}

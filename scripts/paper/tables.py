@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables 5 and 6 of the paper: their figures, and the table of `make run` of several datapaths next to them."""
+"""Figures of the paper's tables 5 and 6, and the table in which `make run` compares datapaths with them."""
 
 from collections.abc import Sequence
 
@@ -13,13 +13,13 @@ from scripts.score_tables import CLOCKS, LATENCY, RATE, empty_table, figures, ou
 
 TARGETS = 100
 FIRST_US, ALL_US, SOFTWARE_US = 5.0, 6.0, 860.0
-"""Microseconds of the paper's pipeline until the first and the last result, and of its software."""
+"""Times of the paper for TARGETS targets (us): its pipeline to the first and the last result, its software."""
 
 LUTS, MHZ, STAGES = 30_000, 100, 550
-"""LUT4, clock and latency in clocks of the paper's pipeline."""
+"""LUT4, clock (MHz) and latency (clocks) of the paper's pipeline."""
 
 CHIP, CHIP_LUTS, CHIP_MULTIPLIERS = "2VP70", 66_176, 328
-"""Virtex-II Pro 2VP70: 33088 slices of two LUT4 each, 18x18 multipliers (Xilinx DS083)."""
+"""Virtex-II Pro 2VP70: name, LUT4 (33088 slices of two), 18x18 multipliers (Xilinx DS083)."""
 
 FIRST, ALL = "until the first result (us)", "until the last (us)"
 PART, TIMES = f"  of the {CHIP}'s", "times the paper's software"
@@ -31,7 +31,7 @@ SOURCES = (
 
 
 def of_chip(luts: int) -> str:
-    """Format LUTs as a percentage of the chip's LUTs."""
+    """Format a number of LUT4 as a percentage of the paper's chip."""
     return f"{luts / CHIP_LUTS:.0%}"
 
 
@@ -40,7 +40,7 @@ def _times(targets: int, us: float) -> str:
 
 
 def _paper(targets: int) -> dict[str, str]:
-    """Return the paper's figures in the order of the rows, with times for a number of targets."""
+    """Return a dict: row of the table -> the paper's figure, with times for a number of targets."""
     us = FIRST_US + targets / MHZ
     return {
         "LUT4": f"~{LUTS}",
@@ -57,7 +57,7 @@ def _paper(targets: int) -> dict[str, str]:
 
 
 def _core(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
-    """Return the same rows for a run of the core. data: the figures of `make fpga`."""
+    """Return the same rows as :func:`_paper`, for a simulated run. data: the figures of `make fpga`."""
     datapath, width = result.datapath, result.width
     cells, family = size(data, datapath, width)
     rows = {name: value for name, value, *_ in figures(result, flags) if not name.startswith(" ")}
@@ -73,7 +73,7 @@ def _core(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
 
 
 def table_of_datapaths(done: Sequence[tuple[Score, np.ndarray]]) -> Table:
-    """Return a table of the paper's figures and runs of one trajectory, each with its flag bits (N,)."""
+    """Return a table of the paper's figures and of runs of one trajectory. done: (score, flags (N,)) of each run."""
     first, data = done[0][0], load()
     chips = {result.datapath: CHIPS.get(size(data, result.datapath, result.width)[1]) for result, _ in done}
     small = [f"{name}: {chip[1]} and clock of an {chip[0]}." for name, chip in chips.items() if chip]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Products, tiles in logic on ECP5, a shift register, a table and a memory that is written. test_netlists.py replaces FACTOR, an
-// operand, PRODUCT, 1 for a square, and PART, 1 for products some of whose registers cannot be packed.
+// Products, tiles in logic on ECP5, a shift register, a table and a memory that is written. test_netlists.py replaces FACTOR
+// by an operand, PRODUCT by 1 for a square, and PART by 1 for products, some of whose registers cannot be packed.
 
 module ik_small (
     input  wire clk,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of scripts/fpga without its tools: reports, wrapper, figures and page."""
+"""Tests of scripts/fpga that run without Yosys and nextpnr: reports, wrapper, figures and page."""
 
 import pickle
 import re
@@ -51,7 +51,7 @@ def test_cells_are_counted_by_kind(family, cells, kinds):
 
 
 def test_clock_and_critical_path_of_a_report():
-    """A report of nextpnr for the lean datapath at 18 bits, shortened."""
+    """Read a shortened nextpnr report of the lean datapath at W = 18."""
     rom, product = "dut.u_q.rom.0.0", "dut.u_q.bend_2_TRELLIS_FF_Q_DI_MULT18X18D_P19"
     flop = "dut.u_q.bend_2_TRELLIS_FF_Q_8"
     steps = [("clk-to-q", 4.263, rom, rom), ("routing", 1.948, rom, product), ("logic", 3.066, product, product)]
@@ -91,7 +91,7 @@ def test_wrapper_connects_every_port(module):
 
 
 def test_a_hand_pose_is_shifted_in_and_held():
-    """The wide inputs are limits, pose, then branch and tag, in the order of the ports."""
+    """Check the poses held in the shift register: limits, pose, branch and tag, in the order of the ports."""
     ports = simulation.Ports(closure("ik_arm")[0].read_text())
     assert "if (!in[4]) in_q" in ports.wrapper({"W": 18}, "fpga_top") and ports.single["input"][3] == "hold"
     pins = ports.stimuli(3000, 18)
@@ -115,7 +115,7 @@ def test_page_is_made_from_the_figures():
 
 
 def on_farm(work, jobs):
-    """Map as a farm does, which sends jobs and results to another process."""
+    """Map as a farm does: pickle jobs and results, as if they went to another process."""
     return (pickle.loads(pickle.dumps(work(pickle.loads(pickle.dumps(job))))) for job in jobs)
 
 
@@ -123,8 +123,8 @@ RECORDED = designs.load()
 
 
 def test_recorded_figures_give_the_same_runs_and_placements(monkeypatch, tmp_path):
-    """Runs with recorded figures instead of the tools equal fpga.json's: each chip of the folded datapath is measured.
-    A repeated command takes all figures from fpga.json; runs that timed out have none and are reported."""
+    """Replace the tools by the figures in fpga.json, and check that a command makes exactly the runs recorded there. A
+    repeated command takes all figures from fpga.json. A run that times out has no figures and is reported."""
     late, ran = set(), []
     chosen = [design for design in designs.DESIGNS if design.name in RECORDED["designs"]]
     for name in ("FIGURES", "PAGE"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A small design mapped to each family, and simulated next to its RTL; netlists that differ are refused."""
+"""Tests that map a small design to each family and simulate it next to its RTL. Wrong netlists have to be refused."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.needs("fpga", "verilator")
 
 @pytest.fixture
 def figures(monkeypatch, tmp_path):
-    """Return a function that returns the figures of the design on a family, without placement."""
+    """Return a function: family -> figures of the small design, without placement."""
     text = Path(__file__).with_name("ik_small.v").read_text()
     inner = [path for name in ("ik_exact", "ik_delay", "ik_ring", "ik_quadratic") for path in closure(name)]
     small = tmp_path / "ik_small.v"
@@ -49,7 +49,7 @@ def test_a_netlist_equals_the_rtl(figures, family):
     ("family", "factor"), [("xc7", "{a[17], a[17:0]}"), pytest.param("up5k", "a", marks=pytest.mark.release)]
 )
 def test_a_wrong_netlist_is_refused(figures, family, factor):
-    """Yosys 0.70 loses bits of a product's register on xc7 where an operand is sign-extended, and on iCE40 where there
-    is a second register."""
+    """Use two bugs of Yosys 0.70 (docs/integration.md): products are wrong on xc7 if an operand is sign-extended, on
+    iCE40 if two registers follow."""
     with pytest.raises(LeftOutError, match="clocks differ from the RTL"):
         figures(family, factor)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Generated files are current, headers equal the model; documents name what exists; pictures, regions."""
+"""Tests that generated files are up to date, headers equal the model and documents name existing files."""
 
 import re
 import subprocess
@@ -71,7 +71,7 @@ def test_regions_are_in_reach_and_where_they_claim(name, width):
     if "the z axis" in name and "elbow" not in name:
         assert (np.hypot(x, y) <= (0.11 + lsb) * np.maximum(np.abs(z), 1) + 1).all()
         assert (z > 0).any() and (z < 0).any()
-    if "stretch" in name:  # targets of short lengths are at least an LSB away
+    if "stretch" in name:  # with short lengths, an LSB exceeds the intended gap
         assert ((d1 + d2 - distance) / (d1 + d2) <= 0.12 + 3 / (d1 + d2)).all()
     if "fold" in name:
         assert (distance - np.abs(d1 - d2) <= 0.12 * distance + 2).all()
@@ -91,7 +91,7 @@ def test_files_are_up_to_date(generator):
 
 
 def evaluated(header: str, datapath: str, width: int, folder: Path) -> dict[str, int]:
-    """Return the localparams of a header as Icarus evaluates them."""
+    """Return a dict: localparam of a header -> value, evaluated by Icarus."""
     names = re.findall(r"\b([A-Z]\w*) = ", "\n".join(re.findall(r"^localparam integer .*", header, re.M)))
     shown = "\n".join(f'$display("{name} %0d", {name});' for name in names)
     tile = MODELS[datapath].tile
@@ -107,7 +107,7 @@ def evaluated(header: str, datapath: str, width: int, folder: Path) -> dict[str,
     [("lean", "lean", 100), ("lean16", "lean", 1100), ("paper", "paper", 0), ("arm", "arm", -1), ("arm16", "arm", -1)],
 )
 def test_header_expressions_give_the_models_clocks(datapath, header, key, tmp_path):
-    """Expressions evaluate to the model's clocks and fraction bits at every word length."""
+    """Check the clocks and fraction bits of all nodes at every word length."""
     text = headers.node_formats(header).replace('`include "ik_lean_formats.vh"', headers.lean_formats())
     latencies = dict(re.findall(r"(\d+): datapath_latency = (\d+);", headers.latencies()))
     runs = headers.traced(datapath)

@@ -28,7 +28,7 @@ def page(name: str, steps: Mapping[str, Step]) -> str:
 
 
 def texts() -> dict[Path, str]:
-    """Derive; return the pages by path. Raises ProofError if statements do not hold."""
+    """Run all derivations; return a dict: page -> text. Raises ProofError if statements do not hold."""
     steps = {name: derive(functions) for name, functions in STEPS.items()}
     if wrong := [line for proved in steps.values() for line in failures(proved)]:
         raise ProofError("\n".join(wrong))

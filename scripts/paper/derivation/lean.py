@@ -2,7 +2,7 @@
 """Derivation of the lean dataflow from the paper's equations (10)-(18).
 
 The lean side is the dataflow of model/dataflow/lean.py, evaluated on symbols (:func:`evaluate`). The paper's side is
-the corrected print. Steps and their statements appear in docs/generated/lean.md.
+its printed equations with misprints corrected. Steps and their statements appear in docs/generated/lean.md.
 """
 
 import itertools
@@ -22,7 +22,7 @@ from scripts.paper.derivation.proofs import COS_H, HALF_CIRCLE, PRINTED, SIN_H, 
 
 NORMAL = "vec(cos_phi*u_y + sin_phi*sin_el*u_x, sin_phi*sin_el*u_y - cos_phi*u_x, -sin_phi*cos_el)"
 ACROSS = "vec(sin_phi*u_y - cos_phi*sin_el*u_x, -cos_phi*sin_el*u_y - sin_phi*u_x, cos_phi*cos_el)"
-"""Unit vectors n, of the swivel plane, and m, perpendicular to it and to the target."""
+"""Unit vectors: n is normal to the swivel plane, m is perpendicular to n and to the target."""
 
 CIRCLES = ("u_y**2 = 1 - u_x**2", "cos_el**2 = 1 - sin_el**2", "sin_a**2 = 1 - cos_a**2", "sin_phi**2 = 1 - cos_phi**2")
 SQUARES = (
@@ -34,33 +34,32 @@ SQUARES = (
     "sqrt_2**2 = d2",
 )
 ROOTS = {"rho": "rho", "s": "dist", "far": "sqrt_a", "near": "sqrt_b", "1": "sqrt_1", "2": "sqrt_2"}
-"""Root of the dataflow -> name of its argument's root."""
+"""Suffix of a root's nodes in the dataflow -> symbol for the root's value."""
 
 HALF = {"c >= 0": ("(1 + c)/2", "s/2"), "c < 0": ("s/2", "(1 - c)/2")}
-"""Parts of the quaternion h(c, s) by branch, as :func:`model.dataflow.choices.half_part` has them."""
+"""Branch -> parts of the quaternion h(c, s), as in :func:`model.dataflow.choices.half_part`."""
 
 NODES = fixed.nodes("lean", 32)
 
 REACHABLE = dict.fromkeys(("clamp", "closed", "away", "at_shoulder", "minus", "low"), False)
-"""Masks of a target in reach, with k_1 >= 0; the sign of Qs is free."""
+"""Mask -> value for a target in reach with k_1 >= 0. The sign of Qs does not matter."""
 
 
 def symbolic(node: Node) -> bool:
-    """Return whether a node is computed without a root, a sine, or a choice by a sign."""
+    """Return True if a node is computed without a root, its normalization, a sine or a comparison."""
     return node.kind in ("choose", "mul3") and not _compares(node.op)
 
 
 def _compares(term: Term) -> bool:
-    """Return whether an operation has a comparison within it."""
     parts = term.parts if isinstance(term, Operation) else ()
     return isinstance(term, Compared) or any(map(_compares, parts))
 
 
 def evaluate(section: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `values` and the nodes of a section that follow from them.
+    """Return `values` and the values of those nodes of a section that can be computed from them.
 
-    A node is its operation in real numbers, as in :class:`model.bounds.predict.Real`. A root's shift count is 0, since
-    any count cancels.
+    Operations are evaluated in real numbers, as in :class:`model.bounds.predict.Real`. Shift counts of roots are 0,
+    because any count cancels.
     """
     values = {"e_rho": 0} | REACHABLE | dict(values)
     for name, node in NODES.items():
@@ -79,12 +78,12 @@ def evaluate(section: str, values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def sums() -> dict[str, sp.Expr]:
-    """Return the sums of the inputs."""
+    """Return the symbols of the inputs, and the sums of section `guard`."""
     return evaluate("guard", {name: symbol(name) for name in ("x", "y", "z", "d1", "d2")})
 
 
 def to_triangle(step: Step) -> None:
-    """Set the nodes down to the triangle in x, y, z, d1, d2 and six roots."""
+    """Set the values of the nodes up to section `triangle`, as expressions of x, y, z, d1, d2 and six roots."""
     step.values |= sums()
     step.suppose(*SQUARES)
     for name, root in ROOTS.items():
@@ -97,7 +96,7 @@ def to_triangle(step: Step) -> None:
 
 
 def frame(step: Step) -> None:
-    """Set the unit vectors n, m, e, p/|p| as `direction`, and the target (10)-(17) in polar form."""
+    """Set the unit vectors n, m, e and `direction` (p/|p|), and the target p of (10)-(17) in polar form."""
     step.suppose(*CIRCLES)
     step.values |= {"n": parse(NORMAL), "m": parse(ACROSS), "direction": parse("vec(cos_el*u_x, cos_el*u_y, sin_el)")}
     step.values["e"] = step.value("cos_a*direction + sin_a*m")
@@ -106,7 +105,7 @@ def frame(step: Step) -> None:
 
 
 def rotation_matrix(quaternion: Iterable) -> sp.Matrix:
-    """Return the matrix of v -> Q v Q~, computed in the algebra, for a quaternion of any length."""
+    """Return the matrix of v -> Q v Q~ for a quaternion Q of any length, computed in the algebra."""
     images = (normal(cga.rotate(cga.quaternion(*quaternion), e)) for e in (cga.e1, cga.e2, cga.e3))
     return sp.Matrix.hstack(*images)
 
@@ -191,7 +190,7 @@ def shoulder(step: Step) -> None:
     q12 = {"q12_i": e[0] / (2 * gamma), "q12_j": e[1] / (2 * gamma), "q12_k": gamma}
     image = rotation_matrix([sp.Integer(0), *q12.values()])[:, 2]
     step.prove("image = e", label=r"Q_{12} e_3 \tilde Q_{12} = e", image=image)
-    # (17) with the plane of length rho and the target as step 3 has it
+    # (17) with a plane vector of length rho and with the target in the form proved in step 3
     along = step.value("dist*(cos_a*e - sin_a*cross(n, e))")
     step.values |= q12 | of_axes("pi_swivel", symbol("rho") * step.values["n"]) | of_axes("p_w", along)
     step.roots = {symbol("rho"): symbol("rho") ** 2}
@@ -252,8 +251,8 @@ def half(step: Step) -> None:
 
 
 def product_lines(swap: bool = False) -> list[sp.Expr]:
-    """Return the lean quaternion before its division, in the half angle quaternions; ``swap``: bend_s is the larger
-    part of its quaternion."""
+    """Return the lean quaternion w_1, i_1, j_1, k_1 before its division, as expressions of the half-angle quaternions.
+    ``swap``: bend_s, not bend_c, is the larger part of its quaternion."""
     names = "az_c az_s tilt_c tilt_s bend_c bend_s"
     values = dict(zip(names.split(), symbols(names), strict=True)) | {"cos_h": COS_H, "sin_h": SIN_H}
     larger, smaller = ("bend_s", "bend_c") if swap else ("bend_c", "bend_s")

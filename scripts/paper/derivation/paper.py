@@ -15,19 +15,19 @@ D1, D2 = symbols("d1 d2")
 PAIR = [f"pp_{name}" for name in ("i", "j", "k", "14", "15", "24", "25", "34", "35")]
 BLADES = ("e23", "e13", "e12", "e14", "e15", "e24", "e25", "e34", "e35")
 SIGNS = (-1, 1, -1, 1, 1, 1, 1, 1, 1)
-"""Coefficients of the point pair, their blades, and the signs of i, j, k on them."""
+"""Names of the point pair's coefficients in (12), their blades, and their signs on these blades."""
 
 POSE = {"p_w_x": 1, "p_w_y": 2, "p_w_z": 2, "pi_swivel_x": 2, "pi_swivel_y": -1, "pi_swivel_z": 0, "d1": 3, "d2": 2}
 L_SW = "l_sw**2 = p_w_x**2 + p_w_y**2 + p_w_z**2"
 
 
 def normal(plane) -> sp.Matrix:
-    """Return the vector part of a plane or a vector."""
+    """Return the coefficients of e1, e2, e3 in a plane or a vector."""
     return sp.Matrix([cga.coefficient(plane, blade) for blade in ("e1", "e2", "e3")])
 
 
 def of_axes(name: str, values) -> dict[str, sp.Expr]:
-    """Return the components of a vector by name."""
+    """Return a dict: name_x, name_y, name_z -> component of a vector."""
     return {f"{name}_{axis}": value for axis, value in zip("xyz", values, strict=True)}
 
 
@@ -49,7 +49,7 @@ def swivel_plane(step: Step) -> None:
 
 
 def derived_pair() -> dict[str, sp.Expr]:
-    """Return the coefficients of PP*, named as in (12)."""
+    """Return a dict: name in (12) -> coefficient of PP*."""
     PP = geometry.elbow_point_pair(cga.point(*P_W), cga.plane(*PI, 0), D1, D2)[3]
     pair = cga.dual(PP)
     assert (PP.grades, sp.expand(pair.e45)) == ((3,), 0), "the text of the page"
@@ -61,7 +61,8 @@ def point_pair(step: Step) -> None:
 
 
 def elbow(step: Step) -> tuple[sp.Matrix, sp.Expr]:
-    """Return the elbow of a pair of nine symbols and the radicand in it, which is tmp_sqr**2 from now on."""
+    """Return the elbow point of a point pair of nine symbols, and the radicand in it. The step gets tmp_sqr as the
+    radicand's root."""
     keys = tuple(cga.ALGEBRA.canon2bin[blade] for blade in BLADES)
     pair = cga.ALGEBRA.multivector(keys=keys, values=[s * symbol(n) for s, n in zip(SIGNS, PAIR, strict=True)])
     point = cga.euclidean_coordinates(geometry.elbow_point(-cga.dual(pair)))  # a second dual gives back -X
@@ -87,7 +88,7 @@ def sums(step: Step) -> None:
             step.values[f"pp_{m}_{name}"] = symbol(f"pp_{m}5") + sign * symbol(f"pp_{m}4")
     products = " + ".join(f"pp_{m}_plus*pp_{m}_minus" for m in "123")
     step.prove(f"tmp1 = -pp_i**2 - pp_j**2 - pp_k**2 + {products}", tmp1=square)
-    # By the next statement the root of a pair scaled by lam > 0 is scaled by lam.
+    # The next statement proves that scaling a pair by lam > 0 scales the root by lam.
     lam = symbol("lam")
     scaled = {symbol(name): lam * symbol(name) for name in [*PAIR, "tmp_sqr"]}
     larger = {"tmp1": square.subs(scaled, simultaneous=True), "p_e": p_e.subs(scaled, simultaneous=True)}
@@ -105,7 +106,7 @@ def elbow_point(step: Step) -> None:
     denominator = sp.fraction(p_e[0])[1]
     rows = {"inf_pp": denominator, "tmp1": square, "tmp_sqr": symbol("tmp_sqr"), **of_axes("p_e", p_e)}
     step.rows("(13)", rows)
-    # The same point of the pair (12) of a plane through p_w; times inf_pp, to avoid quotients.
+    # The elbow point of the pair (12) if the plane contains p_w. It is multiplied by inf_pp to avoid quotients.
     put = {symbol(name): value for name, value in derived_pair().items()}
     inf_pp, tmp1 = (sp.expand(value.subs(put)) for value in (denominator, square))
     forward = (p_e * denominator).applyfunc(lambda value: sp.expand(sp.cancel(value).subs(put)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proof engine of both derivations: statements as text, decided by expansion modulo named relations.
+"""Proof engine of both derivations: statements are text, and are decided by expansion modulo given relations.
 
 A statement is "left = right" in the names of the model. It is evaluated with sympy for the proof and written as LaTeX
 for the page.
@@ -16,16 +16,16 @@ from model.reference.cga import symbol
 from model.reference.equations import C4, TEXT
 
 PRINTED = {number: dict(lines) for number, lines in TEXT.items()}
-"""Equation -> row -> right side as printed. The fraction in both roots of (14) is c4 of the text before it."""
+"""Equation -> row -> right side as printed. In (14), c4 replaces the fraction in both roots, as in the paper's text."""
 PRINTED["(14)"] = {"c4": C4} | {name: text.replace(C4, "c4") for name, text in TEXT["(14)"].items()}
 
 SQUARE = ("l_sw*cos(phi/2))", "l_sw*cos(phi/2)**2)")
 MISPRINTS = {("(11)", "pi_swivel_x"): SQUARE, ("(11)", "pi_swivel_y"): SQUARE}
-"""Misprinted row -> text in print and its correction; the print is refuted and the correction proved."""
+"""(equation, row) -> (misprint, its correction). The proofs refute the misprint and prove the correction."""
 
 
 def corrected(number: str, name: str) -> str:
-    """Return the right side of a row of the paper, with the correction of a misprint."""
+    """Return the right side of a row of the paper, corrected if it has a misprint."""
     return PRINTED[number][name].replace(*MISPRINTS.get((number, name), ("", "")))
 
 
@@ -57,11 +57,10 @@ PATTERNS = (
     (r"(az|tilt|arm)_([cs])", r"\\mathrm{\1}_\2"),
     (r"(az|tilt|arm)_sq", r"|\\mathrm{\1}|^2"),
 )
-"""Name -> LaTeX, by pattern; other names stand for themselves."""
+"""Pattern of names -> LaTeX. A name in neither table is its own LaTeX."""
 
 
 def name_tex(name: str) -> str:
-    """Return the LaTeX of a name."""
     found = (re.sub(pattern, latex, name) for pattern, latex in PATTERNS if re.fullmatch(pattern, name))
     return TEX.get(name) or next(found, name)
 
@@ -83,13 +82,13 @@ FUNCTIONS: dict[str, Any] = {
 
 
 def parse(text: str, values: Mapping[str, Any] | None = None, evaluate: bool = True) -> Any:
-    """Return the value of a formula; names without a value are symbols. `values` may also replace functions."""
+    """Return a formula as a sympy object. `values` maps names to values and functions; other names are symbols."""
     names = {name: symbol(name) for name in re.findall(r"[A-Za-z_]\w*", text)} | FUNCTIONS | dict(values or {})
     return parse_expr(text, local_dict=names, evaluate=evaluate)
 
 
 def latex(expression: sp.Expr, order: str | None = None) -> str:
-    """Return the LaTeX of a sympy expression; the power of a sine or cosine stands before its angle."""
+    """Return the LaTeX of a sympy expression. The power of a sine or cosine is written before the angle."""
     text = sp.latex(expression, order=order, symbol_names={v: name_tex(v.name) for v in expression.free_symbols})
     return re.sub(r"\\(cos|sin)( a|\\phi|\\frac\\phi2)(\^\{\d\})", r"\\\1\3\2", text)
 
@@ -104,24 +103,24 @@ SHOWN = {
     "dot": lambda a, b: sp.Mul(a, sp.Symbol(r"\cdot"), b),
     "cross": lambda a, b: sp.Mul(a, sp.Symbol(r"\times"), b),
 }
-"""Function -> how LaTeX shows it, as a symbol."""
+"""Function in a formula -> function that returns a sympy object with the LaTeX notation."""
 
 
 def tex(text: str) -> str:
-    """Return the LaTeX of a formula or statement, in the order of its text."""
+    """Return the LaTeX of a formula or statement, with terms in the order of the text."""
     with sp.evaluate(False):
         sides = [latex(parse(side, SHOWN, evaluate=False), "none") for side in text.split(" = ")]
     return " = ".join(sides).replace(r"1 \cdot \frac", r"\frac")
 
 
 def aligned(equations: Mapping[str, str]) -> str:
-    """Format equations, LaTeX of both sides, as a block aligned at the equals signs."""
+    """Format equations (LaTeX of left side -> of right side) as a block aligned at the equals signs."""
     lines = " \\\\\n".join(f"{left} &= {right}" for left, right in equations.items())
     return f"$$\n\\begin{{aligned}}\n{lines}\n\\end{{aligned}}\n$$"
 
 
 def parts(left: Any, right: Any) -> list[sp.Expr]:
-    """Return left - right by components."""
+    """Return the components of left - right."""
     sides = [list(side) if isinstance(side, sp.MatrixBase) else [side] for side in (left, right)]
     return [sp.sympify(a) - b for a, b in zip(*sides, strict=True)]
 
@@ -130,14 +129,14 @@ def parts(left: Any, right: Any) -> list[sp.Expr]:
 
 
 class ProofError(Exception):
-    """Statements that do not hold, a line each."""
+    """Statements that do not hold, one a line."""
 
 
 class Step:
     """Section of a derivation: values of names, relations, recognized roots, and checked statements.
 
     A relation is "a*v**k = expression" for a symbol v that occurs neither in a nor in the expression nor in an earlier
-    relation; a is not 0. `roots`: a quantity that is not negative -> its square.
+    relation; a is not 0. `roots` maps a quantity that is not negative to its square.
     """
 
     def __init__(self) -> None:
@@ -149,7 +148,6 @@ class Step:
         self.wrong: list[str] = []
 
     def suppose(self, *relations: str) -> None:
-        """Add relations."""
         for text in relations:
             left, right = text.split(" = ")
             v = symbol(re.findall(r"[A-Za-z_]\w*", left)[-1])
@@ -157,10 +155,8 @@ class Step:
             self.relations[text] = (v, k, parse(left) / v**k, sp.expand(parse(right, self.values)))
 
     def reduce(self, part: sp.Expr) -> sp.Expr:
-        """Return a polynomial, times powers of the factors a, without a power v**k of any relation.
-
-        This form is unique, so it is 0 exactly if the polynomial follows from the relations.
-        """
+        """Return a polynomial, multiplied by powers of the factors a, with each v**k replaced by its relation. The
+        returned form is unique, so it is 0 exactly if the polynomial is 0 by the relations."""
         part = sp.expand(part)
         for v, k, factor, right in reversed(self.relations.values()):
             try:
@@ -173,7 +169,7 @@ class Step:
         return part
 
     def rest(self, expression: sp.Expr) -> sp.Expr:
-        """Return the reduced numerator of an expression; it is 0 exactly if the expression is."""
+        """Return the reduced numerator of an expression. It is 0 exactly if the expression is 0."""
         expression = sp.sympify(expression)
         if any(power.exp.is_negative for power in expression.atoms(sp.Pow)):
             expression, below = sp.fraction(sp.together(expression))
@@ -181,33 +177,33 @@ class Step:
         return self.reduce(expression)
 
     def root(self, square: sp.Expr) -> sp.Expr:
-        """Return the quantity of `roots` with this square, otherwise the root as it is."""
+        """Return the quantity in `roots` with this square, or without such a quantity the sympy root."""
         for quantity, known in self.roots.items():
             if self.rest(square - known) == 0:
                 return quantity
         return sp.sqrt(square)
 
     def named(self, expression: Any) -> Any:
-        """Return a coefficient of the algebra with its roots and absolute values replaced by known quantities."""
+        """Return a coefficient of the algebra, with roots and absolute values replaced by quantities in `roots`."""
         expression = sp.nsimplify(expression, rational=True).xreplace(HALF_PHI)
-        for _ in range(2):  # the root of a known square is an absolute value again
+        for _ in range(2):  # replacing a root can leave another absolute value
             expression = expression.replace(sp.Abs, self.absolute)
         halves = lambda part: part.is_Pow and part.exp.is_Rational and part.exp.q == 2  # noqa: E731
         return expression.replace(halves, lambda part: self.root(part.base) ** (2 * part.exp))
 
     def absolute(self, v: sp.Expr) -> sp.Expr:
-        """Return |v|: a known square, if v is one or the opposite of one, otherwise the root of v**2."""
+        """Return |v|: the square in `roots` that equals v or -v, otherwise the root of v**2."""
         for known in self.roots.values():
             if self.rest(v - known) == 0 or self.rest(v + known) == 0:
                 return known
         return self.root(v**2)
 
     def value(self, text: str, **more: Any) -> Any:
-        """Return the value of a formula, with its roots recognized."""
+        """Return the value of a formula, with its roots replaced by quantities in `roots`."""
         return parse(text, {"sqrt": self.root, "Abs": self.absolute} | self.values | more).xreplace(HALF_PHI)
 
     def prove(self, *statements: str, label: str = "", **values: Any) -> None:
-        """Prove statements, "left = right" or a chain, by expansion. label: LaTeX in place of the statement's own."""
+        """Prove statements "left = right", or chains of equations, by expansion. label: LaTeX shown for a statement."""
         for text in statements:
             first, *others = [self.value(side, **values) for side in text.split(" = ")]
             rests = [rest for other in others for part in parts(first, other) if (rest := self.rest(part)) != 0]
@@ -215,7 +211,7 @@ class Step:
             self._add(f"${label or tex(text)}$", wrong)
 
     def refute(self, text: str, point: Mapping[str, Any], label: str = "", **values: Any) -> None:
-        """Refute a statement by an exact point that satisfies all relations, which give its remaining coordinates."""
+        """Refute a statement at an exact point of all relations, which give the coordinates not in ``point``."""
         left, right = (self.value(side, **values) for side in text.split(" = "))
         at = {symbol(name): sp.sympify(value) for name, value in point.items()}
         for v, k, factor, power in self.relations.values():
@@ -234,7 +230,8 @@ class Step:
         self._add(statement, wrong)
 
     def rows(self, number: str, derived: Mapping[str, Any], factor: int = 1, point: Mapping[str, Any] = {}) -> None:
-        """Compare the printed rows of an equation, times 1/factor, with derived ones; a misprint must be refuted."""
+        """Prove that the rows of an equation, with misprints corrected, equal the derived rows times ``factor``. Refute
+        each misprint at ``point``."""
         wrong = []
         for name, text in PRINTED[number].items():
             value = self.value(corrected(number, name))
@@ -265,7 +262,7 @@ class Step:
 
 
 def derive(steps: Iterable[Callable[[Step], None]]) -> dict[str, Step]:
-    """Run the functions of all steps; return step name -> step."""
+    """Run the function of each step; return a dict: name of the function -> step."""
     found = {}
     for function in steps:
         function(step := Step())
@@ -274,5 +271,5 @@ def derive(steps: Iterable[Callable[[Step], None]]) -> dict[str, Step]:
 
 
 def failures(steps: Mapping[str, Step]) -> list[str]:
-    """Return the statements that do not hold, each with its step."""
+    """Return the statements that do not hold, each with the name of its step."""
     return [f"step {name}: {wrong}" for name, step in steps.items() for wrong in step.wrong]

@@ -3,10 +3,10 @@
 
     python -m scripts.paper.table6 [--only KEY | --hardware | --page]
 
-Times the software on the 100 targets of `reach` and on random targets, counts the clocks of the RTL on the former, and
-writes docs/generated/table6.json and its page, table6.md. --only measures the named software again and dates its rows:
-`--only jax-gpu` on a machine with a GPU writes the rows that another one lacks, and a later run without a GPU keeps
-them. --hardware counts clocks and keeps the software times; --page only writes the page.
+Times the software on the 100 targets of `reach` and on random targets, counts the clocks of the RTL for `reach`, and
+writes docs/generated/table6.json and its page, table6.md. --only measures the named software again and dates its rows.
+For example, `--only jax-gpu` on a machine with a GPU adds the rows that need a GPU; a later run without one keeps them.
+--hardware counts clocks and keeps the software times; --page only writes the page.
 """
 
 from __future__ import annotations
@@ -47,19 +47,19 @@ FIGURES = GENERATED / "table6.json"
 PAGE = GENERATED / "table6.md"
 
 TARGETS, SEED = 1_000_000, 1
-"""Random targets."""
+"""Number of random targets, and their seed."""
 REPEATS = 7
-"""Measurements per median."""
+"""Number of measurements from which a median is taken."""
 SHORT = 0.02
-"""Minimum duration of a measurement (s); faster functions are repeated within it."""
+"""Minimum duration of a measurement (s). A faster function is repeated within one measurement."""
 
 WIDTH, DATAPATH = 32, "lean"
 BUS, LATENCY = 128, 34
-"""Bits of the bus and clocks of the memory in the path from memory to memory."""
+"""Bus width (bits) and memory latency (clocks) of the memory-to-memory path."""
 CHUNK = 20_000
 """Random targets per run of the bit-true model."""
 STREAMS = "stream to stream"
-"""Path through the logic around the datapath of `ik_axis`; `ik_axi` has the other one, memory to memory."""
+"""Name of the path through `ik_axis`. The other path, memory to memory, is through `ik_axi`."""
 
 
 def machine() -> dict[str, Any]:
@@ -81,7 +81,7 @@ def machine() -> dict[str, Any]:
 
 
 def seconds(again: Callable[[int], Any]) -> float:
-    """Return the seconds of one repetition of `again(times)`, the median of several measurements."""
+    """Return the seconds that `again(times)` takes per repetition: the median of several measurements."""
 
     def measured(times: int) -> float:
         begin = time.perf_counter()
@@ -97,12 +97,12 @@ def seconds(again: Callable[[int], Any]) -> float:
 
 
 def figure(value: float) -> float:
-    """Round to the four digits stored in the file."""
+    """Round to four significant digits, as stored in table6.json."""
     return float(f"{value:.4g}")
 
 
 def row(contender: Contender, reach: Targets, random: Targets) -> dict[str, Any]:
-    """Return a contender's row: what it lacks, or its times and errors; a target without an answer has no error."""
+    """Return a contender's row: what it lacks, or its times and errors. Targets without an answer are only counted."""
     cells: dict[str, Any] = {"key": contender.key, "group": contender.group, "name": contender.name}
     if contender.lacks:
         return cells | {"lacks": contender.lacks}
@@ -121,8 +121,8 @@ def row(contender: Contender, reach: Targets, random: Targets) -> dict[str, Any]
 
 
 def stream_to_stream() -> dict:
-    """Run the 100 targets of `reach` through the RTL without stalls. Return the clocks to the first and last result,
-    the clocks per result, and the largest hand error / reach."""
+    """Run the 100 targets of `reach` through the RTL without stalls. Return the clocks to the first and to the last
+    result, the clocks per result, and the largest hand error / reach."""
     words, _ = to_words(make("reach"), WIDTH)
     (run,) = simulate([Job("reach", words)], simulator=SIMULATORS[0], datapath=DATAPATH, width=WIDTH)
     if run.bit_mismatches:
@@ -132,25 +132,25 @@ def stream_to_stream() -> dict:
 
 
 def memory_to_memory() -> dict:
-    """Return the same figures for jobs of `ik_axi`: register CLOCKS after a job of one target and after a job of all,
-    clocks of channel R per target in a long job, error of the results in memory."""
+    """Return the figures of :func:`stream_to_stream` for jobs of `ik_axi`: register CLOCKS after jobs of one and of all
+    targets, clocks of channel R per target in a long job, and the error of the results in memory."""
     (row,) = measured(SIMULATORS[0], {"DATAPATH": 1, "DATA_W": BUS}, LATENCY)
     clocks = {name: row[name] for name in ("first", "last", "each")}
     return {**clocks, "reach_error": reach_error(np.array(row["results"]))}
 
 
 def reach_error(results: np.ndarray) -> float:
-    """Return the largest hand error / reach of results for `reach`."""
+    """Return the largest hand error / reach of result words (N, 6) for the targets of `reach`."""
     words, exponent = to_words(make("reach"), WIDTH)
     return figure(hand_errors(result_values(results, WIDTH), from_words(words, exponent, WIDTH, "reach")).max())
 
 
 PATHS = {STREAMS: stream_to_stream, f"memory to memory, {BUS} bits, latency {LATENCY}": memory_to_memory}
-"""Path -> function that measures its clocks and error."""
+"""Path -> function that returns its clocks and error."""
 
 
 def random_error(words: np.ndarray) -> float:
-    """Return the largest hand error / reach over input words, from the bit-true model (the RTL is bit-identical)."""
+    """Return the largest hand error / reach of the bit-true model, which equals the RTL, over input words (N, 6)."""
     parts = np.array_split(words, -(-len(words) // CHUNK))
     answers = (result_values(fixed.run(part, WIDTH, DATAPATH).results, WIDTH) for part in parts)
     errors = (hand_errors(a, from_words(p, 0, WIDTH, "random")) for a, p in zip(answers, parts, strict=True))
@@ -158,7 +158,7 @@ def random_error(words: np.ndarray) -> float:
 
 
 def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
-    """Yield the rows of the core."""
+    """Yield the core's rows, one for each path. words: random targets (N, 6)."""
     click.echo(f"{DATAPATH} RTL, {len(words)} random targets through its model ...", err=True)
     worst = figure(random_error(words))
     for path, clocks in PATHS.items():
@@ -175,7 +175,7 @@ def page(figures: dict, fpga: dict) -> str:
     """Return table6.md."""
 
     def clock_of(row: dict) -> float:
-        """Return a hardware row's clock (MHz): the datapath's, or for memory-to-memory rows the clock of ``ik_axi``."""
+        """Return the clock (MHz) of a hardware row: the datapath's or, for memory to memory, that of ``ik_axi``."""
         return clock(fpga, row["datapath"] if row["path"] == STREAMS else "memory", row["width"])
 
     machine = figures["machine"]

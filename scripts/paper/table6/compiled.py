@@ -15,21 +15,21 @@ from scripts.console import InputError
 SOURCE = Path(__file__).parent / "equations.c"
 
 FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math")
-"""Without the last two flags, roots and selections prevent vectorization; results do not depend on either flag."""
+"""Without the last two flags, roots and selections prevent vectorization. These two flags do not change the results."""
 
 SCALAR = ("-fno-tree-vectorize", "-fno-tree-slp-vectorize")
 """Flags that disable vectorization in gcc and clang."""
 
 WAYS = {"chain": ("chain", SCALAR), "batch": ("batch", SCALAR), "vector": ("batch", ())}
-"""Way -> function of equations.c and its flags. chain: each target waits for the previous one; batch: independent
-targets; vector: several targets per instruction."""
+"""Way to solve many targets -> function of equations.c and additional flags. chain: each target waits for the previous
+answer; batch: targets are independent; vector: several targets per instruction."""
 
 EQUATIONS = ("lean", "paper")
 REALS = {"double": np.float64, "float": np.float32}
 
 
 def compiler() -> str:
-    """Return the path of cc. Raises InputError if it is not in PATH."""
+    """Return the path of the C compiler. Raises InputError if cc is not in PATH."""
     path = shutil.which("cc")
     if not path:
         raise InputError("no C compiler: cc is not in PATH (on Debian: apt-get install gcc)")
@@ -37,14 +37,14 @@ def compiler() -> str:
 
 
 def compiler_version() -> str:
-    """Return the first line of the compiler's version."""
+    """Return the first line of `cc --version`."""
     text = subprocess.run([compiler(), "--version"], capture_output=True, text=True, check=False).stdout
     return text.splitlines()[0] if text else "cc"
 
 
 @cache
 def shared_object(equations: str, real: str, extra: tuple[str, ...]) -> ctypes.CDLL:
-    """Compile and load a set of equations for a type. Raises InputError if compilation fails."""
+    """Compile and load a set of equations (lean or paper) for a C type. Raises InputError if compilation fails."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         command = [compiler(), "-shared", "-fPIC", "-o", f"{folder}/equations.so", *FLAGS, *extra]
         command += [f"-DSOLVE={equations}", f"-DREAL={real}", str(SOURCE), "-lm"]
@@ -56,7 +56,7 @@ def shared_object(equations: str, real: str, extra: tuple[str, ...]) -> ctypes.C
 
 
 class Solver:
-    """C function, bound to targets given as columns x, y, z, phi, d1, d2 and to arrays for the answers."""
+    """C function that solves targets, bound to the targets' columns x, y, z, phi, d1, d2 and to arrays for answers."""
 
     def __init__(self, columns: list[np.ndarray], equations: str = "lean", real: str = "double", way: str = "batch"):
         name, extra = WAYS[way]

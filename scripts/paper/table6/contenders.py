@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Software in table 6: C, numpy, JAX and EAIK. Each solves its targets repeatedly.
 
-The lean equations for arrays are as in equations.c, for targets in reach: each sum is rounded, there are no flags.
+The lean equations for arrays are those of equations.c, for targets in reach: each sum is rounded, there are no flags.
 
-EAIK solves another problem than ours, which is to find one pose from the hand's position and the swivel angle. It
-solves this arm in closed form, but from the full pose of the hand. It gets the forearm's frame of the model's answer,
-which contains the swivel angle, and returns all sets of joint angles; the smallest hand error counts.
+The others find one pose from the hand's position and the swivel angle. EAIK solves another problem: in closed form, it
+finds all sets of joint angles of this arm from the full pose of the hand. EAIK gets the forearm's frame in the model's
+answer, which contains the swivel angle. Among its solutions, the smallest hand error counts.
 """
 
 import importlib
@@ -25,14 +25,14 @@ from model.reference.lean_equations import solve_lean
 from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Solver
 
 Bound = tuple[Callable[[int], Any], Callable[[], np.ndarray]]
-"""Software bound to targets: a function that solves them all a number of times, and one that returns hand error / reach
-(N,), nan where there is no answer."""
+"""Software bound to N targets: a function that solves all targets a given number of times, and a function that returns
+the hand errors / reach (N,), nan for a target without an answer."""
 
 
 @dataclass(frozen=True)
 class Contender:
-    """Software in the comparison. ``bind`` binds it to targets; ``lacks`` names what is missing here, in which case it
-    is skipped; ``most`` limits the number of random targets."""
+    """Software in the comparison. ``bind`` binds it to targets. ``lacks`` says what is missing on this computer;
+    such software is not measured. ``most`` limits the number of random targets."""
 
     key: str
     group: str
@@ -43,7 +43,7 @@ class Contender:
 
 
 def found(module: str) -> ModuleType | None:
-    """Import an optional package; return None if it is missing or does not load."""
+    """Import an optional package and return it; return None if it is missing or does not load."""
     try:
         return importlib.import_module(module)
     except (ImportError, OSError, RuntimeError):
@@ -51,12 +51,12 @@ def found(module: str) -> ModuleType | None:
 
 
 def columns(targets: Targets) -> list[np.ndarray]:
-    """Return the columns x, y, z, phi, d1, d2."""
+    """Return the columns x, y, z, phi, d1, d2 of targets, (N,) each."""
     return [getattr(targets, name) for name in FIELDS]
 
 
 def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> Bound:
-    """Bind a function that solves all targets once; ``errors`` takes its result."""
+    """Bind ``solve``, which solves all targets once. ``errors`` maps its result to hand errors."""
 
     def again(times: int = 1) -> Any:
         with np.errstate(all="ignore"):
@@ -68,7 +68,7 @@ def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> 
 
 
 def lean(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any) -> tuple:
-    """Return the results by the lean equations; the library has numpy's function names."""
+    """Return the six results of the lean equations for arrays of a library: numpy or jax.numpy."""
     sqrt, where = library.sqrt, library.where
     d_sum, d_dif = d1 + d2, d1 - d2
     rho_sq = x * x + y * y
@@ -80,7 +80,7 @@ def lean(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any) -> tu
     cos_bend, sin_bend = (s + d_sum * d_dif) * inv_law, root_far * root_near * inv_law
 
     def half(c: Any, s: Any) -> tuple[Any, Any, Any]:
-        """Return the quaternion along half an angle, and its squared length."""
+        """Return the parts of the quaternion h(c, s) of model/dataflow/choices.py, and its squared length."""
         square = 0.5 + 0.5 * abs(c)
         return where(c >= 0, square, 0.5 * s), where(c >= 0, 0.5 * s, square), square
 
@@ -117,7 +117,7 @@ def _bind_jax(device: Any, kind: type, targets: Targets) -> Bound:
 
 
 def _jax() -> Iterator[Contender]:
-    """Yield the lean equations compiled by XLA; targets and answers stay on the device."""
+    """Yield contenders that solve the lean equations compiled by XLA. Targets and answers stay on the device."""
     jax = found("jax")
     for platform, where, lacks in (("cpu", "CPU, all cores", "no CPU backend here"), ("gpu", "GPU", "no GPU here")):
         device = None
@@ -148,13 +148,13 @@ def _hand_poses(targets: Targets) -> np.ndarray:
 
 
 def _bind_eaik(targets: Targets) -> Bound:
-    """Scale targets and lengths to a reach of 1, because EAIK's tolerances are lengths. Make one robot per arm before
-    the timing starts."""
+    """Bind EAIK. Targets and lengths are scaled to a reach of 1, because EAIK's tolerances are lengths. The robots, one
+    per pair of lengths, are made here, before the timing starts."""
     targets = replace(targets, **{name: getattr(targets, name) / targets.reach for name in LENGTHS})
     x, y, z = np.eye(3)
     none, robot_of = np.zeros(3), found("eaik.IK_HP").HPRobot
-    # Shoulder, elbow. With z as the third axis, which also meets the elbow's, EAIK 1.2.2 misclassifies the arm and
-    # misses the pose by half the reach.
+    # Three axes of the shoulder, then the elbow's. If the third were z, which also meets the elbow's axis, EAIK 1.2.2
+    # would misclassify the arm and miss the pose by half the reach.
     axes, arms = np.array([z, x, y, x]), list(zip(targets.d1.tolist(), targets.d2.tolist(), strict=True))
     robots = {(d1, d2): robot_of(axes, np.array([none, none, none, d1 * z, -d2 * z])) for d1, d2 in set(arms)}
     asked = [(robots[arm], pose) for arm, pose in zip(arms, _hand_poses(targets), strict=True)]

@@ -2,8 +2,8 @@
 //
 // Equations of one target in reach: (x, y, z, phi, d1, d2) to (qs_w, qs_i, qs_j, qs_k, qe_w, qe_i), and functions that
 // solve many targets. Options of the compiler set REAL, the type, and SOLVE, the set of equations: lean or paper.
-// Equation numbers are the paper's, (10)-(18). The lean equations' names are those of model/dataflow/lean.py. Branch-free, so that
-// a compiler can vectorize it. With long double, sine and cosine are accurate to 5e-17, the rest to 64 bits.
+// Equation numbers are the paper's, (10)-(18). The lean equations' names are those of model/dataflow/lean.py. The code is
+// branch-free, so that a compiler can vectorize it. With long double, sine and cosine are accurate to 5e-17, the rest to 64 bits.
 #include <tgmath.h>
 
 #define INLINE static inline __attribute__((always_inline))
@@ -31,7 +31,7 @@ INLINE void sin_cos(REAL a, REAL *s, REAL *c) {
 
 INLINE REAL positive(REAL v) { return v > 0 ? v : 0; }
 
-// Quaternion along half the angle with cosine c and sine s, of squared length (1 + |c|)/2.
+// Parts of a quaternion for half the angle with cosine c and sine s; its squared length is (1 + |c|)/2.
 INLINE void half(REAL c, REAL s, REAL *half_c, REAL *half_s) {
   REAL large = (1 + fabs(c)) / 2, small = s / 2;
   *half_c = c >= 0 ? large : small;

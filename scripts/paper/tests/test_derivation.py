@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Symbolic derivations: the pages are current; errors in print, algebra and lean equations are detected."""
+"""Tests that the derivations hold, their pages are up to date, and errors in print, algebra or dataflow are found."""
 
 import pytest
 
@@ -51,7 +51,7 @@ def test_a_wrong_factor_in_print_is_found(monkeypatch, name, step):
 
 
 class Doubled:
-    """Operation with twice the value of another."""
+    """Operation with twice the value of the operation ``op``."""
 
     def __init__(self, op) -> None:
         self.op = op

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Results of the bit-true model compared with the C of table 6 in long double, by both sets of equations."""
+"""Comparison of the bit-true model with table 6's C program in long double, by both sets of equations."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from scripts.paper.table6.compiled import Solver
 from tb.core.random_targets import chunk
 
 UNEQUAL = 2.0**-24
-"""Ratio of the lengths below which the paper's equations, which add their squares, lose too much of 64 bits."""
+"""Ratio of the lengths below which the paper's equations, which add squares of lengths, lose too many of 64 bits."""
 
 
 def answers(words: np.ndarray, width: int, equations: str) -> np.ndarray:
@@ -27,7 +27,7 @@ def answers(words: np.ndarray, width: int, equations: str) -> np.ndarray:
 @pytest.mark.parametrize("width", [16, 32])
 @pytest.mark.parametrize("equations", ["lean", "paper"])
 def test_the_model_agrees_with_c(width, equations):
-    """The difference is little more than half an LSB. Where k rounds to 0, rounding decides the sign of Qs."""
+    """Bound the largest difference. Either sign of Qs is accepted, because rounding decides it where k rounds to 0."""
     words = chunk(0, width, 3)
     words = words[expected_flags(words, width) == 0]
     if equations == "paper":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 4, figures 6 and 7: pages and pictures are current and match the design."""
+"""Tests that the pages of table 4 and of figures 6 and 7 are up to date and match the dataflow."""
 
 import re
 from xml.etree import ElementTree
@@ -38,7 +38,7 @@ def drawn():
 
 
 def test_figures_and_page_are_up_to_date(drawn):
-    """A picture of a graph has the graph's digest."""
+    """Compare texts; of a picture that graphviz draws, compare the digest of its graph."""
     for name, text in drawn.items():
         shown, digest = (figures.SHOWN / name).read_text("utf-8"), f"<!-- of the graph {figures.digest(text)} -->\n"
         assert shown == text or shown.startswith(digest), "run `make paper ONLY=figures`"

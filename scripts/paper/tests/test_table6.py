@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 6: the software agrees with the model and the page with its figures. No test asserts a time."""
+"""Tests that table 6's software agrees with the model, and its page with the figures. No test asserts a time."""
 
 import json
 import os
@@ -31,7 +31,7 @@ def by_model(targets, solve=solve_lean):
 
 
 def difference(answers, expected):
-    """Return the largest difference between answers (N, 6) and the expected ones. Either sign of Qs is accepted:
+    """Return the largest difference between answers and expected answers, (N, 6). Either sign of Qs is accepted:
     rounding decides the sign where k is nearly 0."""
     answers = np.asarray(answers, dtype=float)
     sign = np.sign((answers[:, :4] * expected[:, :4]).sum(axis=1))[:, None]
@@ -42,7 +42,7 @@ def difference(answers, expected):
 @pytest.mark.parametrize("real", REALS)
 @pytest.mark.parametrize("way", WAYS)
 def test_c_gives_the_models_answers(way, real):
-    """The paper's equations are compared away from singular poses: the model computes three sums in another form."""
+    """Compare the paper's equations away from singular poses only: the model computes three sums in another form."""
     cases = ("lean", solve_lean, REACH), ("paper", equations.solve, REACH), ("lean", solve_lean, RANDOM)
     for name, solve, targets in cases:
         answers = Solver(columns(targets), name, real, way)(2)
@@ -78,7 +78,7 @@ def test_the_page_shows_its_figures():
 
 
 def test_clocks_on_the_page_are_those_of_the_present_core():
-    """The logic around the datapath adds the same clocks to both datapaths."""
+    """Check the clocks that a path adds to the datapath's latency: 0 for streams, the same in all rows of a path."""
     around = {}
     for row in figures()["hardware"]:
         around.setdefault(row["path"], set()).add(row["first"] - latency(row["datapath"], row["width"]))
@@ -111,7 +111,7 @@ def test_missing_software_has_a_row_and_a_target_without_an_answer_no_error(monk
 
 @pytest.fixture
 def copy(monkeypatch, tmp_path):
-    """Write figures and page to a folder, with 50 random targets; return the figures before."""
+    """Redirect figures and page to a temporary folder and use 50 random targets; return the recorded figures."""
     before = figures()
     for name in ("FIGURES", "PAGE"):
         monkeypatch.setattr(table6, name, tmp_path / name)
