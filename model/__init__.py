@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Models: geometry and equations in double precision, bit-true dataflows, their bounds, targets and scores.
+"""Models of the core: equations in double precision, bit-true dataflows, bounds, targets, scores and poses.
 
 Installed with `pip install .`, this is the package cga_ik; `help(cga_ik.solve)` describes its main function.
 """

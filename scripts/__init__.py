@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Entry points of the commands of the Makefile."""
+"""Commands that the Makefile runs."""
 
 import _signal  # the built-in part of signal, which takes no time to import
 import sys

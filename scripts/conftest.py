@@ -14,7 +14,7 @@ from scripts.report.tests.browser import WIDE, Page
 
 @pytest.fixture
 def command(tmp_path, monkeypatch, capsys):
-    """Call a main() in an empty folder; return exit status, stdout lines and stderr lines."""
+    """Return a function that calls a main() in an empty folder and returns its exit status, stdout and stderr lines."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(console, "EVERY", 1e6)  # no lines of progress on stderr
     monkeypatch.delenv("MAKELEVEL", raising=False)
@@ -43,7 +43,7 @@ def files():
 
 @pytest.fixture(scope="session")
 def chromium():
-    """Start the system's Chromium by Playwright, which downloads no browser."""
+    """Start the installed Chromium with Playwright; no browser is downloaded."""
     from playwright.sync_api import sync_playwright  # `make test` does not install it
 
     with sync_playwright() as playwright:
@@ -53,7 +53,7 @@ def chromium():
 
 @pytest.fixture
 def browser(chromium):
-    """Open pages with browser(address, size, features); fail at teardown if a page had a problem."""
+    """Return a function browser(address, size, **features) that opens a page. A problem of a page fails the test."""
     pages = []
 
     def browser(address, size=WIDE, **features):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options, error messages, exit status and progress that all commands of scripts/ share.
+"""Options, error messages, exit status and progress shared by all commands of scripts/.
 
 Exit status of a command: 0 success, 1 a check or a simulation fails, 2 bad input (one line on stderr, nothing written),
 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
@@ -34,17 +34,17 @@ from tb.sim.env import SIMULATORS
 from tb.sim.simulate import SimulationError
 from tb.sim.subprocesses import end_with_parent
 
-PLAIN_COLUMNS = 120  # columns of a table that is not printed on a terminal
-EVERY = 5.0  # seconds between lines of progress without a terminal
+PLAIN_COLUMNS = 120  # characters in a line of a table that is not printed on a terminal
+EVERY = 5.0  # seconds between progress lines if stderr is no terminal
 RECENT = 120.0  # seconds over which a rate is averaged
 
 
 class InputError(click.ClickException):
-    """Bad input; the text is one line for the user."""
+    """Bad input. The message is one line for the user."""
 
 
 SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
-"""Signals that end a command and the simulators it has started."""
+"""Signal that ends a command and its simulators -> word for the message."""
 
 # -- the command line ------------------------------------------------------------------------------
 
@@ -52,8 +52,8 @@ CONTEXT = {"show_default": True, "help_option_names": ["-h", "--help"], "max_con
 
 
 def _options_of_make(parser: click.Command, words: Iterable[str]) -> Iterator[str]:
-    """Yield command-line words, with a variable of make, NAME=value, as the option --name. An empty value and NAME=0 of
-    a switch leave it out. Raises InputError for an unknown variable."""
+    """Yield the command-line words; a make variable NAME=value becomes the option --name. Variables without a value and
+    switches set to 0 are omitted. Raises InputError for an unknown variable and for a switch other than 0 or 1."""
     options = [param for param in parser.params if isinstance(param, click.Option)]
     switches = {param.opts[0]: param.is_flag for param in options} | {"--help": True}
     for word in words:
@@ -72,7 +72,7 @@ def _options_of_make(parser: click.Command, words: Iterable[str]) -> Iterator[st
 
 
 def _parsed(parser: click.Command, program: str, arguments: Sequence[str]) -> SimpleNamespace:
-    """Return the values of all options by name, and as `given` the names of those on the command line."""
+    """Return a namespace of all option values; `given` is the set of option names that the command line contains."""
     with parser.make_context(program, [*_options_of_make(parser, arguments)]) as context:
         given = {name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE}
         options = SimpleNamespace(**context.params, given=given)
@@ -93,10 +93,10 @@ def command(
     passes: str = "all is well",
     fails: str = "a check fails",
 ) -> Callable[[Callable[[SimpleNamespace], int]], Callable[..., int]]:
-    """Turn a function of options into a `main` that takes command-line words and returns an exit status.
+    """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status.
 
-    After an error it prints one line, `name` first, with options as make's variables if make started the command.
-    passes, fails: meanings of exit status 0 and 1.
+    After an error, `main` prints one line that begins with `name`. If make started the command, the line shows options
+    as make variables. passes, fails: meanings of exit status 0 and 1, for --help.
     """
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
     epilog = f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}."
@@ -135,13 +135,14 @@ def command(
 
 
 class Stopped(KeyboardInterrupt):
-    """A signal ended the command; the argument is its number."""
+    """Raised when a signal ends the command; the argument is the number of the signal."""
 
 
 @contextlib.contextmanager
 def stoppable() -> Iterator[None]:
-    """Raise :class:`Stopped` at the first of SIGNALS, except ignored ones, such as SIGHUP under nohup; later ones
-    do not interrupt the clean-up. If make has started the command and is killed, the command gets SIGTERM."""
+    """Raise :class:`Stopped` at the first of SIGNALS; later signals are ignored, so they do not interrupt the clean-up.
+    Signals that are ignored from the start, such as SIGHUP under nohup, stay ignored. If make started the command and
+    make is killed, the command gets SIGTERM."""
 
     def stop(number: int, _) -> None:
         for each in SIGNALS:
@@ -164,7 +165,7 @@ def stoppable() -> Iterator[None]:
 
 
 def option(name: str, about: str, kind: Any = None, **settings) -> click.Option:
-    """Return an option with a value. kind Path: a path in which ~ is the user's folder."""
+    """Return an option that takes a value. With the kind Path, ~ is expanded to the home folder."""
     kind = (lambda text: Path(os.path.expanduser(text))) if kind is Path else kind
     return click.Option([name, *(["from_"] if name == "--from" else [])], help=about, type=kind, **settings)
 
@@ -181,8 +182,8 @@ def sim_option(default: str = SIMULATORS[0]) -> click.Option:
 def core_options(
     sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, most: int = 1, names: Iterable[str] = CONFIGURATIONS
 ) -> list[click.Option]:
-    """Return --sim, --datapath, one of `names`, and --width. With `most` above 1 --datapath takes up to that
-    number of names; None as its default stands for all dataflows in the paper's scenario, otherwise the first."""
+    """Return the options --sim, --datapath and --width. --datapath takes up to `most` of `names`. datapath: default of
+    --datapath; None means all of DATAPATHS in the paper's scenario, and DEFAULT otherwise."""
     names = list(names)
     if most == 1:
         paths = option("--datapath", "datapath", click.Choice(names), default=datapath)
@@ -196,7 +197,7 @@ def core_options(
 
 
 def some_of(valid: Sequence[str], most: int) -> Callable[[str], list[str]]:
-    """Return an option type: up to `most` different words of `valid`, separated by commas."""
+    """Return an option type: up to `most` different names of `valid`, separated by commas."""
     one = click.Choice(valid)
 
     def check(text: str) -> list[str]:
@@ -208,12 +209,12 @@ def some_of(valid: Sequence[str], most: int) -> Callable[[str], list[str]]:
     return check
 
 
-whole = click.IntRange  # option type: a whole number, with its least value and, if any, its largest
+whole = click.IntRange  # option type: whole(low, high) is a whole number in that range; high is optional
 WORD_LENGTH = whole(WIDTHS[0], WIDTHS[-1])
 
 
 class Finite(click.FloatRange):
-    """An option type: a finite number in a range."""
+    """Option type: a finite number in a range."""
 
     def convert(self, value, param, context) -> float:
         try:
@@ -226,7 +227,7 @@ POSITIVE = Finite(min=0, min_open=True)
 
 
 def reference_axis(text: str) -> Axis:
-    """Convert an option to a reference axis."""
+    """Convert the text of an option to a reference axis; "torso" stays as it is."""
     try:
         return text if text == TORSO else parse_axis(text)
     except ValueError as exc:
@@ -234,7 +235,7 @@ def reference_axis(text: str) -> Axis:
 
 
 def point(text: str) -> list[float] | str:
-    """Convert an option to a point, x,y,z, or the name of a joint."""
+    """Convert the text x,y,z of an option to a point; other text is the name of a joint and stays as it is."""
     if "," not in text:
         return text
     numbers = [Finite()(part) for part in text.split(",")]
@@ -244,7 +245,7 @@ def point(text: str) -> list[float] | str:
 
 
 def swivel_angle(text: str) -> float | str:
-    """Convert an option to a swivel angle (rad) or one of the words clip and constant."""
+    """Convert the text of an option to a swivel angle (rad); "clip" and "constant" stay as they are."""
     return text if text in ("clip", "constant") else Finite()(text)
 
 
@@ -252,10 +253,9 @@ def swivel_angle(text: str) -> float | str:
 
 
 def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> contextlib.AbstractContextManager[Place]:
-    """Make the folders of `paths`; check that they are writable and that no path is an input or a folder; return
-    `whole_files`, so that all outputs appear at once.
+    """Make the folders of the output files `paths`, and return `whole_files`, so that all outputs appear at once.
 
-    Raises InputError, and OSError for a folder.
+    Raises InputError if an output is one of `inputs` or a folder, and OSError if a folder is not writable.
     """
     for path, source in itertools.product(paths, inputs):
         if os.path.realpath(path) == os.path.realpath(source):
@@ -270,7 +270,7 @@ def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> con
 
 
 def show(*tables: Table) -> None:
-    """Print tables, as wide as the terminal, or `PLAIN_COLUMNS` into a file."""
+    """Print tables as wide as the terminal, or `PLAIN_COLUMNS` wide if stdout is no terminal."""
     console = Console(width=None if sys.stdout.isatty() else PLAIN_COLUMNS, highlight=False)
     for table in tables:
         console.print(table)
@@ -280,7 +280,7 @@ def show(*tables: Table) -> None:
 
 
 class Meter(Progress):
-    """Progress of `total` items on stderr: a bar on a terminal, otherwise lines that begin with `name`."""
+    """Progress bar of `total` items on stderr; without a terminal it prints nothing."""
 
     def __init__(self, name: str, total: int):
         console = Console(stderr=True)
@@ -292,13 +292,13 @@ class Meter(Progress):
         self.name = name
 
     def __call__(self, done: int, what: str = "") -> None:
-        """Report the number of items done and the present activity."""
+        """Update the number of items done and the present activity `what`."""
         self.update(self.task.id, completed=done, description=what or self.name)
 
 
 @contextlib.contextmanager
 def progress(name: str, total: int) -> Iterator[Meter]:
-    """Yield a `Meter`. Without a terminal it prints a line every few seconds, also while no item completes."""
+    """Yield a `Meter`. Without a terminal, print a progress line every few seconds, even while no item completes."""
     over = threading.Event()
 
     def repeat() -> None:

@@ -3,7 +3,7 @@
 
     python -m scripts.follow --target 42 [--trajectory NAME|FILE] [--sim icarus|verilator] [--waves] ...
 
-A `!` marks a node that differs; the first one and its operands follow at the end. The trajectory runs as in `make run`.
+A `!` marks a node that differs from the model; the last lines show the first such node and its operands.
 """
 
 import sys
@@ -33,7 +33,7 @@ HEADINGS = ("clock", "after", "paper", "node", "RTL word", "model word", "RTL va
 
 
 def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: str) -> Iterator[str]:
-    """Yield a line for each node of a target in dataflow order, below a line for each section."""
+    """Yield the headings and a line for each node of a target in dataflow order; a title precedes each section."""
     rows = []
     for node in nodes:
         words = recording.word(node, target), model_bits(node, target)
@@ -59,7 +59,7 @@ def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: 
 
 
 def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterator[str]:
-    """Yield lines on the first difference of a target and on its operands, which equal the model."""
+    """Yield lines about the first differing node of a target, and about the node's operands, which equal the model."""
     first, target = differing[0], differing[0].target
     yield f"first difference: {first}"
     yield f"        equation: {first.node.name} = {first.node.right_side}"

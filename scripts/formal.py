@@ -36,12 +36,12 @@ def digests() -> dict[str, str]:
 
 
 def rows() -> dict[str, list[str]]:
-    """Return a dict: proof -> row of the page."""
+    """Return a dict: proof -> its row on the page of proofs."""
     return {row[0]: row for row in read_table(PAGE, "proof")}
 
 
 def write_page(proved: dict[str, tuple[Outcome, str]]) -> None:
-    """Write the page: new rows for the proofs in ``proved``, name -> outcome and digest, earlier rows otherwise."""
+    """Write the page of proofs: new rows for ``proved`` (name -> outcome and digest), old rows for all other proofs."""
     table, tasks = rows(), {task.name: task for task in TASKS}
     for name, (outcome, digest) in proved.items():
         result = [f"{outcome.result}, bug found", f"{outcome.seconds:.0f}", date.today().isoformat(), digest]
@@ -51,7 +51,7 @@ def write_page(proved: dict[str, tuple[Outcome, str]]) -> None:
 
 
 def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> tuple[Outcome, str]:
-    """Run a proof, or take the result of an earlier run of the same code and tools; return outcome and digest."""
+    """Return outcome and digest of a proof. Unless ``again``, reuse an earlier result for the same code and tools."""
     before = task.digest()
     kept = BUILD / f"{task.name}-{digest_of(before, versions())}.json"
     if kept.exists() and not again:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lint every Verilog module as its own top with Verilator, Icarus and slang; check the Python with ruff and others.
 
-A module is linted at each parameter set below, with and without each macro. Any message is a finding; the exit status
-is then 1. Verilator's waivers are in rtl/lint.vlt, slang's below. The first set is also linted by the
-distribution's Verilator if it has one (5.006 in Debian 12).
+Each module is linted with each of its parameter sets, without macros and with each macro. Any message is a finding, and
+the exit status is then 1. Waivers are in rtl/lint.vlt for Verilator and in WAIVED for slang. The first parameter set is
+also linted with the distribution's Verilator (5.006 in Debian 12), if there is one.
 """
 
 import importlib.util
@@ -46,11 +46,11 @@ MODULE_SETS = {
         for part in ("direction", "triangle", "turn", "hand", "frame")
     },
 }
-"""Module -> its parameter sets; another one is linted at W = 32 and 18, or with its defaults if it has no W. A set also
-lints all modules below with the parameters that they get there: ik_axi has the cores of 32 and 18 bits."""
+"""Module -> its parameter sets. Other modules are linted at W = 32 and 18, or with their defaults if they have no W.
+Submodules are linted with the parameters that their top gives them: ik_axi covers the cores of 32 and 18 bits."""
 
 FOLDERS = ("examples/icebreaker", "tb/axi/rules")
-"""Folders of modules that are linted with rtl/; models of vendor primitives are in tb/icebreaker."""
+"""Folders whose modules are linted in addition to rtl/. Models of vendor primitives are in tb/icebreaker."""
 
 OLDEST = "5.006"  # oldest supported Verilator
 SLANG = """import sys
@@ -62,9 +62,9 @@ for line in sys.argv[1:]:
     if not (ready and driver.runFullCompilation(quiet=True)):
         sys.exit(1)
 """
-"""Program that checks sources with slang, one command line after another."""
+"""Python program that runs slang; each of its arguments is a command line of slang."""
 WAIVED = {"shift-count-overflow": "the low part of a product may have no bits (ik_mul3)"}
-"""Warning of slang -> reason why it is off."""
+"""Disabled warning of slang -> reason."""
 
 LICENCE = "SPDX-License-Identifier: Apache-2.0"
 LICENSED = re.compile(r"(.*\.(py|v|vh|vlt|f|c|h|cpp|js|css|html|j2|toml)|(.*/)?(Makefile|run))")
@@ -81,7 +81,7 @@ TOOLS = {
 
 
 def findings(words: Sequence[str], only_failures: bool = False) -> str:
-    """Return the messages of a command, empty if there are none; with `only_failures` also if it exits with 0."""
+    """Return the messages that a command prints; with `only_failures`, an empty string if the command exits with 0."""
     done = subprocess.run(words, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
     if only_failures and not done.returncode:
         return ""
@@ -92,14 +92,14 @@ def findings(words: Sequence[str], only_failures: bool = False) -> str:
 
 @cache
 def verilators() -> list[list[str]]:
-    """Return the command of the checkout's Verilator, and of the distribution's if there is one that is supported."""
+    """Return the commands of the checkout's Verilator and, if it is OLDEST or newer, the distribution's Verilator."""
     other = ["env", "-u", "VERILATOR_ROOT", "/usr/bin/verilator_bin"]
     version = findings([*other, "--version"]).split() if Path(other[-1]).exists() else []
     return [["verilator_bin"], *([other] if version[1:] and version[1] >= OLDEST else [])]
 
 
 def lint_module(source: Path) -> tuple[str, str]:
-    """Return a module with its parameter sets, and the findings of all front ends."""
+    """Lint a module with all front ends; return a line with its name and parameter sets, and the findings."""
     text, name = source.read_text(encoding="utf-8"), source.stem
     modules = re.findall(r"^module +(\w+)", text, re.MULTILINE) if source.parent == RULES else [name]
     has_width = re.search(r"\bparameter +(integer +)?W *=", text)
@@ -127,7 +127,7 @@ def lint_module(source: Path) -> tuple[str, str]:
 
 
 def unkept(names: Sequence[str]) -> str:
-    """Return the findings on licences and lengths of source files."""
+    """Return the findings about licence lines and lengths of source files."""
     messages = []
     for name in filter(LICENSED.fullmatch, names):
         lines = (ROOT / name).read_text(encoding="utf-8").splitlines() if (ROOT / name).is_file() else [LICENCE]

@@ -16,7 +16,7 @@ from model.motion.pose import NAMED_AXES
 from scripts.console import POSITIVE, Finite, core_options, option, point, reference_axis, swivel_angle
 from tb.sim.env import CORES
 
-MOST_DATAPATHS = 3  # number of datapaths that a command can compare
+MOST_DATAPATHS = 3  # largest number of datapaths that a command compares
 
 
 def trajectory_options(
@@ -24,9 +24,8 @@ def trajectory_options(
 ) -> list[click.Option]:
     """Return the options of a command that runs trajectories.
 
-    out: default of --out; written: files there, for its help; datapath: the default, None if it depends on the
-    trajectory; most: number of names that --datapath takes; core: True if the command has the core's
-    options.
+    out: default of --out. written: names of the files there, for the help. datapath: default of --datapath, None if it
+    depends on the trajectory. most: largest number of names that --datapath takes. core: return the core's options too.
     """
     trajectory = (
         "a built-in trajectory (see --list), all of wrist targets, a CSV file with a header (x,y,z and optionally phi "

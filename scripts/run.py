@@ -3,9 +3,9 @@
 
     python -m scripts.run [--trajectory NAME|all|FILE.csv] [--out DIR] [--sim icarus|verilator] ...
 
-Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.json, and prints a table. Without a
-trajectory and a datapath it runs both datapaths on the paper's scenario, with the results in OUT/lean and OUT/paper,
-and prints them next to tables 5 and 6 of the paper.
+Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.json, and prints a table. Without
+--trajectory and --datapath it runs both datapaths on the paper's scenario, writes the results to OUT/lean and
+OUT/paper, and prints them next to tables 5 and 6 of the paper.
 """
 
 import sys
@@ -44,7 +44,6 @@ OPTIONS = [
     fails="one fails",
 )
 def main(arguments: SimpleNamespace) -> int:
-    """Load, simulate, score, write and print; return the exit status 0 or 1."""
     if arguments.list:
         for name in (*trajectories.TRAJECTORIES, *trajectories.HANDS):
             print(f"{name:14} {trajectories.describe(name)}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of `make run`, with the figures of each trajectory, their tolerances and the verdict, and of `make soak`."""
+"""Tables that `make run` and `make soak` print: measured figures, tolerances and verdicts."""
 
 import sys
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ EXPLAINED = (
 
 
 def empty_table(title: str, headings: Sequence[str], left: int = 1, **settings) -> Table:
-    """Return an empty table whose first `left` columns are justified to the left."""
+    """Return an empty table whose first `left` columns are left-justified."""
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", caption_justify="left", **settings)
     for n, heading in enumerate(headings):
         table.add_column(heading, justify="left" if n < left else "right", no_wrap="padding" in settings)
@@ -41,12 +41,12 @@ def _verdict(result: Score) -> str:
 
 
 def outcome(result: Score) -> str:
-    """Return the verdict and its reason."""
+    """Return the verdict on a trajectory and the reason for it."""
     return f"{_verdict(result)}{escape(result.outcome[4:])}"
 
 
 def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
-    """Return the figures of one trajectory: name, measured value and, if any, tolerance and prediction.
+    """Return a row for each figure of one trajectory: name, measured value, and, if any, tolerance and prediction.
 
     flags (N,): the core's flag bits.
     """
@@ -82,7 +82,7 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
 
 
 def table_of_one(result: Score, flags: np.ndarray) -> Table:
-    """Return the table of one trajectory: a line for each figure, with tolerance and prediction."""
+    """Return the table of one trajectory, with a line for each figure."""
     title = f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, {result.width} bits, "
     caption = f"{outcome(result)}\n{EXPLAINED}"
     table = empty_table(title + result.simulator, ("figure", "measured", "tolerance", "predicted"), caption=caption)
@@ -92,7 +92,7 @@ def table_of_one(result: Score, flags: np.ndarray) -> Table:
 
 
 def _summary(scores: Sequence[Score]) -> str:
-    """Return the number of trajectories that pass, and how many of them have no tolerance of the hand error."""
+    """Return text: how many trajectories pass, and how many of these have no tolerance for the hand error."""
     passed = [result for result in scores if result.passed]
     without = sum(result.hand_error_tolerance is None and result.clamped_error_tolerance is None for result in passed)
     share = f"{len(passed)} of {len(scores)} pass"
@@ -100,7 +100,7 @@ def _summary(scores: Sequence[Score]) -> str:
 
 
 def table_of_many(scores: Sequence[Score]) -> Table:
-    """Return a table with one line for each trajectory, within 80 columns."""
+    """Return a table with one line for each trajectory, at most 80 characters wide."""
     first = scores[0]
     latency = "" if first.latency_cycles is None else f", latency {first.latency_cycles} clocks"
     title = f"{first.datapath} datapath, {first.width} bits, {first.simulator}{latency}"
@@ -121,8 +121,8 @@ def table_of_many(scores: Sequence[Score]) -> Table:
 
 
 def verdict(name: str, scores: Sequence[Score]) -> int:
-    """Report failures of the command `name` on stderr, with the datapath if there are several; return the exit status,
-    0 or 1."""
+    """Print the failures on stderr; return the exit status, 0 or 1. Each line begins with the command `name`, and with
+    the datapath if the scores are of several."""
     several = len({result.datapath for result in scores}) > 1
     for result in scores:
         of = f", {result.datapath} datapath" if several else ""
@@ -132,7 +132,7 @@ def verdict(name: str, scores: Sequence[Score]) -> int:
 
 
 def table_of_soak(what: str, core: Core, totals: Found, rate: float) -> Table:
-    """Return the figures of all targets. Only passing targets are counted, so no bit differs."""
+    """Return the table of a soak. `totals` contains passing targets only, so the number of differing bits is 0."""
     most, norm = tolerances.hand(core.width, core.datapath), tolerances.norm(core.width, core.datapath)
     ratio = totals.by_hand[0].hand_error / totals.by_hand[0].tolerance if totals.by_hand else 0.0
     table = empty_table(f"soak: {what}", ("figure", "measured", "tolerance"))

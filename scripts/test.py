@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run tests with pytest: `make test`, `make test-all`, `make test-browser`; `make release-check` runs the last gate.
+"""Run tests with pytest, for `make test`, `make test-all`, `make test-browser` and `make release-check`.
 
     python -m scripts.test quick|slow|browser|release [--sim icarus|verilator] [--only FILE|PATTERN] ...
 
-Each test is in one gate. With Verilator only tests that start a simulator run: the others do not depend on it.
+Each test is in one gate. With Verilator, only tests that start a simulator run; no other test depends on the simulator.
 """
 
 import os
@@ -21,7 +21,7 @@ GATES = {
     "browser": "not slow and not release",
     "release": "release",
 }
-"""Gate -> its tests, by their markers in pyproject.toml."""
+"""Gate -> expression for pytest -m that selects its tests by the markers in pyproject.toml."""
 
 BROWSER = ["scripts/report/tests/browser_test_report.py", "scripts/playground/tests/browser_test_playground.py"]
 PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder"]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trajectories of commands: targets of --trajectory as words, their run through the core, scores and result files.
+"""Load the targets of --trajectory, run them through the core, score the results and write the result files.
 
-All input is checked here; its options are in :mod:`scripts.options`.
+All input is checked here. The command-line options are in :mod:`scripts.options`.
 """
 
 import os
@@ -37,8 +37,13 @@ SCORES = "score.json"
 
 @dataclass(frozen=True)
 class Prepared:
-    """A trajectory ready to run: its targets and their words (N, 6); scale: metres in a clip's unit of length; notes:
-    warnings, each one line; limits: of the joints of hand poses, words."""
+    """Trajectory that is ready to run.
+
+    * words (N, 6), for hand poses (N, 12): input words of the targets, whose lengths are multiplied by 2^exponent
+    * clip, moves, twist: the clip, the motions of its limbs, and --twist; scale: metres in the clip's unit of length
+    * notes: warnings, each one line
+    * robot, limits: the arm of --robot, and for hand poses the lowest and highest word of each joint
+    """
 
     targets: Targets
     words: np.ndarray
@@ -52,13 +57,13 @@ class Prepared:
     limits: Limits | None = None
 
     def core_words(self, width: int) -> np.ndarray:
-        """Return the words (N, 6) of the wrist targets; for hand poses, the wrist targets that the core computes."""
+        """Return the input words (N, 6) of the core. For hand poses `ik_arm` computes them from its inputs."""
         return self.words if self.targets.hand is None else fixed.of_hands(self.words[:, :-1], width)[0]
 
 
 def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[str, Path]:
-    """Return the datapaths to run, each with the folder of its results. Without --datapath both dataflows run on the
-    paper's scenario, arm on hand poses, and lean on anything else. Raises InputError."""
+    """Return a dict: datapath to run -> folder of its results. Without --datapath, the paper's scenario runs on both
+    dataflows, other wrist targets on lean, and hand poses on arm. Raises InputError for hand poses with --datapath."""
     scenario = arguments.trajectory == trajectories.DEFAULT
     chosen = arguments.datapath or (list(DATAPATHS) if scenario else [DEFAULT])
     chosen = [chosen] if isinstance(chosen, str) else chosen
@@ -74,11 +79,11 @@ BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
 GOES_WITH = dict.fromkeys(("d1", "d2"), (CSV,)) | dict.fromkeys(("phi", "pole", "soft"), (CSV, CLIP))
 GOES_WITH |= dict.fromkeys(("robot",), (CSV, BUILT_IN))
 GOES_WITH |= dict.fromkeys(("arm", "limb", "joints", "up", "twist", "scale"), (CLIP,))
-"""Options that only some kinds of trajectories take."""
+"""Option -> the kinds of trajectories to which it applies."""
 
 
 def _kind(name: str) -> str:
-    """Return the kind of --trajectory. Raises InputError."""
+    """Return BUILT_IN, CSV or CLIP, the kind of a trajectory. Raises InputError for an unknown name."""
     names = "all", *trajectories.TRAJECTORIES, *trajectories.HANDS
     if name in names:
         return BUILT_IN
@@ -91,7 +96,7 @@ def _kind(name: str) -> str:
 
 
 def _load(arguments: SimpleNamespace) -> list[Prepared]:
-    """Return the trajectories of --trajectory. Raises InputError or TargetError."""
+    """Load the trajectories that --trajectory selects. Raises InputError or TargetError."""
     name, width, axis = arguments.trajectory, arguments.width, arguments.axis or "z"
     kind = _kind(name)
     usual = trajectories.ROBOTS.get(name)
@@ -129,7 +134,7 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
 
 
 def _robot(arguments: SimpleNamespace) -> arms.Arm | None:
-    """Return the arm of --robot. Raises InputError, and OSError for a file that cannot be read."""
+    """Return the arm that --robot selects, or None. Raises InputError, and OSError for a file that cannot be read."""
     name, ends = arguments.robot, (arguments.base, arguments.tip)
     if name is None or name in arms.ROBOTS:
         if any(ends):
@@ -144,7 +149,7 @@ def _robot(arguments: SimpleNamespace) -> arms.Arm | None:
 
 
 def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | None, notes: tuple[str, ...]) -> Prepared:
-    """Return hand poses ready to run. Raises InputError or TargetError."""
+    """Prepare a trajectory of hand poses. Raises InputError or TargetError."""
     if arguments.soft is not None:
         raise InputError("argument --soft: applies to wrist targets, not to hand poses")
     if robot:
@@ -168,7 +173,7 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
 
 
 def _of_clip(arguments: SimpleNamespace) -> Prepared:
-    """Return the arms of a clip as one stream. Raises TargetError."""
+    """Prepare the limbs of a clip as one stream of targets. Raises TargetError."""
     clip = clips.read(Path(arguments.trajectory), arguments.up)
     limbs = clips.arms(clip, arguments.arm or "both", arguments.joints, arguments.limb or "arms")
     moves = tuple(clips.motion(clip, arm, arguments.axis or TORSO) for arm in limbs)
@@ -178,7 +183,7 @@ def _of_clip(arguments: SimpleNamespace) -> Prepared:
     if pole is not None:
         at = clip.positions[:, clips.named(clip, pole)[0]] if isinstance(pole, str) else np.asarray(pole)
         pole = clips.interleaved([at - clip.positions[:, arm.upper] for arm in limbs])
-    # Hands go through the whole arm, unless a datapath of wrist targets is given.
+    # Run hand poses, unless --datapath is given: it selects a datapath of wrist targets.
     by_hand = "datapath" not in arguments.given and all(move.hand is not None for move in moves)
     targets = _guided(clips.targets(clip, moves, phi, arguments.width, by_hand), pole, arguments.soft)
     scale = clips.metres(arguments.scale or "auto", float(np.median([move.arm_length for move in moves])))
@@ -188,7 +193,7 @@ def _of_clip(arguments: SimpleNamespace) -> Prepared:
 
 
 def _guided(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Targets:
-    """Return the targets with swivel angles toward a pole, (3,) or (N, 3) from the shoulder, and with a soft reach."""
+    """Return the targets after --pole, points (3,) or (N, 3) from the shoulder, and --soft; None omits either."""
     if pole is not None:
         poles = targets.points_to_core(np.broadcast_to(pole, (len(targets), 3)))
         targets = replace(targets, phi=swivel((0.0, 0.0, 0.0), poles, targets.core_wrist))
@@ -209,7 +214,7 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
 
 
 def doubts(targets: Targets, free: bool = True) -> Iterator[str]:
-    """Yield a warning for each sign of a wrong unit, and for jumps of the elbow; free: axis and lengths are options."""
+    """Yield a warning for each sign of a wrong unit, and for elbow jumps. free: the user may set axis and lengths."""
     distance = np.linalg.norm(targets.core_wrist, axis=1)
     out = int(np.count_nonzero((distance > targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
     if 2 * out > len(targets):
@@ -247,7 +252,7 @@ def simulated(
 def score_runs(
     arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool = True
 ) -> list[tuple[Run, Score]]:
-    """Return each run with its score, and with predicted errors if `predict` is set."""
+    """Return each run with its score; if `predict` is set, scores of wrist targets contain predicted errors."""
     core = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim}
     scored = []
     for item, run in zip(prepared, runs, strict=True):
@@ -263,21 +268,21 @@ def score_runs(
 
 
 def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
-    """Return the distances between the elbows and the clip's elbows, relative to the reach, (N,)."""
+    """Return the distances (N,) from the core's elbows to the clip's elbows, relative to the reach."""
     elbow = clips.interleaved([move.elbow for move in item.moves])
     ours = np.ldexp(result.per_target.elbow, -result.scale_exponent)
     return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
 
 
 def quaternions(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return Qs (N, 4) in the user's frame, and Qe (N, 4)."""
+    """Return the results of a run as Qs (N, 4) in the user's frame and Qe (N, 4)."""
     first = 0 if item.targets.hand is None else len(JOINTS)
     values = result_values(ran.results[:, first : first + len(RESULT_FIELDS)], width)
     return item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
 
 
 def by_joints(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return Qs, Qe and Qh (N, 4) of the seven joint angles, by forward kinematics; Qs and Qh in the user's frame."""
+    """Return Qs, Qe and Qh (N, 4), computed from the seven joint angles of a run. Qs and Qh are in the user's frame."""
     th, targets = ran.results[:, : len(JOINTS)].T * (2 * np.pi / 2**width), item.targets
     qe = np.array((np.sin(th[3] / 2), -np.cos(th[3] / 2), 0 * th[3], 0 * th[3])).T
     _, qh = joints.reached(th, targets.d1, targets.d2, targets.tool)
@@ -285,8 +290,8 @@ def by_joints(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndar
 
 
 def turned(item: Prepared, ran: Run, width: int) -> Clip:
-    """Return the clip with its arms turned by the core's quaternions, or by the seven joint angles of its hand poses,
-    read back from its file's content."""
+    """Return the clip with its limbs turned by the core's quaternions, or for hand poses by the seven joint angles. The
+    clip is parsed from the content of its file, so it includes the rounding of written numbers."""
     assert item.clip
     count, turns_of = len(item.moves), quaternions if item.targets.hand is None else by_joints
     turns = turns_of(item, ran, width)
@@ -296,8 +301,8 @@ def turned(item: Prepared, ran: Run, width: int) -> Clip:
 
 
 def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
-    """Return the elbows and wrists (N, 3) of the turned clip, from the shoulder, and of hand poses the orientations
-    (N, 4)."""
+    """Return the elbows and wrists (N, 3) of the turned clip relative to the shoulder, and for hand poses the hands'
+    orientations (N, 4)."""
     clip = turned(item, ran, width)
     at, limbs = clip.positions, [move.limb for move in item.moves]
     upper, fore, hand = ([getattr(limb, name) for limb in limbs] for name in ("upper", "fore", "hand"))
@@ -316,7 +321,7 @@ def sources(prepared: Iterable[Prepared]) -> list[Path]:
 
 
 def csv_paths(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
-    """Return the paths of the results.csv of each trajectory."""
+    """Return the path of results.csv for each trajectory."""
     many = len(prepared) > 1
     return [folder / item.targets.name / "results.csv" if many else folder / "results.csv" for item in prepared]
 
@@ -329,17 +334,17 @@ def result_paths(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
 
 
 def outputs(out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], *others: Path) -> ContextManager[Place]:
-    """Return the `output` of all files that `write_results` writes and of others."""
+    """Return the context manager `output` for all files that `write_results` writes and for `others`."""
     paths = [*others, *(path for folder in folders for path in result_paths(folder, prepared)), out / SCORES]
     return output(out, paths, sources(prepared))
 
 
 Done = Sequence[Sequence[tuple[Run, Score]]]
-"""Runs and scores of the trajectories, for each datapath."""
+"""For each datapath, the run and the score of each trajectory."""
 
 
 def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], done: Done) -> None:
-    """Write the files of each datapath for its folder, and one score.json, each to its path from `files`."""
+    """Write the result files of each datapath and one score.json; `files` maps a path to a temporary path to write."""
     for folder, scored in zip(folders, done, strict=True):
         for path, item, (ran, result) in zip(csv_paths(folder, prepared), prepared, scored, strict=True):
             targets = item.targets

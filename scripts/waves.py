@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings of ``ik_axis`` and ``ik_arm``: every node of every target read from a VCD, a VCD with all nodes of a
-target in one clock, and GTKWave save files with signals in groups and fixed-point words shown as real numbers.
+"""Read waveforms of ``ik_axis`` and ``ik_arm`` from a VCD, write them aligned, and write GTKWave save files.
+
+An aligned VCD shows all nodes of a target in one clock. Save files group signals and show words as real numbers.
 
     python -m scripts.waves WAVES.vcd DATAPATH WIDTH SAVE.gtkw
 
-writes a save file for a VCD that a simulator of your own recorded.
+This command writes a save file for a VCD that your own simulator recorded.
 
-Words are sampled at the falling edge of the clock, as in the scoreboard (:mod:`tb.core.pipeline`), and found by their
-path below the top, which is the same in all simulators. A node's label in a save file carries its equation and its
-clock: ``tmp1 (13) +102`` holds a target's value 102 clocks after its admission. GTKWave cannot show a decimal word of
-more than 64 bits; only the first 64 bits of longer words are shown.
+Words are sampled at the falling edge of the clock, as in the scoreboard (:mod:`tb.core.pipeline`). Signals are found by
+their path below the top, which is the same in all simulators. A node's label shows its equation and its clock: ``tmp1
+(13) +102`` holds a target's value 102 clocks after the target is admitted. GTKWave shows at most 64 bits as a decimal
+number, so a save file shows only the highest 64 bits of a longer word.
 """
 
 import os
@@ -38,7 +39,7 @@ from tb.sim.job import Difference, answer
 TOPS = sorted({path.top for path in MODELS.values()})
 VCD, ALIGNED = "waves.vcd", "aligned.vcd"
 WAVES = [Path(name).with_suffix(suffix) for name in (VCD, ALIGNED) for suffix in (".vcd", ".gtkw")]
-"""Files that :func:`write_waves` writes: two recordings and their save files."""
+"""Waveform files of a run: the VCD, its save file, the aligned VCD, its save file."""
 
 Nodes = Sequence[Node]
 
@@ -48,7 +49,7 @@ STREAMS = ("s_axis_tvalid", "s_axis_tready", "s_axis_tuser", "m_axis_tvalid", "m
 
 
 class Signal(NamedTuple):
-    """A signal of a VCD: name in GTKWave, with all scopes, identifier in the file, and bits."""
+    """Signal of a VCD. name: GTKWave's name, with all scopes; code: identifier in the file; size: number of bits."""
 
     name: str
     code: str
@@ -56,7 +57,7 @@ class Signal(NamedTuple):
 
 
 class Signals(dict[tuple[str, ...], Signal]):
-    """The signals below the top in a VCD by their path from there. Raises TargetError for one that it lacks."""
+    """Dict of the signals in a VCD: path below the top -> signal. Raises TargetError for a path that the VCD lacks."""
 
     def __init__(self, vcd: Path) -> None:
         super().__init__()
@@ -87,7 +88,7 @@ class Signals(dict[tuple[str, ...], Signal]):
         raise TargetError(f"{self.vcd}: no {'.'.join((self.top, *path))} in this VCD")
 
     def changes(self) -> Iterator[tuple[int, dict[str, str]]]:
-        """Yield each time of a change, and the bits of all signals from then on by identifier, in one dictionary."""
+        """Yield each time of a change with a dict, identifier -> bits from then on; the dict is reused each time."""
         sizes = {signal.code: signal.size for signal in self.values()}
         now, bits, changed = 0, dict.fromkeys(sizes, "x"), False
         with open(self.vcd, "rb") as stream:
@@ -120,11 +121,11 @@ def write_save_file(
     start: int = 0,
     marker: int = -1,
 ) -> None:
-    """Write ``path``, the save file for ``vcd``, a recording of a datapath with words of ``width`` bits.
+    """Write the save file ``path`` for ``vcd``, a recording of a datapath with words of ``width`` bits.
 
-    ``dumpfile``: path of the VCD from the save file's folder. GTKWave opens at the time ``start``; with a ``first``
-    difference its section is open and its node red. ``aligned``: the VCD is one by `write_aligned`, which has no
-    streams. Raises TargetError for a VCD of another design.
+    ``dumpfile`` is the path of the VCD relative to the save file's folder. ``aligned`` means that `write_aligned` wrote
+    the VCD, which has no streams. GTKWave starts at the time ``start``, with its marker at ``marker``. It opens the
+    section of the difference ``first`` and shows the node in red. Raises TargetError for a VCD of another design.
     """
     nodes, of = fixed.nodes(datapath, width), MODELS[datapath]
     core = f"g_{of.rtl}", "u_core"
@@ -164,7 +165,7 @@ def write_save_file(
 
 
 class _Save:
-    """Adds traces to a save file by their path below the top."""
+    """Writer that adds traces to a save file, each named by its path below the top."""
 
     def __init__(self, stream, vcd: Path) -> None:
         self.stream = stream
@@ -177,7 +178,7 @@ class _Save:
         self.writer.trace(name, alias=path[-1], datafmt=shown if name.endswith("]") else "bin")
 
     def word(self, path: tuple[str, ...], fmt: Format, label: str, lowest: int = 0, color=None) -> None:
-        """Add a word as a number, from bit ``lowest`` of a signal."""
+        """Add a word of a signal as a number; bit ``lowest`` of the signal is the word's bit 0."""
         signal = self.signals[path]
         if fmt.width == 1:
             self.writer.trace(signal.name, alias=label, datafmt="bin", color=color)
@@ -200,8 +201,8 @@ class _Save:
 
 @dataclass(frozen=True)
 class Recording:
-    """One trajectory in a VCD. words: bits of each node by clock, from clock 1; admitted: admission clock of each
-    target; first: falling edge of clock 1; first and period are in units of `timescale`."""
+    """Recording of one trajectory. words: node -> its bits in each clock, from clock 1. admitted: clock in which each
+    target is admitted. first: time of clock 1's falling edge; first and period are in units of `timescale`."""
 
     words: dict[str, list[str]]
     admitted: list[int]
@@ -210,7 +211,7 @@ class Recording:
     period: int
 
     def time(self, clock: int) -> int:
-        """Return the time of a clock's falling edge in units of the VCD."""
+        """Return the time of a clock's falling edge in units of `timescale`."""
         return self.first + (clock - 1) * self.period
 
     def word(self, node: Node, target: int) -> str:
@@ -243,14 +244,14 @@ def read(vcd: Path, datapath: str, nodes: Nodes) -> Recording:
 
 
 def _bits(value: int | str, width: int) -> str:
-    """Return all bits of a VCD's value, which omits leading digits."""
+    """Return all ``width`` bits of a value in a VCD, which omits leading digits."""
     if isinstance(value, int):
         return format(value, f"0{width}b")
     return value.lower().rjust(width, value[0].lower() if value[0] in "xXzZ" else "0")
 
 
 def model_bits(node: Node, target: int) -> str:
-    """Return the model's bits for a target; `node` holds its words for all targets."""
+    """Return the model's bits of a node for a target; `node.value` contains the words of all targets."""
     return format(int(node.value[target]) & ((1 << node.format.width) - 1), f"0{node.format.width}b")
 
 
@@ -267,16 +268,15 @@ def differences(recording: Recording, nodes: Nodes) -> Iterator[Difference]:
 
 
 def column(recording: Recording, nodes: Nodes, target: int) -> int:
-    """Return the clock in which the aligned VCD shows a target: the clock of its last node."""
+    """Return the clock in which the aligned VCD shows a target: the clock of the target's last node."""
     return recording.admitted[target] + max(node.time for node in nodes)
 
 
 def write_aligned(path: Path, recording: Recording, datapath: str, nodes: Nodes, wrong: set[int]) -> None:
-    """Write a VCD with every node delayed to the clock of the last one, so that all words of a clock belong to one
-    target.
+    """Write a VCD that delays every node to the clock of the last node, so each clock shows the words of one target.
 
-    Names, scopes and times match the VCD of the run. A clock without a target is X. The signal `target` is the target's
-    number; `differs` is 1 for targets in `wrong`, which differ from the model in some node.
+    Names, scopes and times match the VCD of the run. In a clock without a target all signals are X. The signal `target`
+    is the target's number; `differs` is 1 for targets in `wrong`, in which some node differs from the model.
     """
     top = MODELS[datapath].top
     with (
@@ -301,7 +301,7 @@ def write_aligned(path: Path, recording: Recording, datapath: str, nodes: Nodes,
 
 
 def variable(writer: VCDWriter, path: tuple[str, ...], bits: int):
-    """Register a variable at its path, with a range as simulators write it."""
+    """Register a variable of a VCD at its path; the name ends with a bit range, as simulators write it."""
     *scopes, name = path
     return writer.register_var(tuple(scopes), f"{name}[{bits - 1}:0]" if bits > 1 else name, "wire", bits, init="x")
 
@@ -309,7 +309,7 @@ def variable(writer: VCDWriter, path: tuple[str, ...], bits: int):
 def write_waves(
     vcd: Path, recording: Recording, wrong: Sequence[Difference], datapath: str, width: int, nodes: Nodes, files: Place
 ) -> None:
-    """Write the aligned VCD next to the ordinary one, and save files for both that mark the first difference."""
+    """Write the aligned VCD next to ``vcd``, and save files for both that mark the first difference in ``wrong``."""
     aligned = vcd.with_name(ALIGNED)
     first = wrong[0] if wrong else None
     write_aligned(files(aligned), recording, datapath, nodes, {difference.target for difference in wrong})
@@ -325,7 +325,7 @@ def write_waves(
 def align(
     vcd: Path, words: np.ndarray, width: int, datapath: str, files: Place = Path, limits: Limits | None = None
 ) -> None:
-    """Call `write_waves` for the recording of one trajectory with the targets `words`, as in a job."""
+    """Read the recording ``vcd`` of one trajectory with the input words ``words``, and call `write_waves`."""
     nodes = list(answer(words, width, datapath, limits).bits.nodes.values())
     recording = read(files(vcd), datapath, nodes)
     write_waves(vcd, recording, list(differences(recording, nodes)), datapath, width, nodes, files)

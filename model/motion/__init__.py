@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Moving arms: the reference axis, poses of whole arrays of targets."""
+"""Poses of arms: wrist targets and hand poses from Python, robots, motion-capture clips."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arms of seven joints in a robot's own terms: base, zero positions, directions and limits; from a URDF file as well.
+"""Robots with seven joints: base frame, zero positions, joint directions and limits; reader of URDF files.
 
-Joint n of the robot is at signs[n] * th_n + offsets[n], where th_n is an angle of :mod:`cga_ik.reference.joints`. Built
-in are `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, a left arm with anatomical limits.
+Joint n of the robot is at signs[n] * th_n + offsets[n], where th_n is an angle of :mod:`cga_ik.reference.joints`. Two
+arms are built in: `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, a left arm with anatomical limits.
 """
 
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ from .swivels import Swivels, feasible_swivel
 
 UNIT = (1.0, 0.0, 0.0, 0.0)
 TOLERANCE = 1e-6
-"""Largest distance of axes that meet, in sizes of the chain, and largest cosine between perpendicular ones."""
+"""Largest distance between axes that meet, relative to the chain's size; largest cosine between perpendicular axes."""
 
 
 def _vector(name: str, values: ArrayLike, size: int) -> Floats:
@@ -34,17 +34,17 @@ def _vector(name: str, values: ArrayLike, size: int) -> Floats:
 
 
 class Arm:
-    """An arm with three joint axes that meet in the shoulder, one in the elbow, and three that meet in the wrist.
+    """Arm with three joint axes that meet in the shoulder, one in the elbow, and three that meet in the wrist.
 
-    * d1, d2: shoulder to elbow, elbow to wrist
-    * tool: wrist to tip, along axis 7, or (3,) in the hand's frame, whose z is axis 7
-    * offsets (7,) rad, signs (7,) of 1 or -1: joint = sign * th + offset
+    * d1, d2: distances from shoulder to elbow and from elbow to wrist
+    * tool: from wrist to tip, a distance along axis 7, or a vector (3,) in the hand's frame, whose z is axis 7
+    * offsets (7,) rad, signs (7,) of 1 or -1: position of a joint = sign * th + offset
     * limits (7, 2): lower and upper limit of each joint, rad
-    * base (3,), mount (4,): position of the shoulder, and turn of its frame, whose z is axis 1, in the base frame
-    * tip (4,): turn of the tip's frame in the hand's
-    * upper, fore (4,): turn of the upper arm in the frame of axis 3 (z), and of the frame of axis 5 in the forearm's;
-      links are bent unless these are turns about z
-    * names (7,): of the joints
+    * base (3,), mount (4,): in the base frame, position of the shoulder and orientation of its frame, whose z is axis 1
+    * tip (4,): orientation of the tip's frame in the hand's frame
+    * upper (4,): orientation of the upper arm in the frame of axis 3, whose z is axis 3
+    * fore (4,): orientation of the frame of axis 5 in the forearm's frame; links are bent unless upper = fore = 1
+    * names (7,): names of the joints
 
     Quaternions are w, i, j, k.  Methods take and return points and orientations of the tip in the base frame.
     """
@@ -65,7 +65,7 @@ class Arm:
         fore: ArrayLike = UNIT,
         names: Sequence[str] = ("joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7"),
     ) -> None:
-        """Take the attributes.  Raises ValueError for limits in the wrong order and wrong shapes."""
+        """Set the attributes.  Raises ValueError for wrong shapes and for a lower limit above the upper limit."""
         self.d1, self.d2, self.names, self.limits = float(d1), float(d2), tuple(names), checked_limits(limits)
         along: Any = np.asarray(tool, dtype=np.float64)
         self.tool = _vector("tool", along if along.ndim else along * (0.0, 0.0, 1.0), 3)
@@ -75,22 +75,22 @@ class Arm:
 
     @property
     def bounds(self) -> Floats:
-        """Limits of th1 .. th7, (7, 2)."""
+        """Limits (7, 2) of the angles th1 .. th7, rad."""
         return np.sort((self.limits - self.offsets[:, None]) * self.signs[:, None], axis=1)
 
     @property
     def _bent(self) -> tuple[Floats, Floats] | None:
-        """Upper and fore if links are bent."""
+        """(upper, fore) if links are bent, otherwise None."""
         return None if np.array_equal((self.upper, self.fore), (UNIT, UNIT)) else (self.upper, self.fore)
 
     def _wrists(self, points: ArrayLike, hand: ArrayLike) -> tuple[Floats, Floats]:
-        """Return wrist targets (N, 3) and orientations of the hand (N, 4) in the shoulder's frame."""
+        """Return the wrist targets (N, 3) and hands (N, 4), in the shoulder's frame, for poses of the tip."""
         q = multiply(multiply(conjugate(self.mount), Hands.checked(hand, 0.0, 0).q.T), conjugate(self.tip))
         return rotate(conjugate(self.mount), np.asarray(points, dtype=np.float64) - self.base) - rotate(q, self.tool), q
 
     def positions(self, th: ArrayLike) -> Floats:
-        """Return the robot's joint positions (N, 7) for angles th1 .. th7, rad; where possible, whole turns bring them
-        into the limits."""
+        """Return the robot's joint positions (N, 7) for angles th1 .. th7 (N, 7), rad. Where a whole turn brings a
+        position into its limits, it is added or subtracted."""
         low, high = self.limits.T + [[-joints.ROUNDING], [joints.ROUNDING]]
         at = joints.wrap(np.asarray(th) * self.signs + self.offsets)
         for turn in (-2 * np.pi, 2 * np.pi):
@@ -98,7 +98,7 @@ class Arm:
         return at
 
     def targets(self, poses: Targets) -> Targets:
-        """Return hand poses as targets of this arm; if all phi are nan, feasible ones replace them.
+        """Return poses of the tip as targets of `ik_arm`; if all phi are nan, feasible swivel angles replace them.
 
         Raises ValueError for bent links.
         """
@@ -112,10 +112,10 @@ class Arm:
         return replace(poses, phi=phi, hand=q, origin=self.base, frame=conjugate(self.mount), **lengths)
 
     def solve(self, points: ArrayLike, hand: ArrayLike, phi: ArrayLike | None = None, branch: ArrayLike = 0) -> Pose:
-        """Return the poses for tips at points (N, 3) with orientations (N, 4), or for a single tip.
+        """Return the poses in which the tip is at points (N, 3) or (3,) with orientations ``hand`` (N, 4) or (4,).
 
-        joints are :meth:`positions`.  The swivel angle phi (rad, a number or (N,)) is measured from axis 1; None is
-        :func:`hanging`.  Raises ValueError as :func:`cga_ik.solve` does.
+        ``Pose.joints`` are the robot's :meth:`positions`.  The swivel angle phi (rad, a number or (N,)) is measured
+        from axis 1; None is :func:`hanging`.  Raises ValueError as :func:`cga_ik.solve` does.
         """
         wrists, q = self._wrists(points, hand)
         pose = solve(wrists, phi, self.d1, self.d2, hand=q, branch=branch)
@@ -151,10 +151,10 @@ class Arm:
 
     @classmethod
     def from_urdf(cls, path: str | Path, base: str | None = None, tip: str | None = None) -> "Arm":
-        """Return the arm between two links of a URDF file, by default its only first and last link.
+        """Return the arm between two links of a URDF file, by default its only first link and its only last link.
 
-        Raises OSError, and ValueError for a file that is no URDF, a chain without seven turning joints, and axes that
-        do not meet.
+        Raises OSError, and ValueError for a file that is no URDF, for a chain without exactly seven turning joints, and
+        for axes that do not meet or are not perpendicular.
         """
         try:
             return cls(**_chain(ElementTree.parse(path).getroot(), base, tip))
@@ -165,7 +165,7 @@ class Arm:
 
 
 def _chain(robot: ElementTree.Element, base: str | None, tip: str | None) -> dict[str, Any]:
-    """Return the fields of the arm between two links of a URDF, by default its only first and last link."""
+    """Return the arguments of :class:`Arm` for the chain between two links, by default the only first and last link."""
     joints = [joint for joint in robot.iter("joint") if joint.find("child") is not None]
     above = {_attributes(joint, "child")["link"]: joint for joint in joints}
     parents = {_attributes(joint, "parent")["link"] for joint in joints}
@@ -214,7 +214,7 @@ def _attributes(joint: ElementTree.Element, part: str) -> dict[str, str]:
 
 
 def _numbers(joint: ElementTree.Element, part: str, name: str, default: str) -> Floats:
-    """Return the numbers in an attribute of a joint's part in a URDF."""
+    """Return the numbers in the attribute ``name`` of a joint's element ``part``, or in ``default``."""
     text = _attributes(joint, part).get(name, default)
     values = np.array(text.split(), dtype=np.float64)
     if len(values) != len(default.split()) or np.isnan(values).any():
@@ -223,12 +223,12 @@ def _numbers(joint: ElementTree.Element, part: str, name: str, default: str) -> 
 
 
 def _placed(turn: Floats, point: Floats) -> Floats:
-    """Return the frame (4, 4) of an orientation (3, 3) at a point."""
+    """Return the homogeneous matrix (4, 4) of an orientation (3, 3) and a position (3,)."""
     return np.vstack((np.column_stack((turn, point)), (0, 0, 0, 1)))
 
 
 def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict[str, Any]:
-    """Return the fields of an arm from its axes (7, 3) through points (7, 3), and the tip (4, 4), all joints at 0."""
+    """Return the arguments of :class:`Arm` for axes (7, 3) through points (7, 3) and a tip (4, 4), with joints at 0."""
     size = np.linalg.norm(np.ptp(np.vstack((points, end[:3, 3])), axis=0))
     centres = []
     for first, name in ((0, "shoulder"), (4, "wrist")):
@@ -264,7 +264,7 @@ def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict[str, Any]:
     def tilt(first, second, third):  # angle about the second axis from the first to the third
         return np.arctan2(third @ np.cross(second, first), third @ first)
 
-    def spin(m):  # angle of a turn about z
+    def spin(m):  # angle of a turn about z, None for other turns
         return np.arctan2(m[1, 0], m[0, 0]) if m[2, 2] > 1 - TOLERANCE**2 else None
 
     flexion = np.arctan2(axes[3] @ np.cross(u, f), u @ f)
@@ -298,7 +298,7 @@ IIWA14 = Arm(
     base=(0.0, 0.0, 0.36),
     names=tuple(f"A{n}" for n in range(1, 8)),
 )
-"""KUKA LBR iiwa 14 R820, to its flange (m); the base frame stands on the ground, z up."""
+"""KUKA LBR iiwa 14 R820; lengths in m. The tip is the flange; the base frame is on the ground, z up."""
 
 _DOWN, _FORWARD, _RIGHT = np.array((0.0, 0.0, -1.0)), np.array((1.0, 0.0, 0.0)), np.array((0.0, -1.0, 0.0))
 
@@ -311,12 +311,12 @@ HUMAN = Arm(
     limits=np.radians(((-45, 135), (0, 180), (-120, 70), (0, 150), (-80, 80), (-70, 80), (-30, 20))),
     names=("plane", "elevation", "rotation", "elbow", "pronation", "flexion", "deviation"),
 )
-"""Left arm of a person (m): the arm hangs at zero, the thumb forward, x forward, y to the left, z up.
+"""Left arm of a person; lengths in m, x forward, y to the left, z up. With all joints at 0 it hangs, thumb forward.
 
-The shoulder turns by the plane of elevation (0 sideways, 90 degrees forward), the elevation, and inward; the wrist
-flexes toward the palm and deviates toward the thumb. The hand's frame has x along the thumb, y out of the palm, and z
-along the fingers; the tip is in the palm. Limits are the norms of the AAOS, with more room for outward rotation, as it
-is measured with the arm held sideways.
+The shoulder joints are the plane of elevation (0 sideways, 90 degrees forward), the elevation, and inward rotation. The
+wrist flexes toward the palm and deviates toward the thumb. The tip is in the palm; its frame has x along the thumb, y
+out of the palm, and z along the fingers. Limits are the norms of the AAOS, with a larger range of outward rotation,
+because the AAOS measures it with the arm held sideways.
 """
 
 ROBOTS = {"iiwa14": IIWA14, "human": HUMAN}  # built-in arms by name

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """BVH files: reader, writer and kinematics.
 
-A node is a joint or an end site, in the order of the file; its name is a label only.  The text before the motion table
-is kept as it is, and the table as numbers, so a file that is read and written has the same value in every number.
-A position channel replaces its coordinate of OFFSET; rotation channels multiply in the order of the file.
+A node is a joint or an end site. Nodes are numbered in the order of the file, and their names need not be unique.  The
+reader keeps the text before the motion table as it is, and the table as numbers, so the writer restores every value.
+A position channel replaces its coordinate of OFFSET. Rotation channels are multiplied in the order of the file.
 """
 
 import codecs
@@ -23,15 +23,15 @@ COMMENT = re.compile(r"(?<!\S)(?:#|//).*")
 WORD = re.compile(r"[{}]|[^\s{}]+")
 TABLE = re.compile(r"(?im)^[^\S\n]*MOTION\s+Frames\s*:?\s*(\S+)\s+Frame\s*Time\s*:?\s*(\S+)")
 CHANNEL = re.compile(r"([xyz])(position|rotation)", re.IGNORECASE)
-PERIOD = 1 / 30  # seconds from frame to frame of a file whose frame time is 0
+PERIOD = 1 / 30  # seconds from frame to frame if the frame time of the file is not positive
 
 
 class ClipError(TargetError):
-    """Unusable clip or limb; the text is one line for the user."""
+    """Unusable clip or limb. The message is one line for the user."""
 
 
 class Channel(NamedTuple):
-    """Channel of a node: "position" or "rotation", its axis 0 to 2, its column of the table."""
+    """Channel of a node. kind: "position" or "rotation"; axis: 0 to 2; column: number of its column in the table."""
 
     kind: str
     axis: int
@@ -40,7 +40,7 @@ class Channel(NamedTuple):
 
 @dataclass
 class Node:
-    """Joint, or end site; parent: number of a node, -1 for a root."""
+    """Joint or end site. parent: number of the parent node, -1 for a root."""
 
     name: str
     parent: int
@@ -49,7 +49,6 @@ class Node:
     channels: tuple[Channel, ...] = ()
 
     def of(self, kind: str) -> list[Channel]:
-        """Return the channels of a kind."""
         return [channel for channel in self.channels if channel.kind == kind]
 
 
@@ -84,7 +83,6 @@ class Clip:
 
     @cached_property
     def parents(self) -> list[int]:
-        """Parents of the nodes; -1 for a root."""
         return [node.parent for node in self.nodes]
 
     @cached_property
@@ -116,7 +114,7 @@ class Clip:
 
     @cached_property
     def positions(self) -> np.ndarray:
-        """Positions (F, K, 3) of the nodes."""
+        """Positions (F, K, 3) of the nodes in the world."""
         positions = self.places.copy()
         for k, parent in enumerate(self.parents):
             if parent >= 0:
@@ -139,11 +137,12 @@ class Clip:
         return nodes
 
     def can_turn(self, node: int) -> bool:
-        """Return whether a node has a rotation channel for each axis, hence any orientation."""
+        """Return whether a node has one rotation channel for each axis, so that it can take any orientation."""
         return sorted(channel.axis for channel in self.nodes[node].of("rotation")) == [0, 1, 2]
 
     def turned(self, turn: dict[int, np.ndarray]) -> "Clip":
-        """Return the clip with some nodes at new orientations (F, 4) to the world; only their channels change."""
+        """Return the clip with new orientations of some nodes. turn: node -> quaternions (F, 4) in the world. Only the
+        channels of these nodes change."""
         table, world = self.table.copy(), self.turn.copy()
         for k, parent in enumerate(self.parents):
             above = world[:, parent] if parent >= 0 else (1.0, 0.0, 0.0, 0.0)
@@ -158,15 +157,15 @@ class Clip:
         return replace(self, table=table)
 
     def content(self) -> bytes:
-        """Return the content of the file."""
+        """Return the content of the BVH file."""
         end = "\r\n" if "\r\n" in self.head[1] else "\n"
         rows = (" ".join(map(repr, row)) for row in self.table.tolist())
         return f"{self.head[0]}{len(self.table)}{self.head[1]}{end}{end.join(rows)}{end}".encode(self.encoding)
 
 
 def _angles(turn: np.ndarray, axes: list[int], near: np.ndarray) -> np.ndarray:
-    """Return angles (F, 3), rad, of rotations about three different axes whose product is a matrix (F, 3, 3);
-    the solution nearest to ``near`` (F, 3)."""
+    """Return angles (F, 3), rad, of rotations about three different axes whose product is ``turn`` (F, 3, 3). Of all
+    solutions, the angles nearest to ``near`` (F, 3) are returned."""
     i, j, k = axes
     sign = 1.0 if (j - i) % 3 == 1 else -1.0
     locked = np.hypot(turn[:, j, k], turn[:, k, k]) < 1e-7
@@ -185,7 +184,7 @@ def _angles(turn: np.ndarray, axes: list[int], near: np.ndarray) -> np.ndarray:
 
 
 def parse(content: bytes, path: Path) -> Clip:
-    """Parse the content of a BVH file; path: for messages.  Raises :class:`ClipError`, with the line."""
+    """Parse the content of a BVH file.  Raises :class:`ClipError`, which names ``path`` and usually the line."""
     wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     encoding = "utf-16" if wide else "utf-8-sig" if content.startswith(codecs.BOM_UTF8) else "utf-8"
     try:
@@ -198,7 +197,7 @@ def parse(content: bytes, path: Path) -> Clip:
 
 
 class _Parser:
-    """Text of a BVH file; `plain` has blanks instead of comments, so positions in both are equal."""
+    """Parser of a BVH file. In `plain` blanks replace the comments, so positions in `plain` and `text` are equal."""
 
     def __init__(self, path: Path, text: str, encoding: str) -> None:
         self.path, self.text, self.encoding = path, text, encoding
@@ -207,7 +206,7 @@ class _Parser:
         self.table = TABLE.search(self.plain)
         hierarchy = self.plain[: self.table.start() if self.table else None].split("\n")
         self.left = deque((n, word) for n, line in enumerate(hierarchy, 1) for word in WORD.findall(line))
-        self.line, self.word, self.joint = 1, "", ""  # taken last
+        self.line, self.word, self.joint = 1, "", ""  # of the last word taken
         self.nodes: list[Node] = []
         self.joint_of_column: list[str] = []
 
@@ -215,18 +214,17 @@ class _Parser:
         return ClipError(f"{self.path}: line {self.line}{self.joint and f', joint {self.joint}'}: {message}")
 
     def wrong(self, expected: str) -> ClipError:
-        """Return the error of the word taken last."""
         return self.error(f"{self.word[:40]!r} is not {expected}")
 
     def take(self, expected: str) -> str:
-        """Return the next word of the hierarchy."""
+        """Take and return the next word of the hierarchy."""
         if not self.left:
             raise self.error(f"the hierarchy ends where {expected} is expected")
         self.line, self.word = self.left.popleft()
         return self.word
 
     def number(self, word: str) -> float:
-        """Return a word as a number; it has to be finite, and not so large that its products may not be."""
+        """Return a word as a number. Its absolute value must be below 1e30, so that products stay finite."""
         try:
             value = float(word)
         except ValueError:
@@ -236,7 +234,7 @@ class _Parser:
         return value
 
     def label(self) -> str:
-        """Return the words up to the end of the line or a brace."""
+        """Take the words up to the end of the line or a brace; return them as one name."""
         line, words = self.line, []
         while self.left and self.left[0][0] == line and self.left[0][1] not in "{}":
             words.append(self.take("a name"))
@@ -279,7 +277,6 @@ class _Parser:
                     raise self.wrong("OFFSET, CHANNELS, JOINT, End Site or }" if node else "ROOT")
 
     def clip(self) -> Clip:
-        """Return the clip."""
         self.hierarchy()
         if not self.nodes or self.table is None:
             raise ClipError(f"{self.path}: no BVH clip: no {'MOTION' if self.nodes else 'ROOT'}")
@@ -300,13 +297,13 @@ class _Parser:
         return Clip(self.path, self.encoding, head, tuple(self.nodes), np.array(rows), period, tuple(notes))
 
     def rows(self, count: float) -> tuple[list[list[float]], list[str]]:
-        """Return the rows of the table, and notes on it.  Rows may be wrapped; `count` is the number that is stated."""
+        """Return the rows of the table, which may be wrapped, and notes.  count: number of frames stated."""
         if not (channels := len(self.joint_of_column)):
             raise ClipError(f"{self.path}: no joint has channels")
         text = self.plain[self.table.end() :].split("\n") if self.table else []
         lines = [(number, words) for number, line in enumerate(text, self.line) if (words := line.split())]
         lengths = [len(words) for _, words in lines]
-        if channels not in lengths and sum(lengths) == channels * count:  # lines break anywhere
+        if channels not in lengths and sum(lengths) == channels * count:  # lines that ignore rows
             lines = [(number, [word]) for number, words in lines for word in words]
         rows: list[list[float]] = []
         row: list[float] = []

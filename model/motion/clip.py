@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""BVH clip: its limbs as targets of the core, and the clip with limbs turned by the core's quaternions.
+"""Convert the limbs of a BVH clip to targets of the core, and turn the limbs by the core's quaternions.
 
-Frame and unit are the clip's.  A limb is an arm or a leg: shoulder, elbow and wrist, or hip, knee and ankle, which this
-module calls upper, fore and hand.  Targets are relative to the shoulder.
+Frame and unit of length are the clip's.  A limb is an arm or a leg.  Its joints are called upper, fore and hand:
+shoulder, elbow and wrist, or hip, knee and ankle.  Targets are relative to the shoulder or hip.
 """
 
 import re
@@ -35,7 +35,7 @@ LEG_NAMES = (
     ("hip", "knee|shin|calf|leg", "ankle|foot"),  # SMPL, Second Life
 )
 NAMES = {"arm": ARM_NAMES, "leg": LEG_NAMES}
-"""Kind of limb -> names of its joints without their side; earlier lines come first."""
+"""Kind of limb -> patterns of its joints' names without the side; earlier lines are tried first."""
 
 LIMBS = {"arms": ("arm",), "legs": ("leg",), "all": ("arm", "leg")}
 
@@ -48,7 +48,7 @@ DROPPED = {"joint", "jnt", "bone", "bind", "bend", "stretch"}
 class Limb:
     """Numbers of the joints of an arm or a leg.
 
-    torso: the joint that carries both limbs; opposite: the other limb's upper joint, or the torso
+    torso: joint that carries the limbs of both sides; opposite: upper joint of the other side's limb, otherwise torso
     """
 
     side: str
@@ -61,7 +61,7 @@ class Limb:
 
     @property
     def label(self) -> str:
-        """Name among the limbs of a clip: "left", "left leg"."""
+        """Name of the limb in a clip: "left" for an arm, "left leg" for a leg."""
         return self.side if self.kind == "arm" else f"{self.side} {self.kind}"
 
 
@@ -78,8 +78,8 @@ def read(path: Path, up: str | None = None) -> Clip:
 def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None, limbs: str = "arms") -> list[Limb]:
     """Return the "arms", "legs" or "all" limbs of a clip, on the "left", "right" or "both" sides.
 
-    joints: names of three joints a side; None stands for usual names.  Raises :class:`ClipError`, which lists the
-    joints, where names are not sufficient.
+    joints: three joint names for each side; None recognizes usual names.  Raises :class:`ClipError` if the names do not
+    identify the limbs.
     """
     if len(LIMBS[limbs]) > 1:
         if joints is not None:
@@ -109,7 +109,7 @@ def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None, l
 
 
 def _torso(clip: Clip, upper: int, common: list[set[int]]) -> int:
-    """Return the lowest joint that carries both limbs; for a single one, the joint that carries its collar bone."""
+    """Return the lowest joint that carries both limbs; for a single limb, the joint that carries its collar bone."""
     above = clip.ancestors(upper)
     if not above:
         return upper
@@ -123,7 +123,7 @@ def _joint_names(clip: Clip) -> list[str]:
 
 
 def _words(name: str) -> list[str]:
-    """Return the words of a joint's name in lower case, without namespace and Blender's number."""
+    """Return the words of a joint's name in lower case, without namespace, Blender's number and DROPPED words."""
     name = re.sub(r"\.\d{3}$", "", re.split("[:|]", name)[-1])
     words = (word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name))
     return [word for word in words if word not in DROPPED]
@@ -137,14 +137,14 @@ def _called(clip: Clip, pattern: str) -> list[int]:
 
 
 def named(clip: Clip, name: str) -> list[int]:
-    """Return the joints of a name.  Raises :class:`ClipError` if there is none."""
+    """Return the joints that are called ``name``.  Raises :class:`ClipError` if there is none."""
     if joints := [k for k, node in enumerate(clip.nodes) if not node.end and node.name == name]:
         return joints
     raise ClipError(f"{clip.path}: no joint {name!r} among {', '.join(_joint_names(clip))}")
 
 
 def _chosen(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]]) -> tuple[int, int, int]:
-    """Return the joints of a limb by their names; where a name is ambiguous, the first limb not in ``others``."""
+    """Return the joints of a limb by their names; if several limbs fit, return the first that is not in ``others``."""
     for upper, fore, hand in product(*(named(clip, name) for name in joints)):
         if upper in clip.ancestors(fore) and fore in clip.ancestors(hand) and (upper, fore, hand) not in others:
             return upper, fore, hand
@@ -152,7 +152,7 @@ def _chosen(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]
 
 
 def _known(clip: Clip, side: str, table: Sequence[tuple[str, str, str]]) -> tuple[int, int, int] | None:
-    """Return the joints of a limb by their usual names."""
+    """Return the joints of a limb whose names match a line of ``table``, or None."""
     letter = f"(?:{side}|{side[0]})"
     for parts in table:
         uppers, fores, hands = (_called(clip, f"{letter}(?:{x})(?:0?1)?|(?:{x})(?:0?1)?{letter}") for x in parts)
@@ -168,7 +168,7 @@ def _known(clip: Clip, side: str, table: Sequence[tuple[str, str, str]]) -> tupl
 
 
 def _body(clip: Clip) -> tuple[list[int], list[int]]:
-    """Return the joints of head, neck or shoulders, and of the feet; empty lists if either are not known."""
+    """Return the joints of head, neck or shoulders, and of the feet; two empty lists if either list would be empty."""
     optional = "(?:left|right|l|r)?"
     heads, feet = (
         next((joints for names in table if (joints := _called(clip, rf"{optional}(?:{names})\d*{optional}"))), [])
@@ -179,9 +179,9 @@ def _body(clip: Clip) -> tuple[list[int], list[int]]:
 
 
 def up_axis(clip: Clip) -> str:
-    """Return the axis from feet to head, on average over all frames, or at rest if the average is near no axis.
+    """Return the axis nearest to the mean direction from feet to head, or y if head or feet are not recognized.
 
-    It is y where head or feet are not known.
+    If the mean over all frames is near no axis, the direction in the rest pose is used.
     """
     heads, feet = _body(clip)
     if not heads:
@@ -194,7 +194,7 @@ def up_axis(clip: Clip) -> str:
 
 
 def rest_up(clip: Clip) -> np.ndarray:
-    """Return the direction (3,) from hips to head of the body at rest, or an axis within 30 degrees of it."""
+    """Return the direction (3,) from hips to head in the rest pose, or an axis that is within 30 degrees of it."""
     heads, feet = _body(clip)
     if not heads:
         return direction(clip.up)
@@ -208,13 +208,13 @@ def rest_up(clip: Clip) -> np.ndarray:
 
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "cmu": 0.0254 / 0.45}
-"""Units of length, m; cmu: used by the conversions of the CMU database."""
+"""Unit of length -> metres. cmu is the unit of the BVH conversions of the CMU database."""
 
 ARM = 0.55  # length of a human arm to the wrist, m
 
 
 def metres(unit: str, arm: float) -> float:
-    """Return a unit of length in metres; "auto": the one in which an arm's length is nearest to a human's."""
+    """Return a unit of length in metres; "auto" selects the unit in which ``arm`` is nearest to a human arm."""
     return UNITS[unit] if unit != "auto" else min(UNITS.values(), key=lambda metre: abs(np.log(arm * metre / ARM)))
 
 
@@ -223,12 +223,12 @@ def metres(unit: str, arm: float) -> float:
 
 @dataclass(frozen=True)
 class Motion:
-    """Motion of a limb in F frames, from the shoulder, in the clip's frame and unit.
+    """Motion of a limb in F frames, in the clip's frame and unit.
 
-    * elbow, wrist (F, 3); d1, d2 (F,): lengths of upper arm and forearm
+    * elbow, wrist (F, 3): relative to the shoulder; d1, d2 (F,): lengths of upper arm and forearm
     * frame (F, 4): the quaternion of R, which takes the clip's frame to the core's
-    * phi (F,): the swivel angle (rad) in that frame
-    * hand (F, 4): orientation of the hand, z along its bone; None if the clip has no channels for it
+    * phi (F,): the swivel angle (rad) in the core's frame
+    * hand (F, 4): orientation of the hand, z along the hand's bone; None if the clip has no channels for it
     """
 
     limb: Limb
@@ -242,18 +242,18 @@ class Motion:
 
     @property
     def arm_length(self) -> float:
-        """Median length of the arm; for a leg, the length of an arm in proportion to it."""
+        """Median length of the arm; for a leg, the estimated length of the same person's arm."""
         return float(np.median(self.d1 + self.d2)) * (1.0 if self.limb.kind == "arm" else 0.65)
 
     @property
     def typical_phi(self) -> float:
-        """Mean direction (rad) of the clip's swivel angles, weighted by the bend of the limb."""
+        """Circular mean (rad) of the swivel angles, weighted by how far the limb is bent."""
         bent = np.linalg.norm(np.cross(self.elbow, self.wrist), axis=1)
         return float(np.angle((bent * np.exp(1j * self.phi)).sum()))
 
 
 def outward_and_up(clip: Clip, limb: Limb) -> np.ndarray:
-    """Return the direction (3,) halfway between sideways and up for this limb, in the torso's frame, at rest."""
+    """Return the direction (3,) halfway between outward from the torso and up, in the rest pose."""
     up = rest_up(clip)
     out = clip.rest[limb.upper] - clip.rest[limb.opposite]
     out = out - (out @ up) * up
@@ -263,7 +263,7 @@ def outward_and_up(clip: Clip, limb: Limb) -> np.ndarray:
 
 
 def motion(clip: Clip, limb: Limb, axis: Axis = TORSO) -> Motion:
-    """Return the motion of a limb for a reference axis of the world's frame, or "torso": outward and up from it."""
+    """Return the motion of a limb.  axis: reference axis in the world, or "torso": outward and up from the torso."""
     for joint in (limb.upper, limb.fore):
         if not clip.can_turn(joint):
             raise ClipError(f"{clip.path}: joint {clip.names[joint]} has no rotation channel for each axis")
@@ -283,19 +283,19 @@ def motion(clip: Clip, limb: Limb, axis: Axis = TORSO) -> Motion:
 
 
 def _to_palm(clip: Clip, limb: Limb) -> np.ndarray:
-    """Return the quaternion (4,) that takes the hand's bone at rest to z; if it has no bone, the forearm."""
+    """Return the quaternion (4,) that takes the hand's bone (if there is none, the forearm) in the rest pose to z."""
     below = [clip.rest[k] - clip.rest[limb.hand] for k, parent in enumerate(clip.parents) if parent == limb.hand]
     bone = np.sum(below, axis=0) if below else np.zeros(3)
     return to_z(bone if np.linalg.norm(bone) > 0 else clip.rest[limb.hand] - clip.rest[limb.fore])
 
 
 def hands(clip: Clip, limb: Limb) -> np.ndarray:
-    """Return the orientations (F, 4) of a limb's hand, z along its bone."""
+    """Return the orientations (F, 4) of a limb's hand, z along the hand's bone."""
     return multiply(clip.turn[:, limb.hand], conjugate(_to_palm(clip, limb)))
 
 
 def _lengths(rest: np.ndarray, bone: np.ndarray) -> np.ndarray:
-    """Return the lengths (F,) of a bone (F, 3); exactly the length at rest where only rounding differs."""
+    """Return the lengths (F,) of a bone (F, 3). Lengths equal to the rest length up to rounding are set to it."""
     length, lengths = np.linalg.norm(rest), np.linalg.norm(bone, axis=1)
     return np.where(np.isclose(lengths, length, rtol=1e-9, atol=0), length, lengths)
 
@@ -305,8 +305,8 @@ def targets(
 ) -> Targets:
     """Return the wrists, or with ``by_hand`` the hand poses, of all limbs as one stream, frame by frame.
 
-    phi: of each limb, (F,) or a number.  Rounding to words of ``width`` bits could make a straight elbow stick out by
-    the root of an ulp, so targets of straight limbs are moved two ulps out of reach.
+    phi: swivel angles of each limb, (F,) or a number.  Rounding to words of ``width`` bits could move the elbow of a
+    straight limb sideways by the square root of an ulp, so targets of straight limbs are moved two ulps out of reach.
     """
     count = len(moves[0].wrist)
     ulp = 2.0 ** (2 - width)  # upper bound, relative to the reach
@@ -328,7 +328,7 @@ def targets(
 
 
 def interleaved(arrays: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the rows of arrays of F rows in turn, frame by frame."""
+    """Return the rows of arrays with F rows each, frame by frame: row 0 of each array, then row 1 of each, ..."""
     return np.concatenate(np.stack(arrays, axis=1))
 
 
@@ -338,11 +338,11 @@ TWISTS = ("clip", "core")
 
 
 def turned(clip: Clip, moves: Sequence[tuple[Any, ...]], twist: str = "clip") -> Clip:
-    """Return the clip with limbs turned by (motion, Qs, Qe) or (motion, Qs, Qe, Qh), quaternions (F, 4) in its frame.
+    """Return the clip with turned limbs.  moves: (motion, Qs, Qe) or (motion, Qs, Qe, Qh), (F, 4) in the clip's frame.
 
-    The core gives the direction of each bone, which turns the shortest way and so keeps the clip's twist.  With twist
-    "core" the elbow's hinge is fixed in both bones, where the clip's hinge is on average.  Hands without Qh keep their
-    orientation to the world.
+    Each bone turns the shortest way to the direction that the core gives, which keeps the clip's twist.  With the twist
+    "core", each bone also turns about itself until the clip's mean hinge axis of the elbow has the direction of the
+    core's hinge.  Hands without Qh keep their orientation in the world.
     """
     world = {}
     for move, qs, qe, *qh in moves:
@@ -360,7 +360,7 @@ def turned(clip: Clip, moves: Sequence[tuple[Any, ...]], twist: str = "clip") ->
     return clip.turned(world)
 
 
-HINGE = (1.0, 0.0, 0.0)  # the core's arm bends so that upper arm x forearm points along it
+HINGE = (1.0, 0.0, 0.0)  # hinge axis of the core's elbow: direction of upper arm x forearm
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
@@ -370,26 +370,26 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
 
 
 def _shortest(start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Return the quaternions (F, 4) of the shortest rotations between directions (F, 3)."""
+    """Return the quaternions (F, 4) of the shortest rotations from directions ``start`` to ``end`` (F, 3)."""
     a, b = _unit(start), _unit(end)
     q = np.column_stack((1 + (a * b).sum(axis=1), np.cross(a, b)))
-    opposite = np.linalg.norm(q, axis=1) < 1e-7  # about any axis across
+    opposite = np.linalg.norm(q, axis=1) < 1e-7  # turn about any perpendicular axis
     q[opposite, 1:] = np.cross(a, np.eye(3)[np.argmin(np.abs(a), axis=1)])[opposite]
     return _unit(q)
 
 
 def _hinge(along: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """Return the mean (3,) of normals (F, 3) across a bone's direction."""
+    """Return the mean (3,) of normals (F, 3), perpendicular to a bone's direction and of length 1."""
     along = _unit(along)
     hinge = normals.sum(axis=0)
     hinge -= (hinge @ along) * along
-    if np.linalg.norm(hinge) <= 1e-9 * np.linalg.norm(normals, axis=1).sum():  # never bent, or about every axis
+    if np.linalg.norm(hinge) <= 1e-9 * np.linalg.norm(normals, axis=1).sum():  # never bent, or about all axes
         hinge = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
     return _unit(hinge)
 
 
 def _roll(axis: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Return the quaternions (F, 4) of rotations about axes that take start to end, seen along the axes; all (F, 3)."""
+    """Return the rotations (F, 4) about ``axis`` that take ``start`` to ``end`` as seen along the axis; all (F, 3)."""
     across = np.cross(axis, start)
     along = (start * axis).sum(axis=1) * (end * axis).sum(axis=1)
     half = np.arctan2((across * end).sum(axis=1), (start * end).sum(axis=1) - along) / 2

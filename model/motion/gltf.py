@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Clip as an animated glTF 2.0 binary in metres: an armature of its joints, and a skin of double pyramids as bones."""
+"""Write a clip as an animated glTF 2.0 binary in metres, with an armature of joints and double pyramids as bones."""
 
 import numpy as np
 import pygltflib as gltf
@@ -14,15 +14,15 @@ RING = ((1, 2), (2, 3), (3, 4), (4, 1))
 FACES = np.array([*((0, a, b) for a, b in RING), *((5, b, a) for a, b in RING)], dtype=np.uint32)
 
 TO_Y = {"x": (0.5, 0.5, 0.5, 0.5), "y": (1.0, 0.0, 0.0, 0.0), "z": (0.5, -0.5, -0.5, -0.5)}
-"""wxyz quaternions of the cyclic axis exchanges that take the clip's up axis to glTF's y."""
+"""Up axis of a clip -> wxyz quaternion of the cyclic axis exchange that takes it to glTF's y."""
 
 
 def animated(clip: Clip, name: str, scale: float = 1.0) -> bytes:
-    """Return the bytes of a .glb file; scale: metres in a unit of the clip. Up is always y."""
+    """Return the bytes of a .glb file, in which y is up. scale: metres in the clip's unit of length."""
     file = gltf.GLTF2(asset=gltf.Asset(generator="cga-ik"), scene=0)
     data = _Data(file)
     turn = np.array(TO_Y[clip.up[-1]])
-    if clip.up[0] == "-":  # first half a turn, about the next axis
+    if clip.up[0] == "-":  # before that, turn by pi about the next axis
         turn = multiply(turn, np.eye(4)[1 + ("xyz".index(clip.up[-1]) + 1) % 3])
     for label, node in zip(clip.names, clip.nodes, strict=True):
         file.nodes.append(gltf.Node(name=label, translation=(scale * np.array(node.offset)).tolist()))
@@ -36,7 +36,7 @@ def animated(clip: Clip, name: str, scale: float = 1.0) -> bytes:
     file.scenes = [gltf.Scene(nodes=[armature])]
     file.meshes = [_bones(clip, scale, data)]
     inverse = np.tile(np.eye(4, dtype=np.float32), (armature, 1, 1))
-    inverse[:, 3, :3] = -scale * clip.rest  # columns first
+    inverse[:, 3, :3] = -scale * clip.rest  # glTF stores columns
     matrices = data.put(inverse.reshape(-1, 16), gltf.MAT4)
     file.skins = [gltf.Skin(name=name, inverseBindMatrices=matrices, skeleton=armature, joints=list(range(armature)))]
 
@@ -59,7 +59,7 @@ def animated(clip: Clip, name: str, scale: float = 1.0) -> bytes:
 
 
 def _bones(clip: Clip, scale: float, data: "_Data") -> gltf.Mesh:
-    """Return the bones of the rest pose; each moves with the joint at which it begins."""
+    """Return the mesh of the bones in the rest pose; each bone moves with the joint at which it begins."""
     points, joints = [np.zeros((0, 3))], []
     for node in clip.nodes:
         if node.parent >= 0 and (length := float(np.linalg.norm(node.offset))) > 0:
@@ -78,7 +78,7 @@ def _bones(clip: Clip, scale: float, data: "_Data") -> gltf.Mesh:
 
 
 class _Data:
-    """Contents of the buffer, and their accessors."""
+    """Binary buffer of a file, to which values and their accessors are added."""
 
     KINDS = {"f4": gltf.FLOAT, "u2": gltf.UNSIGNED_SHORT, "u4": gltf.UNSIGNED_INT}
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hands of poses: checks, wrist targets, limits of joints."""
+"""Hand poses: checked arguments, vectors from wrist to hand, joint limits as words."""
 
 import math
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ class Hands:
     * q (4, N): orientations, unit quaternions w, i, j, k
     * tool (N,): distance from the wrist to the hand's point, along the hand's z axis
     * branch (N,): bits of :class:`Branch`
-    * missing (N,): poses with a nan in hand or tool, replaced here
+    * missing (N,): True for poses with a nan in hand or tool; q and tool then hold other numbers
     """
 
     q: Floats
@@ -32,9 +32,9 @@ class Hands:
     def checked(
         cls, hand: ArrayLike, tool: ArrayLike, branch: ArrayLike, order: str = "wxyz", nan: str = "raise"
     ) -> "Hands":
-        """Check hands (N, 4) or (4,), and make their lengths exactly 1.
+        """Return the hands with quaternions (N, 4) or (4,), normalized to length 1.
 
-        Raises ValueError for hands that are not of length 1, wrong arguments, and a nan unless it may "pass".
+        Raises ValueError for a length that is not about 1, for other wrong arguments, and for a nan with nan="raise".
         """
         check_order(order)
         rows = np.atleast_2d(np.asarray(hand, dtype=np.float64))
@@ -62,12 +62,12 @@ class Hands:
         return joints.tool_offset(self.q, self.tool)
 
     def part(self, rows: slice) -> "Hands":
-        """Return the hands of some poses."""
+        """Return the hands of the poses in ``rows``."""
         return Hands(*(v if v.shape[-1:] in ((), (1,)) else v[..., rows] for v in vars(self).values()))
 
 
 def limit_words(limits: Floats | None, width: int) -> list[tuple[int, int]]:
-    """Return the lowest and highest word of each joint within its limits; a joint without limits has a whole turn."""
+    """Return lowest and highest word of each joint within its limits. A range of a turn or more allows any word."""
     half, unit, words = 2 ** (width - 1), 2**width / (2 * np.pi), []
     for low, high in [(-np.inf, np.inf)] * 7 if limits is None else limits.tolist():
         free = not high - low < 2 * np.pi
@@ -76,7 +76,7 @@ def limit_words(limits: Floats | None, width: int) -> list[tuple[int, int]]:
 
 
 def refuse(name: str, rows: NDArray[np.bool_], reason: str) -> None:
-    """Raise ValueError, which names the first of the rows (N,) that are True, if there are any."""
+    """Raise ValueError if any of ``rows`` (N,) is True; the message names the first three rows."""
     if rows.any():
         first = np.flatnonzero(rows)
         more = f" and {len(first) - 3} more" if len(first) > 3 else ""
@@ -84,13 +84,12 @@ def refuse(name: str, rows: NDArray[np.bool_], reason: str) -> None:
 
 
 def check_order(order: str) -> None:
-    """Raise ValueError for an unknown order of a quaternion's components."""
     if order not in ("wxyz", "xyzw"):
         raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
 
 
 def checked_limits(limits: ArrayLike) -> Floats:
-    """Return limits (7, 2) of the joints, rad.  Raises ValueError."""
+    """Return joint limits as an array (7, 2), rad.  Raises ValueError for a wrong shape or an empty interval."""
     ends = np.asarray(limits, dtype=np.float64)
     if ends.shape != (7, 2):
         raise ValueError(f"limits have the shape {ends.shape}, not (7, 2)")

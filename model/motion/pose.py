@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Poses of an arm from Python: the public functions of `cga_ik`.
 
-Frame: the shoulder at the origin, x forward, y to the left, z up.  Lengths are in any one unit, angles in radians.
-Quaternions are Hamilton's and give the right-handed rotation; at rest the upper arm points along z and the forearm lies
-back on it:
+The shoulder is at the origin, x points forward, y to the left, z up.  Lengths are in any one unit, angles in radians.
+Quaternions are Hamilton's and describe right-handed rotations.  With Qs = Qe = 1 the upper arm points along z and the
+forearm lies back on it:
 
     elbow = Qs (d1 e3) Qs~          wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~
 
 The swivel angle is measured from the reference axis, by default z.  The equations are singular where the wrist lies on
-it, so it should point where no hand goes.  The core uses z only: the host rotates coordinates by R, which takes the
-axis to z, and multiplies Qs by R~ afterwards.
+that axis, so it should point where no hand goes.  The core uses z only: the host rotates coordinates by R, which takes
+the axis to z, and multiplies Qs by R~ afterwards.
 """
 
 import warnings
@@ -37,30 +37,30 @@ Order = Literal["wxyz", "xyzw"]
 """Position of a quaternion's scalar part: first, or last as in scipy and most engines."""
 
 CHUNK, LONG_CHUNK = 2048, 16384
-"""Targets solved at a time, so that arrays stay in the cache: in double precision; with hands or in words."""
+"""Targets solved at a time, so that arrays stay in the cache; LONG_CHUNK for hand poses or with a width."""
 
 Axis = str | Sequence[float] | NDArray[Any]
-"""A name of :data:`NAMED_AXES`, or a vector of three, of any length."""
+"""A name in :data:`NAMED_AXES`, or a vector (3,) of any length but 0."""
 
 NAMED_AXES = ("z", "-z", "x", "-x", "y", "-y")
 
 _HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # about x: -z becomes z
 _TO_Z = {"x": (0.5, -0.5, -0.5, -0.5), "y": (0.5, 0.5, 0.5, 0.5), "z": (1.0, 0.0, 0.0, 0.0)}
-"""Cyclic exchanges of the axes: they only permute coordinates, so no bit is lost."""
+"""Axis -> quaternion of the cyclic exchange that takes it to z. It only permutes coordinates, so no bit is lost."""
 
 _NO_AXIS = f"must be {', '.join(NAMED_AXES)} or a nonzero vector of three finite numbers"
 
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """N poses.
+    """Poses of N targets.
 
-    * qs, qe (N, 4): shoulder and elbow quaternion, in ``order``; with a width, the exact values of words
+    * qs, qe (N, 4): shoulder and elbow quaternion, in ``order``; with a width, exact values of the core's words
     * flags (N,): bits of :class:`Flag`; 0 where the hand is at the target
     * elbow, wrist (N, 3): from forward kinematics, in the unit of the targets
-    * phi (N,): the requested swivel angle, rad; in words, rounded
+    * phi (N,): the requested swivel angle, rad; with a width, rounded to a word
 
-    Of poses of a hand, otherwise empty:
+    Only for hand poses, otherwise empty:
 
     * qw (N, 4): wrist quaternion, (Qs Rx(th4))~ Qh
     * hand (N, 3): the hand's point from forward kinematics
@@ -104,24 +104,25 @@ def solve(
     branch: ArrayLike = 0,
     limits: ArrayLike | None = None,
 ) -> Pose:
-    """Return shoulder and elbow of arms for wrist targets, (10)-(18) of the paper, or all seven joints for hand poses.
+    """Return poses of arms: shoulder and elbow for wrist targets, (10)-(18) of the paper, or all joints for hand poses.
 
     * points (N, 3) or (3,): wrist targets, the shoulder at the origin; with ``hand``, the hand's points
-    * phi: swivel angle, rad, a number or (N,): 0 is the elbow in the plane of axis and wrist, on the axis' side.
-      None is :func:`hanging`
-    * d1, d2: upper arm and forearm; numbers or (N,)
+    * phi: swivel angle, rad, a number or (N,).  At 0 the elbow is in the plane of axis and wrist, on the side of the
+      axis.  None is :func:`hanging`
+    * d1, d2: lengths of upper arm and forearm; numbers or (N,)
     * axis: the reference axis, a name ("z", "-z", "x", ...) or a vector of three; th1 turns about it
-    * width: None is double precision; 16 to 32 gives the words of the core, bit for bit
-    * datapath: "lean", "paper", or lean with products cut for other multipliers: "lean25" (25x18 bits), "lean16"
-    * nan: "pass" returns nan and flags 0 for rows with a nan; "raise" raises ValueError
-    * hand (N, 4) or (4,): orientation of the hand, unit quaternions; in words, with datapath "lean" only
+    * width: None is double precision; 16 to 32 is the core's word length, for bit-true results
+    * datapath: "lean", "paper", or lean with products cut for other multipliers: "lean25" (25x18 bits), "lean16";
+      "fold" and "fold16" give the same words as "lean" and "lean16"
+    * nan: "pass" returns nan and flags 0 for rows that contain a nan; "raise" raises ValueError
+    * hand (N, 4) or (4,): orientations of the hand, unit quaternions; with a width, only for datapath "lean"
     * tool: distance from the wrist to the hand's point, along the hand's z axis; a number or (N,)
     * branch: bits of :class:`Branch`, one of eight solutions for the joints; a number or (N,)
-    * limits (7, 2): lower and upper limit of each joint, rad, for ``over_limit``; words round them inward. Where th2 or
-      th6 is 0 or pi, in double precision they also choose between equivalent pairs of the angles around it
+    * limits (7, 2): lower and upper limit of each joint, rad, for ``over_limit``; with a width, rounded inward.  In
+      double precision they also select one of the equivalent pairs th1, th3 where th2 is 0 or pi; th5, th7 likewise
 
     An unreachable target gets the nearest pose, and a flag.  Warns if phi exceeds a turn.  Raises ValueError for wrong
-    arguments, and its subclass TargetError for a target that does not fit the core's format together with the others.
+    arguments, and its subclass TargetError for a target that does not fit the core's format at the common scale.
     """
     if datapath not in CONFIGURATIONS:
         raise ValueError(f"datapath {datapath!r} is none of {', '.join(CONFIGURATIONS)}")
@@ -156,9 +157,9 @@ def solve(
 def _table(
     points: ArrayLike, phi: ArrayLike, d1: ArrayLike, d2: ArrayLike, hands: Hands | None, nan: str
 ) -> tuple[Floats, NDArray[np.bool_] | None]:
-    """Check targets; return them as a table (6, N) with rows as ``FIELDS``, and which columns (N,) had a nan, if any.
+    """Return checked targets as a table (6, N) with rows as ``FIELDS``, and a mask (N,) of columns with a nan, or None.
 
-    Those repeat another column, so that all can be solved.
+    A column with a nan is replaced by another column, so that all columns can be solved.
     """
     position = np.asarray(points, dtype=np.float64)
     position = position.reshape(-1, 3) if position.ndim < 2 and position.size in (0, 3) else position
@@ -187,7 +188,7 @@ def _table(
 
 
 def _refuse(table: Floats, wrong: NDArray[np.bool_], reason: str) -> None:
-    """Raise ValueError, which names the first columns with a wrong number (6, N), if there are any."""
+    """Raise ValueError if any of ``wrong`` (6, N) is True; the message names the field and its first columns."""
     for name, rows in (("points", wrong[:3].any(axis=0)), *zip(FIELDS[3:], wrong[3:], strict=True)):
         refuse(name, rows, reason)
 
@@ -197,7 +198,7 @@ def forward(
 ) -> tuple[Floats, Floats]:
     """Return elbow and wrist (N, 3) of arms with joints Qs and Qe (N, 4); d1, d2: numbers or (N,).
 
-    The reference axis does not matter.  Raises ValueError for shapes that do not match.
+    The result does not depend on the reference axis.  Raises ValueError for shapes that do not match.
     """
     shoulder, elbow = (np.atleast_2d(np.asarray(q, dtype=np.float64)) for q in (qs, qe))
     for q in (shoulder, elbow):
@@ -207,10 +208,10 @@ def forward(
 
 
 def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis = "z") -> Floats:
-    """Return the swivel angle (N,), rad in [-pi, pi], of arms with joints at these points, (N, 3) or (3,).
+    """Return the swivel angle (N,), rad in [-pi, pi], of arms with their joints at these points, (N, 3) or (3,).
 
-    Passed to :func:`solve` as phi, it reproduces the elbow.  It is arbitrary where the arm is straight or closed, and
-    less accurate near those poses.
+    With this angle as phi, :func:`solve` reproduces the elbow.  The angle is arbitrary where the arm is straight or
+    closed, and less accurate near those poses.
     """
     shoulder = np.asarray(shoulder, dtype=np.float64)
     turn = matrix(to_z(axis)).T
@@ -218,7 +219,7 @@ def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis =
     rho = np.hypot(p[:, 0], p[:, 1])
     on_axis = rho == 0  # azimuth 0, as in the core
     c, s = np.where(on_axis, 1.0, p[:, 0]), np.where(on_axis, 0.0, p[:, 1])
-    p[~p.any(axis=1), 2] = 1.0  # the shoulder counts as above itself
+    p[~p.any(axis=1), 2] = 1.0  # a wrist at the shoulder counts as above it
     length = np.hypot(c, s)
     c, s = c / length, s / length
     inward = e[:, 0] * c + e[:, 1] * s
@@ -229,8 +230,8 @@ def swivel(shoulder: ArrayLike, elbow: ArrayLike, wrist: ArrayLike, axis: Axis =
 def swivel_toward(points: ArrayLike, pole: ArrayLike, axis: Axis = "z") -> Floats:
     """Return the swivel angle (N,), rad, for which the elbow points at a pole (N, 3) or (3,).
 
-    The elbow is then in the half plane of shoulder, wrist target and pole; the angle is arbitrary for a pole on the
-    line of the other two.
+    The elbow is then in the half plane that starts at the line from shoulder to wrist target and contains the pole.
+    The angle is arbitrary for a pole on that line.
     """
     return swivel((0.0, 0.0, 0.0), pole, points, axis)
 
@@ -254,8 +255,8 @@ def soft_reach(points: ArrayLike, d1: ArrayLike = DEFAULT_D1, d2: ArrayLike = DE
 def elbow_jumps(targets: Targets) -> tuple[NDArray[np.intp], list[float]]:
     """Return the rows of a path at which the elbow jumps as the wrist passes the reference axis, and a better axis.
 
-    The elbow jumps where it moves by more than a tenth of the reach, by more than four times the wrist's move, and by
-    more than four times the wrist's distance from the axis at the nearer end less that move.
+    Let the wrist move by s from one row to the next, and let r be its smaller distance from the axis in the two rows.
+    The elbow jumps if it moves by more than a tenth of the reach, more than 4 s, and more than 4 (r - s).
     """
     reach = targets.reach.max(initial=1e-300)
     position, jumps = targets.core_wrist / reach, [np.empty(0, dtype=np.intp)]
@@ -328,7 +329,7 @@ def to_z(axis: Axis) -> Floats:
     if np.count_nonzero(a) == 1:
         turn = np.array(_TO_Z["xyz"[np.argmax(np.abs(a))]])
         return multiply(_HALF_TURN, turn) if a.sum() < 0 else turn
-    # The shorter way to z or -z: half of it is below 45 degrees, where the sum does not cancel.
+    # Turn to the nearer of z and -z: the angle is at most 90 degrees, so 1 + z does not cancel.
     below = a[2] < 0
     x, y, z = a * (1, -1, -1) if below else a
     turn = np.array((1 + z, y, -x, 0.0))

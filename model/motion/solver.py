@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Solver behind `pose.solve`: poses of checked targets, in double precision or in the words of the core.
 
-Targets are tables (6, n) with rows as ``FIELDS``, in the user's frame; poses are fields of `pose.Pose`, by name.
+Targets are tables (6, n) with rows as ``FIELDS``, in the user's frame. Poses are dicts: field of `pose.Pose` -> array.
 """
 
 from typing import Any, NamedTuple
@@ -39,10 +39,10 @@ class Results(NamedTuple):
 
 
 class Solver(NamedTuple):
-    """Arithmetic of poses, and the reference frame.
+    """Arithmetic and reference frame of a call of `pose.solve`.
 
-    * frame: quaternion of R, which takes the user's frame to the core's; None for 1
-    * width: word length, with the exponent of the scale of all words; None is double precision
+    * frame: quaternion of R, which takes the user's frame to the core's; None is the identity
+    * width: word length, None is double precision; exponent: words hold lengths times 2^exponent
     """
 
     frame: Floats | None
@@ -51,13 +51,13 @@ class Solver(NamedTuple):
     exponent: int = 0
 
     def scaled(self, table: Floats, hands: Hands | None) -> "Solver":
-        """Return the solver with the one scale that fits all targets."""
+        """Return the solver with the exponent that fits all targets."""
         if self.width is None or not table.size:
             return self
         return self._replace(exponent=scale_exponent(self._targets(table, hands), self.width))
 
     def poses(self, table: Floats, hands: Hands | None, limits: Floats | None) -> dict[str, Any]:
-        """Solve wrist targets, or hand poses, whose table has the hands' points."""
+        """Solve wrist targets, or with ``hands`` hand poses; the table then contains the hands' points."""
         if hands is None:
             return self._pose(table, self._core(table))
         return (self._hands_in_double if self.width is None else self._hands_in_words)(table, hands, limits)
@@ -71,7 +71,7 @@ class Solver(NamedTuple):
         over |= np.array([[high < low] for low, high in ends])  # limits with no word between them
         value = dict(zip(path.results, result_values(run.results, self.width).T, strict=True))
         results, qw, th = (np.array([value[k] for k in names]) for names in (RESULT_FIELDS, WRIST_FIELDS, JOINTS))
-        th *= np.pi / 2  # the word 1 is a quarter turn
+        th *= np.pi / 2  # result_values returns 1 for a quarter turn
         phi = from_words(words[:, : len(FIELDS)], self.exponent, self.width, "targets").phi
         pose = self._pose(table, Results(results, run.flags & 2 * BAD_HAND - 1, phi))
         w, i = results[4:]

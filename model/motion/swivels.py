@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Swivel angles that keep all seven joints within their limits, in closed form, and joints along a path.
+"""Closed form of the swivel angles that keep all seven joints within their limits; joints along a path without jumps.
 
-The arm of a hand pose turns about the line from shoulder to wrist, so every element of a rotation matrix between two
-bones is A sin(phi) + B cos(phi) + C. A ball joint Rz(a) Rx(b) Rz(c) has
+While the hand stays in place, the arm turns about the line from shoulder to wrist, so every element of the rotation
+matrix M of shoulder or wrist is A sin(phi) + B cos(phi) + C. The angles of the ball joint M = Rz(a) Rx(b) Rz(c) are
 
     tan a = M02 / -M12,  cos b = M22,  tan c = M20 / M21
 
-so an angle is at a limit where an expression of that form is 0, which holds for at most two phi (Shimizu et al., IEEE
-T-RO 24(5), 2008).  The arc between neighbouring phi of this kind is feasible or infeasible as a whole.
+so an angle is at a limit where an expression of the same form is 0, which holds for at most two phi (Shimizu et al.,
+IEEE T-RO 24(5), 2008).  Each arc between two neighbours of these phi is feasible or infeasible as a whole.
 """
 
 from dataclasses import dataclass
@@ -30,10 +30,10 @@ ROOTS = 28  # two for each limit of six joints, and for a straight arm two for e
 class Swivels:
     """Swivel angles of N hand poses for which all joints are within their limits.
 
-    * intervals (N, K, 2): first and last angle of each closed interval, rad: the first in -pi to pi, the last up to a
-      turn above it; nan for poses with fewer intervals
-    * over_limit (N, 7): joints outside their limits where the fewest are; all False for a feasible pose
-    * distance (N,): from shoulder to wrist; reach (N, 2): the least and the largest one possible
+    * intervals (N, K, 2): first and last angle of each closed interval, rad.  The first is in -pi to pi, the last at
+      most a turn above it.  Poses with fewer than K intervals are filled up with nan
+    * over_limit (N, 7): joints outside their limits at the angle with the fewest such joints; all True out of reach
+    * distance (N,): from shoulder to wrist; reach (N, 2): the least and the largest possible distance
     * start: swivel angle (rad) at which the elbow hangs
     """
 
@@ -49,7 +49,7 @@ class Swivels:
         return np.asarray(np.isfinite(self.intervals[..., 0]).any(axis=1))
 
     def reason(self, n: int) -> str:
-        """Return why pose n is impossible, as text; empty if it is possible."""
+        """Return text that explains why pose n is infeasible, or an empty string if it is feasible."""
         (near, far), distance = self.reach[n], self.distance[n]
         if _beyond(distance, near, far):
             return f"wrist {distance:.6g} from the shoulder, where the arm reaches {near:.6g} to {far:.6g}"
@@ -59,8 +59,8 @@ class Swivels:
     def nearest(self, near: ArrayLike | None = None, margin: float = 0.0) -> Floats:
         """Return the feasible swivel angle (N,) nearest to ``near``, rad in -pi to pi; nan where there is none.
 
-        near: rad, a number or (N,); None treats the poses as a path: each angle is near the previous one, the first
-        near ``start``.  margin: distance (rad) from both ends of an interval; a shorter interval gives its middle.
+        near: rad, a number or (N,).  None treats the poses as a path: near is ``start`` for the first pose, then the
+        previous angle.  margin: least distance (rad) from both ends; a shorter interval gives its middle.
         """
         first, last = np.moveaxis(self.intervals, 2, 0)
         inset = np.minimum(margin, (last - first) / 2)
@@ -81,7 +81,7 @@ def _beyond(distance, near, far):
 
 
 def _nearest(first: Floats, last: Floats, near: Floats) -> Floats:
-    """Return the angles (N,) of the intervals (N, K) that are nearest to ``near`` (N,)."""
+    """Return the angles (N,) in the intervals from ``first`` to ``last`` (N, K) that are nearest to ``near`` (N,)."""
     ahead = np.mod(near[:, None] - first, TURN)
     inside = ahead <= last - first
     to_first, to_last = joints.wrap(first - near[:, None]), joints.wrap(last - near[:, None])
@@ -105,8 +105,8 @@ def feasible_swivel(
 ) -> Swivels:
     """Return all swivel angles for which the seven joints of hand poses are within their limits.
 
-    Arguments as for :func:`solve`; ``bent`` is (upper, fore) of an :class:`Arm` with bent links.  Without
-    limits every angle is feasible.  Isolated angles are intervals of length 0.  Raises ValueError like :func:`solve`.
+    The arguments are those of :func:`solve`; ``bent`` is (upper, fore) of an :class:`Arm` with bent links.  Without
+    limits all angles are feasible.  Isolated angles are intervals of length 0.  Raises ValueError like :func:`solve`.
     """
     hands = Hands.checked(hand, tool, branch, order)
     wrists = np.asarray(points, dtype=np.float64) - hands.offset.T
@@ -137,14 +137,14 @@ def feasible_swivel(
 
 
 def _elements(q):
-    """Return M02, -M12, M22, M20, M21 of quaternions' matrices, (5, N)."""
+    """Return the elements M02, -M12, M22, M20, M21 (5, N) of the rotation matrices of quaternions (4, N)."""
     w, i, j, k = q
     tilt = (w * w + k * k) - (i * i + j * j)
     return np.array((2 * (i * k + w * j), 2 * (w * i - j * k), tilt, 2 * (i * k - w * j), 2 * (j * k + w * i)))
 
 
 def _at(ends, flexion, branch, phi, bounds):
-    """Return th1 .. th7 (7, N, K) at swivel angles phi (N, K); ends (2, 2, 4, N) are Qs and Qw at 0 and at pi."""
+    """Return th1 .. th7 (7, N, K) at swivel angles phi (N, K); ends (2, 2, 4, N): Qs and Qw at phi = 0 and pi."""
     qs, qw = ends[0, ..., None] * np.cos(phi / 2) + ends[1, ..., None] * np.sin(phi / 2)
     th4, branches = (np.broadcast_to(column[:, None], phi.shape) for column in (flexion, branch))
     return joints.settled(joints.angles(qs, th4, qw, branches), bounds)
@@ -157,7 +157,7 @@ def _roots(ends, branch, bounds):
     constant, cosine = (at_0 + at_half) / 2, (at_0 - at_half) / 2
     form = np.array((at_quarter - constant, cosine, constant))
     bounded = np.where((bounds[:, 1] - bounds[:, 0] < TURN)[:, None], bounds, np.nan)
-    forms = []  # that are 0 at a limit
+    forms = []  # expressions that are 0 where a joint is at a limit
     for ball, first in ((0, 0), (1, 4)):
         u1, v1, cos_b, u3, v3 = np.moveaxis(form[:, ball], 1, 0)  # (3, N)
         forms += [u1 * np.cos(limit) - v1 * np.sin(limit) for limit in bounded[first]]
@@ -173,7 +173,7 @@ def _roots(ends, branch, bounds):
     straight, (centre, width) = [], joints.centred(bounds)
     for ball, first in ((0, 0), (1, 4)):
         w, i, j, k = ends[0][ball]
-        sum_counts = w * w + k * k >= i * i + j * j  # the middle angle is 0, not pi
+        sum_counts = w * w + k * k >= i * i + j * j  # the angle b is 0, not pi
         begin, quarter = (2 * np.where(sum_counts, *np.arctan2(q[ball][[3, 2]], q[ball][:2])) for q in stations[:2])
         rate, sign = np.sign(joints.wrap(quarter - begin)), np.where(sum_counts, 1, -1)
         goal = centre[first] + sign * centre[first + 2] + np.pi * (branch & joints.Branch.ELBOW != 0) - begin
@@ -182,7 +182,7 @@ def _roots(ends, branch, bounds):
 
 
 def _intervals(ends, flexion, bounds, branch, unreachable):
-    """Return the intervals (N, K, 2) and the joints over their limits (N, 7) where the fewest are."""
+    """Return intervals (N, K, 2), and joints outside their limits (N, 7) at the angle with the fewest such joints."""
     roots = np.sort(_roots(ends, branch, bounds), axis=1)  # nan last
     last = np.nanmax(np.where(np.isnan(roots), -np.pi, roots), axis=1, keepdims=True)
     roots = np.where(np.isnan(roots), last, roots)
@@ -191,7 +191,7 @@ def _intervals(ends, flexion, bounds, branch, unreachable):
     outside = joints.outside(_at(ends, flexion, branch, tried, bounds), bounds) | unreachable[:, None]
     fewest = np.take_along_axis(outside, outside.sum(axis=0).argmin(axis=1)[None, :, None], 2)[..., 0].T
     at_root, arc = np.split(~outside.any(axis=0), 2, axis=1)
-    arc = np.where(following == roots, at_root, arc)  # of length 0
+    arc = np.where(following == roots, at_root, arc)  # an arc of length 0
     at_root |= arc | np.roll(arc, 1, axis=1)
     ring = np.stack((at_root, arc), axis=2).reshape(len(roots), 2 * ROOTS)
     whole = ring.all(axis=1)
@@ -204,7 +204,7 @@ def _intervals(ends, flexion, bounds, branch, unreachable):
     for side, marks in enumerate((begins, ends)):
         row, place = np.nonzero(marks)
         intervals[..., side][present] = roots[row, place // 2]
-    wrapped = intervals[:, :1, 1] < intervals[:, :1, 0]  # the first end belongs to the last interval
+    wrapped = intervals[:, :1, 1] < intervals[:, :1, 0]  # the first end in the row belongs to the last interval
     for n in np.flatnonzero(wrapped[:, 0]) if wrapped.size else ():
         lasts = intervals[n, : counts[n], 1]
         lasts[:] = np.append(lasts[1:], lasts[0] + TURN)
@@ -212,10 +212,10 @@ def _intervals(ends, flexion, bounds, branch, unreachable):
 
 
 def continuous_joints(angles: ArrayLike) -> Floats:
-    """Return joints (N, 7) of a path without jumps: each pose in the branch and the turns nearest to the pose before.
+    """Return joints (N, 7) of a path without jumps: each pose takes the branch and turns nearest to the previous pose.
 
-    angles (N, 7): rad; rows of nan are skipped.  Where th2 or th6 is 0 or pi within `joints.SINGULAR`, the first of the
-    two angles around it keeps its value, as only their sum or difference counts.
+    angles (N, 7): rad; rows of nan are skipped.  Where th2 is within `joints.SINGULAR` of 0 or pi, only the sum or
+    difference of th1 and th3 counts, so th1 keeps its value.  The same holds for th6 with th5 and th7.
     """
     path = np.array(angles, dtype=np.float64)
     present = np.flatnonzero(np.isfinite(path).all(axis=1))

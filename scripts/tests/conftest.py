@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The bit-true model in place of the simulators, for tests of commands."""
+"""Fixture that replaces the simulators with the bit-true model, for tests of commands."""
 
 import pytest
 from vcd.writer import VCDWriter
@@ -24,8 +24,8 @@ def nodes_of(words, datapath="lean", width=32, limits=None):
 
 
 class FakeSimulator:
-    """Replacement for `tb.sim.simulate`: `calls` records its arguments, `spoil` may change its runs, `wrong` holds the
-    (node, target) pairs with a wrong bit in its recording."""
+    """Replacement for `simulate` that returns the model's results. `calls` records the arguments of each call; `spoil`
+    may change the runs; `wrong` lists the (node, target) pairs that get a wrong bit in the recording."""
 
     def __init__(self):
         self.calls, self.wrong = [], []
@@ -49,7 +49,7 @@ class FakeSimulator:
         return runs
 
     def record(self, path, jobs, datapath, width, limits=None):
-        """Write a VCD, for a single job with its words."""
+        """Write a VCD of a single job; for several jobs, only the first target's words are shown."""
         nodes, of = nodes_of(jobs[0].words, datapath, width, limits), MODELS[datapath]
         top = (of.top,)
         admitted = admissions(len(jobs[0].words)) if len(jobs) == 1 else [0]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of all commands: bad input gives one line and status 2; --help."""
+"""Test all commands: bad input gives one line on stderr and exit status 2; --help lists the exit statuses."""
 
 import importlib
 import re
@@ -67,7 +67,7 @@ BAD_INPUT = [
     ("formal --only nothing", "--only 'nothing'"),
     ("playground --width 17", "lean-W32,"),
 ]
-"""Command and options, words of the message, and, if any, the content of the file `in.*`."""
+"""Rows: command line, words of its error message, and, if needed, content of the input file `in.*`."""
 
 
 @pytest.mark.parametrize("row", BAD_INPUT, ids=lambda row: row[0][:60])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""scripts/console.py: make's variables, exit status, signals, progress."""
+"""Test scripts/console.py: make variables, exit status, signals, progress."""
 
 import os
 import signal
@@ -90,7 +90,7 @@ sys.exit(main())
     ("number", "send", "message"), [(signal.SIGINT, os.killpg, "interrupted"), (signal.SIGKILL, os.kill, "terminated")]
 )
 def test_a_signal_ends_command_and_simulator(tmp_path, number, send, message):
-    """A terminal sends a signal to the process group, `kill` to make alone."""
+    """Send SIGINT to the process group, as a terminal does, and SIGKILL to make alone."""
     (tmp_path / "command.py").write_text(COMMAND)
     (tmp_path / "Makefile").write_text(f"run:\n\t@PYTHONPATH={ROOT} exec {sys.executable} command.py\n")
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "start_new_session": True, "text": True}

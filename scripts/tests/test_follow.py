@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of `make follow`, of recordings, aligned VCDs and save files: with the model as simulator, then in the RTL."""
+"""Test `make follow`, recordings, aligned VCDs and save files, with the model as simulator and with the RTL."""
 
 import re
 from pathlib import Path
@@ -26,11 +26,11 @@ def reach(width=32):
 
 
 TIMES = {node.name: node.time for node in nodes_of(reach())}
-"""Clock of each node of the lean datapath."""
+"""Node of the lean datapath -> clocks from admission to its word."""
 
 
 def check_aligned(vcd, nodes, first, wrong=(), datapath="lean"):
-    """Check each column against the model's words, and names and scopes against the design."""
+    """Check the words of an aligned VCD against the model, and its names and scopes against the design."""
     paths = {node.name: place(datapath, node) for node in nodes}
     last = max(node.time for node in nodes)
     seen, gaps, signals = [], [], Signals(vcd)
@@ -49,13 +49,13 @@ def check_aligned(vcd, nodes, first, wrong=(), datapath="lean"):
             assert (column[paths[node.name]] != waves.model_bits(node, target)) == differs, (node.name, target)
         assert int(column["differs",]) == (target in {number for _, number in wrong})
     assert seen == list(range(len(first)))
-    # X from the beginning, and in the clock after a target that has no neighbour
+    # all X from the beginning, and in the clock after a target that no target follows directly
     lonely = [clock for clock in first if clock + 1 not in first]
     assert gaps == [0, *((clock + last) * 10_000 + 5_000 for clock in lonely)]
 
 
 def traced(save_file):
-    """Return the signals of a save file."""
+    """Return the names of the signals in a save file."""
     return set(re.findall(r"^[+#]\{.*?\} (?:\(\d+\))?(\S+)", save_file.read_text(encoding="utf-8"), re.M))
 
 
@@ -67,14 +67,14 @@ def marker(save_file):
 
 
 def name_of(line: str) -> str:
-    """Return the node of a line with a mark."""
+    """Return the name of the node in a line that `!` marks."""
     _, _, _, name, *others = line.split()
-    return others[0] if name.startswith("(") else name  # the paper's number
+    return others[0] if name.startswith("(") else name  # skip the number of the paper's equation
 
 
 @pytest.mark.parametrize("datapath", ["lean", "paper"])
 def test_every_node_stands_in_its_line(command, files, simulator, datapath):
-    """Lines are in dataflow order: clock, the paper's number, both words, both values, equation. No file is written."""
+    """Check each node's line: clocks, number in the paper, name, words, values, equation. No file is written."""
     status, out, err = command(follow.main, "--target", "42", "--datapath", datapath)
     nodes = nodes_of(reach(), datapath)
     assert (status, err, files()) == (0, [], [])
@@ -93,7 +93,7 @@ def test_every_node_stands_in_its_line(command, files, simulator, datapath):
 
 
 def test_a_node_that_differs_is_marked_and_explained(command, simulator):
-    """The first difference in dataflow order is shown with its operands; for another target one line names it."""
+    """Check that the first differing node is shown with its operands; for another target, stderr names target 3."""
     simulator.wrong = [("qs_w", 3), ("w_1", 3), ("wi_c", 3)]
     status, out, err = command(follow.main, "--target", "3")
     assert (status, err) == (1, [])
@@ -114,7 +114,7 @@ def test_a_node_that_differs_is_marked_and_explained(command, simulator):
 
 
 def test_a_hand_pose(command, simulator):
-    """All nodes of the arm are printed, also its core's; limits are the robot's."""
+    """Check that all nodes of the whole arm and its core are printed, with the joint limits of the robot."""
     simulator.wrong = [("w_1", 2), ("th6", 2)]
     words = "--trajectory", "pick_and_place", "--target", "2", "--waves", "--out", "o"
     status, out, _ = command(follow.main, *words)
@@ -135,7 +135,7 @@ def test_a_hand_pose(command, simulator):
 
 
 def test_x_is_a_difference(tmp_path, simulator):
-    """A VCD omits leading digits, so a short X value is extended; after the end of a recording all is X."""
+    """Check that a short X value is extended, as a VCD omits leading digits, and that words after the end are X."""
     words = np.stack([reach()[0]] * 3)
     nodes = nodes_of(words)
     vcd = tmp_path / "x.vcd"
@@ -153,7 +153,7 @@ def test_x_is_a_difference(tmp_path, simulator):
 @pytest.mark.cost(25)
 @(pytest.mark.slow if simulator_of_tests() == "verilator" else pytest.mark.sim)
 def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
-    """The listing marks the node that the scoreboard names; the aligned VCD holds the model's words elsewhere."""
+    """Check that the listing marks the node that the scoreboard names; all other words of the aligned VCD are right."""
     bug = Bug("follow", "rtl/lean/ik_lean_turn.v", "i_1 <= wi_c - w_sum;", "i_1 <= wi_c + w_sum;")
     root = copy_rtl(tmp_path / "copy", bug)
     runs = []
@@ -182,8 +182,8 @@ def test_a_bug_in_the_rtl(command, tmp_path, monkeypatch):
 @pytest.mark.cost(10)
 @pytest.mark.slow
 def test_a_recording_of_the_paper_datapath(command, tmp_path):
-    """Every node stands at its clock; save files name signals of the VCD and show words as numbers; internals of delay
-    lines and operators are not recorded."""
+    """Check that every node is recorded at its clock, without internals of delay lines and operators; save files name
+    signals of the VCD and show words as numbers."""
     words, vcd = random_reachable(3, 32, seed=3), tmp_path / "waves.vcd"
     nodes = nodes_of(words, "paper")
     (ran,) = simulate([Job("waves", words)], simulator=simulator_of_tests(), datapath="paper", width=32, waves=vcd)

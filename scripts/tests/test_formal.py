@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of make formal without a proof, and of make check-proofs; tb/sim/test_runner.py tests the digest."""
+"""Test make formal with dummy proofs, and make check-proofs; tb/sim/test_runner.py tests the digests."""
 
 import pytest
 
@@ -11,7 +11,7 @@ from tb.formal.tasks import TASKS
 
 @pytest.fixture
 def proofs(tmp_path, monkeypatch):
-    """Two proofs, `good` and `bad`, in their own folder; return the number of runs of each."""
+    """Replace the proofs with `good` and `bad`, in a temporary folder; return a dict: proof -> number of its runs."""
     runs = {"good": 0, "bad": 0}
 
     def task(name, failed):
@@ -56,7 +56,7 @@ def test_names_of_proofs_are_different():
 
 
 def test_stale_digests(command, monkeypatch):
-    """Every page has digests; changed, new and gone ones are stale."""
+    """Check that every page has digests, and that changed, new and removed digests are stale."""
     for _, recorded, present in check_proofs.PAGES.values():
         written, now = recorded(), present()
         assert written and now and all(len(value) == 16 for value in (*written.values(), *now.values()))

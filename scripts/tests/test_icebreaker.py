@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of examples/icebreaker at its pins, and of its host script: with the simulated board it writes the files of
-`make run`; faults of the board are reported."""
+"""Test examples/icebreaker at its pins, and its host script: with the simulated board the script writes the same files
+as `make run`; it reports faults of the board."""
 
 import binascii
 import json
@@ -21,7 +21,7 @@ HOST = [sys.executable, "-m", "examples.icebreaker.host", "PORT"]
 
 
 def csv(place, targets):
-    """Write a CSV with the first targets of an example."""
+    """Write few.csv with the first targets of examples/reach.csv; return its path."""
     lines = (ROOT / "examples" / "reach.csv").read_text().splitlines()
     (place / "few.csv").write_text("\n".join(lines[: targets + 1]) + "\n")
     return str(place / "few.csv")
@@ -31,7 +31,7 @@ def csv(place, targets):
 @pytest.mark.cost(15)
 @pytest.mark.usefixtures("simulator")
 def test_the_results_of_the_model_although_bytes_are_lost(tmp_path, command):
-    """A byte of a middle and of the last target is lost, and of two answers."""
+    """Lose one byte of a middle target, of the last target, and of two answers."""
     trajectory, lost = csv(tmp_path, 12), [[22 * 5 + 3, 22 * 11 + 21], [0, 23 * 6 + 22]]
     core = ["--datapath", "fold16", "--width", "24", "--out", "run"]
     assert command(run.main, "--trajectory", trajectory, *core)[0] == 0
@@ -73,14 +73,14 @@ def words_in(content):
 
 
 def answered(tag, flags, results):
-    """Return the bytes of an answer: a frame with its own start byte and the flags behind the tag."""
+    """Return the frame of an answer: start byte, tag, flags, result words, checksum."""
     payload = bytes([tag, flags]) + b"".join(int(word).to_bytes(3, "little", signed=True) for word in results)
     return ANSWER + payload + binascii.crc_hqx(payload, 0xFFFF).to_bytes(2, "big")
 
 
 @pytest.fixture
 def send(command, tmp_path, monkeypatch):
-    """Return a function that sends a few targets to a board."""
+    """Return a function send(spoil) that runs the host script with three targets on Board(spoil)."""
 
     def send(spoil):
         monkeypatch.setattr(host.serial, "Serial", lambda *_, **__: Board(spoil))
@@ -90,7 +90,7 @@ def send(command, tmp_path, monkeypatch):
 
 
 def test_a_late_answer_is_no_other_target(send):
-    """Answers to the first transmission arrive after the retransmission."""
+    """Delay the answers to the first transmission until the targets are sent again."""
     held = []
 
     def spoil(n, answer):

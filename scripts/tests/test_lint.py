@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the findings of scripts/lint.py on small modules and files."""
+"""Test the findings of scripts/lint.py on small modules and files."""
 
 from importlib.util import find_spec
 from pathlib import Path

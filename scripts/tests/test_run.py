@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of `make run`: files, tables, failures and clips with the bit-true model as simulator; the RTL."""
+"""Test `make run`: files, tables, failures and clips with the bit-true model as simulator; scores with the RTL."""
 
 import csv
 import json
@@ -69,7 +69,7 @@ def test_all_trajectories_have_a_line_and_a_file_each(cli, simulator, files):
 
 
 def test_columns_axis_and_length_unit_of_a_file(cli):
-    """Results are in the file's frame and unit, with the file's other columns."""
+    """Check that results are in the frame and unit of the file and keep its other columns."""
     text = "\ufefft;X;y;Z;d2;note\r\n0,5;0,3;0,1;0,2;0,4;first\r\n\r\n1,0;0,3;0,1;-0,2;0,4;\r\n"
     Path("t.CSV").write_text(text, encoding="utf-8", newline="")
     assert cli("--trajectory", "t.CSV", "--axis=0.3,1,0", "--phi=-1e-1", "--d1", "0.5", "--d2", "9")[::2] == (0, [])
@@ -148,7 +148,7 @@ def test_an_error_while_files_are_written_leaves_all_as_they_were(cli, simulator
 
 @pytest.fixture
 def clip_cli(cli):
-    """Run a clip; the written clip has all joints of the one that is read, except arms with another angle."""
+    """Return a function that runs t.bvh and checks that the written clip is unchanged, except for arms with --phi."""
 
     def run_clip(*options, limit=1e-6):
         answer = cli("--trajectory", "t.bvh", "--out", "o", *options)
@@ -163,7 +163,7 @@ def clip_cli(cli):
 
 
 def off_plane(pole):
-    """Return the largest distance between the unit normals of arm and pole (N, 3), both from the shoulder."""
+    """Return the largest distance between unit normals of the planes of arm and pole (N, 3), both from the shoulder."""
     wrist, elbow = table("x", "y", "z"), table("elbow_x", "elbow_y", "elbow_z")
     normals = np.cross(wrist, elbow), np.cross(wrist, pole)
     one, other = (normal / np.linalg.norm(normal, axis=1)[:, None] for normal in normals)
@@ -226,7 +226,7 @@ def test_constant_angle_is_the_mean_of_the_clip(clip_cli):
 
 
 def test_a_clip_with_more_channels_and_equal_names(clip_cli):
-    """It passes, also with position channels everywhere; a doubt is one line."""
+    """Test equal joint names, position channels in all joints, and a wrong frame count, which gives one warning."""
     path = figure.write(Path("t.bvh").absolute(), frames=9, rich=True)
     text = path.read_text().replace("LeftShoulder", "Collar").replace("RightShoulder", "Collar")
     path.write_text(text.replace("Frames: 9", "Frames: 7"))
@@ -259,7 +259,7 @@ def test_the_score_of_a_clip_is_that_of_the_written_file(clip_cli, monkeypatch):
 
 
 def test_hands_of_a_clip(clip_cli, simulator):
-    """The written hands follow from the seven angles and are scored against the clip's own."""
+    """Check that the written hands agree with the seven angles and are scored against the hands of the clip."""
     clip = clips.read(figure.write(Path("t.bvh").absolute(), frames=9))
     assert clip_cli("--phi", "1")[0] == 0
     assert (simulator.calls[0]["datapath"], simulator.calls[0]["limits"]) == ("arm", [(-(2**31), 2**31 - 1)] * 7)
@@ -279,7 +279,7 @@ def test_hands_of_a_clip(clip_cli, simulator):
 
 
 def test_options_of_a_clip(clip_cli, simulator):
-    """Joints by their names, wrists only, and a twist that is not the clip's."""
+    """Test --joints with unusual names, --datapath, which runs wrists only, and --twist core."""
     figure.write(Path("t.bvh").absolute(), "own", frames=9)
     words = "--arm", "right", "--joints", ",".join(figure.joints("own", "right")[1:])
     assert clip_cli(*words, "--datapath", "lean")[0] == 0
@@ -290,7 +290,7 @@ def test_options_of_a_clip(clip_cli, simulator):
 
 
 def test_a_straight_arm_stays_straight(clip_cli):
-    """Rounding must not bend the T pose, with which clips begin."""
+    """Check that rounding does not bend the T pose, with which clips begin."""
     clip = clips.read(figure.write(Path("t.bvh").absolute()))
     clip.table[:] = 0
     Path("t.bvh").write_bytes(clip.content())
@@ -303,11 +303,11 @@ def test_a_straight_arm_stays_straight(clip_cli):
 
 # -- in the RTL ------------------------------------------------------------------------------------
 
-AIM = 1e-6  # largest permitted hand error of regular trajectories; their tolerance is wider
+AIM = 1e-6  # hand error / reach that regular trajectories stay below here; their tolerance is wider
 
 
 def run_in(datapath, out, sim="icarus", trajectory="all"):
-    """Run all trajectories, or one, through the RTL; return trajectory -> its score."""
+    """Run all trajectories, or one, through the RTL; return a dict: trajectory -> its score."""
     arguments = ["--trajectory", trajectory, "--datapath", datapath, "--out", str(out)]
     arguments += ["--sim", sim, "--cores", cores()]
     assert run.main(arguments) == 0
@@ -320,7 +320,7 @@ if simulator_of_tests() == "icarus":
 
     @pytest.fixture(scope="module")
     def outcome(tmp_path_factory):
-        """Return a function of a datapath: the scores of all trajectories, from one simulation."""
+        """Return a function that runs all trajectories on a datapath, once, and returns their scores."""
         return cache(lambda datapath: run_in(datapath, tmp_path_factory.mktemp(datapath)))
 
     @pytest.mark.sim
@@ -355,7 +355,7 @@ else:
     @pytest.mark.sim
     @pytest.mark.parametrize("datapath", ["lean", PAPER])
     def test_icarus_and_the_native_harness_write_the_same_files(datapath, tmp_path, monkeypatch):
-        """Verilator's native harness runs long files."""
+        """Set LONG to 0, so that Verilator runs its native harness, as for long files."""
         monkeypatch.setattr(simulate, "LONG", 0)
         score, other = (run_in(datapath, tmp_path / sim, sim, "out_of_reach") for sim in ("icarus", "verilator"))
         assert score["out_of_reach"] == other["out_of_reach"] | {"simulator": "icarus"}

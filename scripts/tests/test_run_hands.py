@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of `make run` with poses of a hand and with robots."""
+"""Test `make run` with hand poses and with robots."""
 
 import re
 from pathlib import Path
@@ -24,7 +24,7 @@ TH = [f"th{n}" for n in range(1, 8)]
 
 
 def write_poses(points, hands, **columns):
-    """Write t.csv; columns: name -> values (N,)."""
+    """Write hand poses to t.csv. columns: further column -> its values (N,)."""
     names = ["x", "y", "z", "qw", "qx", "qy", "qz", *columns]
     cells = np.column_stack([points, hands, *columns.values()])
     Path("t.csv").write_text("\n".join([",".join(names), *(",".join(map(repr, row)) for row in cells.tolist())]))
@@ -32,7 +32,7 @@ def write_poses(points, hands, **columns):
 
 @pytest.mark.parametrize(("width", "axis"), [(32, "z"), (18, "0,-1,1")])
 def test_hand_poses_of_a_file(cli, simulator, width, axis):
-    """Words and joints equal `solve`'s; the results are a file of the same poses."""
+    """Check that the joints equal those of `solve`, and that results.csv is itself a file of the same poses."""
     tool, branch = np.linspace(0.0, 0.2, 40), np.arange(40) % 8
     points, q, phi = poses(40, tool=tool[:, None])
     write_poses(points, q, phi=phi, tool=tool, branch=branch)
@@ -58,7 +58,7 @@ def test_hand_poses_of_a_file(cli, simulator, width, axis):
 
 @pytest.mark.parametrize("robot", ["human", "t.urdf"])
 def test_poses_of_a_robot(cli, simulator, robot):
-    """Joints are the robot's and lead to the tip; limits are the robot's; without phi they hold."""
+    """Check that the robot's joints lead to the tip, and that without phi they are within its limits where possible."""
     path = urdf(Path("t.urdf"), CHAINS["reversed"], limits=[(-0.5, 5.6), *[(-2.0, 2.0)] * 5, None])
     arm = ROBOTS.get(robot) or Arm.from_urdf(path)
     low, high = arm.limits.T
@@ -118,7 +118,7 @@ def test_wrong_angles_and_flags_fail(cli, simulator):
 
 @pytest.mark.parametrize("name", trajectories.HANDS)
 def test_built_in_hands(cli, name):
-    """They are smooth, within reach and limits, and also run as files."""
+    """Check that the poses are smooth, within reach and limits, and give the same results from a file."""
     targets = trajectories.make(name)
     step = np.diff(targets.position, axis=0)
     assert len(targets) == 100 and np.linalg.norm(step, axis=1).max() < 0.05
@@ -135,7 +135,7 @@ def test_built_in_hands(cli, name):
 
 @pytest.mark.cost(10)
 def test_a_robot_in_the_rtl(command, tmp_path):
-    """Limits reach the ports, in Icarus: half of the poses are outside the robot's limits."""
+    """Check in Icarus that limits reach the ports: more than half of the poses are outside the robot's limits."""
     tight = urdf(tmp_path / "t.urdf", CHAINS["reversed"], limits=[(-0.2, 0.1)] * 7)
     points, q = Arm.from_urdf(tight).forward(np.random.default_rng(1).uniform(-0.2, 0.1, (9, 7)))
     write_poses(points, q, phi=np.linspace(-3, 3, 9))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""BVH clips of a synthetic figure in many variants: names, up direction, order of angles; and their kinematics with
-scipy's rotations."""
+"""Write BVH clips of a synthetic figure, with many variants of names, up axis and order of angles; compute their
+kinematics with scipy's rotations."""
 
 from pathlib import Path
 
@@ -36,18 +36,18 @@ REST = np.array((1, 0.3, 0)) / np.hypot(1, 0.3)
 UPPER, FORE = 3.1, 2.6
 
 TURNS = {"x": ((0, 1, 0), (0, 0, 1), (1, 0, 0)), "y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)), "z": np.eye(3)}
-"""Up axis -> matrix from x to the right, y forward, z up."""
+"""Up axis of a clip -> matrix to the clip's frame from a frame with x to the right, y forward, z up."""
 
 
 def joints(names: str, side: str) -> tuple[str, ...]:
-    """Return collar bone, upper arm, forearm and hand of a side."""
+    """Return the names of collar bone, upper arm, forearm and hand of a side."""
     return tuple(form.format(Side=side.title(), S=side[0].upper(), s=side[0]) for form in NAMES[names])
 
 
 def write(path, names="cmu", up="y", order="ZYX", frames=60, sides=("left", "right"), rich=False, two_legs=False):
     """Write a figure whose body sways and whose arms swing, smoothly and at random.
 
-    rich: each joint has position channels, which move it near its OFFSET, and each upper arm a joint within.
+    rich: each joint also has position channels, which move it near its OFFSET, and each upper arm has a joint inside.
     """
     random = np.random.default_rng(1)
 
@@ -114,8 +114,8 @@ def kinematics(clip):
 
 
 def compare(path, again, free=(), tolerance=1e-6):
-    """Check that a written clip has the original's nodes, positions and orientations, except of `free` joints, by
-    number; tolerance: relative to the body's size, and in rad."""
+    """Check that a written clip has the original's nodes, positions and orientations; joints with numbers in `free` may
+    differ. tolerance: of positions relative to the body's size, and of orientations in rad."""
     clip, clip_again = read(Path(path)), read(Path(again))
     (places, turns), (places_again, turns_again) = kinematics(clip), kinematics(clip_again)
     assert clip.nodes == clip_again.nodes and clip.table.shape == clip_again.table.shape

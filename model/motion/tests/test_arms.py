@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arms in a robot's own terms, from URDF files written here, against products of the chains' matrices."""
+"""Test robots from URDF files, and the built-in robots, against products of the joints' rotations along the chain."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ TIP = ((0.02, 0.03, 0.1), (0.1, 0.2, 0.3))
 
 
 def bones(axes, shoulder=(0, 0, 0.3), elbow=(0, 0, 0.42), wrist=(0, 0, 0.4), rpy=O):
-    """Return a chain: position and turn of each joint in the frame of the one before, and its axis."""
+    """Return a chain: for each joint its position and rpy angles in the frame of the previous joint, and its axis."""
     places = [(shoulder, rpy), (O, O), (O, O), (elbow, O), (wrist, O), (O, O), (O, O)]
     return [(*place, axis) for place, axis in zip(places, axes, strict=True)]
 
@@ -57,7 +57,7 @@ def tips(chain, th, tip=TIP):
 
 
 def assert_same(one, other, atol):
-    """Compare points (N, 3), and quaternions (N, 4) or matrices with matrices (N, 3, 3)."""
+    """Compare two pairs of points (N, 3) and matrices (N, 3, 3); the first pair may have quaternions (N, 4)."""
     np.testing.assert_allclose(one[0], other[0], rtol=0, atol=atol)
     np.testing.assert_allclose(matrix(one[1]) if one[1].shape[1] == 4 else one[1], other[1], rtol=0, atol=atol)
 
@@ -159,7 +159,7 @@ NARROW = np.radians([(-40, 60), (-9, 100), (-30, 20), (-9, 100), (-35, 30), (-9,
 
 @pytest.mark.parametrize("arm", [IIWA14, HUMAN, Arm(0.33, 0.27, 0.1, limits=NARROW)], ids=["iiwa14", "human", "narrow"])
 def test_straight_arms(arm):
-    """Only the sums of th1 and th3, and of th5 and th7, count if arm and hand are straight; some lie along axis 1."""
+    """Test arms with th4 = th6 = 0, so only the sum of th5 and th7 counts; some have th2 = 0 and lie along axis 1."""
     th = np.random.default_rng(4).uniform(*arm.limits.T, (40, 7)) * (1, 1, 1, 0, 1, 0, 1)
     th[:, 1], th[0], th[1:10, 1] = np.abs(th[:, 1]), 0, 0
     points, q = arm.forward(th)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""BVH files in the variants that people have, and random ones; reader and writer against each other."""
+"""Test the BVH reader and writer against each other, on usual variants of a file and on random files."""
 
 import re
 from pathlib import Path
@@ -79,7 +79,7 @@ NAMES = st.from_regex(r"[^\s{}#/\x00\ufeff]+( [^\s{}#/\x00]+)?", fullmatch=True)
 
 @st.composite
 def files(draw):
-    """Texts of BVH files with any tree, any channels; their nodes and tables."""
+    """Draw the text of a BVH file with any tree and any channels, its nodes, and its table."""
     columns, nodes = 0, []
 
     def node(keyword, parent, depth):

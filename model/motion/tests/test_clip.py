@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Motion-capture clips: arms found and followed, the clip written back, and as an animated file."""
+"""Test motion-capture clips: find the arms, follow them, write the clip back, write it as an animated file."""
 
 import re
 from dataclasses import replace
@@ -22,7 +22,7 @@ MOCAP = sorted((Path(__file__).parents[4] / "shared" / "mocap").glob("*.bvh"))
 
 
 def followed(clip, width=32, phi=lambda move: move.phi):
-    """Solve each arm of a clip: motion, shoulder and elbow quaternion in the clip's frame."""
+    """Solve each arm of a clip; return for each arm its motion, Qs in the clip's frame, and Qe."""
     moves = [motion(clip, arm) for arm in arms(clip)]
     targets = clips.targets(clip, moves, [phi(move) for move in moves], width or 52)
     pose = solve(targets.core_position, targets.phi, targets.d1, targets.d2, width=width)
@@ -32,7 +32,7 @@ def followed(clip, width=32, phi=lambda move: move.phi):
 
 @pytest.mark.parametrize(("up", "axes"), [("y", {"left": (-1, 1, 0), "right": (1, 1, 0)}), ("z", {"right": (1, 0, 1)})])
 def test_axis_of_the_torso(tmp_path, up, axes):
-    """The axis moves with the torso, and R takes it to the core's z."""
+    """Check that the axis moves with the torso, and that R takes it to the core's z."""
     clip = read(figure.write(tmp_path / "clip.bvh", up=up))
     for side, axis in axes.items():
         (arm,) = arms(clip, side)
@@ -50,7 +50,7 @@ def test_typical_angle_is_that_of_a_bent_arm(tmp_path):
 
 
 def written(path, clip, *options):
-    """Write the turned clip next to `path`; return its path."""
+    """Write the clip with followed arms next to `path`; return the path of the new file."""
     again = path.with_name("again.bvh")
     again.write_bytes(turned(clip, followed(clip), *options).content())
     return again
@@ -63,7 +63,7 @@ def test_the_clip_written_again_has_the_same_joints(tmp_path, way):
 
 
 def test_angles_stay_near_the_original_ones(tmp_path):
-    """Angles beyond a turn, of the second kind, or locked: the first and the third about one axis."""
+    """Test angles beyond a turn, the second solution of three angles, and gimbal lock."""
     path = figure.write(tmp_path / "clip.bvh")
 
     def spin(clip):
@@ -79,7 +79,7 @@ def test_angles_stay_near_the_original_ones(tmp_path):
 
 
 def test_twist_of_the_core(tmp_path):
-    """The core's hinge is the elbow's own if the elbow is a hinge; no bone turns about itself faster than it swings."""
+    """Check that only joints of the arms change, and that none changes if the elbow bends about one axis only."""
     path = figure.write(tmp_path / "clip.bvh")
     again = written(path, read(path), "core")
     with pytest.raises(AssertionError):
@@ -95,7 +95,7 @@ def test_twist_of_the_core(tmp_path):
 
 
 def changed(path, change):
-    """Change the table of a file."""
+    """Apply `change` to the clip of a file and write it back; return the clip as read again."""
     clip = read(path)
     change(clip)
     path.write_bytes(clip.content())
@@ -112,7 +112,7 @@ def changed(path, change):
     ],
 )
 def test_up(tmp_path, up, rows, head, foot):
-    """A single frame lies, or the rest pose lies and the frames stand: the torso's axis comes from the rest pose."""
+    """Check up axis and torso axes if a single frame lies, or if the rest pose lies and all frames stand."""
     path = figure.write(tmp_path / "clip.bvh", frames=3, up=up)
     text = path.read_text().replace("Head", head).replace("Leg", foot).replace("-0.5", "1.5")
     path.write_text(re.sub(r"(Shoulder\n{\nOFFSET) (-?)0.5", r"\1 \g<2>2.5", text))
@@ -238,7 +238,7 @@ def test_a_file_that_is_no_clip(tmp_path, change, message):
     ids=lambda path: path.stem,
 )
 def test_motion_capture(path, tmp_path):
-    """Human motion: with a constant swivel angle from the torso's axis, no arm turns much faster than the original."""
+    """Follow human motion; with a constant swivel angle, no arm turns more than 1.5 times as fast as in the clip."""
     clip = read(path)
     for width, tolerance in ((None, 1e-12), (32, 2e-8), (18, 2e-4)):  # the T pose of the first frame included
         for move, qs, qe in followed(clip, width):

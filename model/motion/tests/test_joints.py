@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Seven joints of a hand pose: through matrices of the chain back to the hand, limits, feasible swivels, paths."""
+"""Test the seven joints of hand poses: forward kinematics by matrices, limits, feasible swivel angles, paths."""
 
 import warnings
 from functools import partial
@@ -29,7 +29,7 @@ def chain(th, tool=TOOL):
 
 
 def branches_of(joints):
-    """Return joints (N, 7) in the branches 0 .. 7, (8, N, 7)."""
+    """Return joints (N, 7) in each of the branches 0 .. 7, (8, N, 7)."""
     branches = joints[None]
     for n in (0, 2, 4):
         other = branches * np.where(np.arange(7) == n + 1, -1, 1) + np.pi * np.isin(np.arange(7), (n, n + 2))
@@ -53,7 +53,7 @@ def poses(count, seed=1, tool=TOOL):
 
 
 def assert_reached(pose, points, hand, axis="z", tool=TOOL):
-    """Compare the joints' hand with the target: points / reach and elements of matrices, within 1e-14."""
+    """Check that the joints reach points within 1e-14 of the reach, and orientations within 1e-14 in each element."""
     to_core = matrix(to_z(axis))
     point, m = chain(pose.joints, tool)
     for reached in (point @ to_core, pose.hand):
@@ -62,14 +62,14 @@ def assert_reached(pose, points, hand, axis="z", tool=TOOL):
 
 
 def apart(a, b):
-    """Return the absolute difference of angles on the circle."""
+    """Return the absolute difference of angles, at most pi."""
     return np.abs(np.angle(np.exp(1j * (np.asarray(a) - b))))
 
 
 @pytest.mark.parametrize("tool", [0.0, TOOL])
 @pytest.mark.parametrize("axis", ["z", "-z", "x", "-y", (0.3, 1.0, -0.2)])
 def test_joints_lead_to_the_hand(axis, tool):
-    """All branches lead to the hand, by different joints of one arm."""
+    """Check that all branches reach the hand, with different joints but the same Qs."""
     points, q, phi = poses(1000, tool=tool)
     solutions = [solve(points, phi, axis=axis, hand=q, tool=tool, branch=branch) for branch in range(8)]
     for pose in solutions:
@@ -89,7 +89,7 @@ def test_joints_lead_to_the_hand(axis, tool):
 
 @pytest.mark.parametrize(("shoulder", "elbow", "wrist"), [*product((0.0, np.pi, 0.7), repeat=3)])
 def test_singular_poses(shoulder, elbow, wrist):
-    """Rounding puts some straight or closed arms out of reach or too near, so flags are not checked."""
+    """Check the hands but no flags: rounding moves some targets of straight or closed arms out of reach."""
     v = np.linspace(-3, 3, 12)
     th = np.array([v, 0 * v + shoulder, v[::-1], 0 * v + elbow, v**2, 0 * v + wrist, v]).T
     q = multiply(multiply(turned(*th.T[:3]).T, turned(0 * v, th[:, 3], 0 * v).T), turned(*th.T[4:]).T)
@@ -117,7 +117,7 @@ def test_limits_are_circular():
 
 
 def test_poses_without_an_answer():
-    """Too far, too near, a stiff elbow, rounded out of reach, nan, and none at all."""
+    """Test targets too far, too near, for a limited elbow, out of reach by rounding, with a nan, and an empty array."""
     (points, q, _), phi, free = poses(6), [0.5] * 6, FREE.copy()
     points[0] *= 10
     points[1] = 0.02 * points[1] + TOOL * matrix(q[1])[:, 2]
@@ -130,7 +130,7 @@ def test_poses_without_an_answer():
     assert swivels.feasible.tolist() == [False] * 2 + [True] * 4
     assert swivels.intervals[2:].tolist() == [[[-np.pi, np.pi]]] * 4
     free[3] = 0, pose.joints[2, 3] - 1e-6
-    stiff = feasible_swivel(points[2], q[2], tool=TOOL, limits=free)  # the only pose, and infeasible
+    stiff = feasible_swivel(points[2], q[2], tool=TOOL, limits=free)  # a single, infeasible pose
     assert not stiff.feasible[0] and stiff.reason(0) == "joint 4 outside the limits" and np.isnan(stiff.nearest(0.1))
     straight = np.array([(0.36, 0.48, 0.0), (0.48, 0.0, 0.36), (0.0, -0.36, 0.48)]) * (1 + 1e-12)
     assert feasible_swivel(straight, (1, 0, 0, 0)).feasible.all()
@@ -173,7 +173,7 @@ def test_wrong_arguments_are_named(changes, message):
 @pytest.mark.parametrize("axis", ["z", "-x", (0.3, 1.0, -0.2)])
 @pytest.mark.parametrize(("width", "off"), [(18, 3e-4), (32, 3e-8)])
 def test_words_are_near_the_pose_in_double(width, off, axis, order):
-    """Names of branches, limits inward, rows without a pose, and a scale that leaves room for the tool."""
+    """Compare flags, points, hands and limits in words and in double precision, for all branches and rows of nan."""
     points, q, phi = poses(300, 5)
     branch, hand = np.arange(300) % 8, q if order == "wxyz" else np.roll(q, -1, axis=1)
     points[7], tool = np.nan, np.where(np.arange(300) == 9, np.nan, TOOL)
@@ -198,7 +198,7 @@ def test_words_are_near_the_pose_in_double(width, off, axis, order):
 
 @pytest.mark.parametrize("tool", [0.4, 2.5])
 def test_a_tool_has_room_in_the_format(tool):
-    """Its components are shorter than the tool itself, along the diagonal."""
+    """Test tools along a diagonal: the components of the vector from wrist to hand are shorter than the tool."""
     q = np.array((np.sqrt(3) + 1, -np.sqrt(2), np.sqrt(2), 0.0)) / np.sqrt(8 + 2 * np.sqrt(3))
     point = np.array((0.2, 0.1, 0.3)) + tool * matrix(q)[:, 2]
     pose = solve(point, 0.3, hand=q, tool=tool, width=32)
@@ -229,7 +229,7 @@ def test_limits_in_words_are_rounded_inward(width):
 @pytest.mark.parametrize("axis", ["z", (0.3, 1.0, -0.2)])
 @pytest.mark.parametrize("seed", [2, 3])
 def test_feasible_swivels_are_those_of_a_grid(seed, axis):
-    """Narrow limits of all joints, in random branches; a joint is at a limit at each end."""
+    """Compare intervals with a grid of angles in random branches; at each end of an interval a joint is at a limit."""
     random, count, grid = np.random.default_rng(seed), 300, np.linspace(-np.pi, np.pi, 181)
     points, q, _ = poses(count, seed)
     branch, middle = random.integers(0, 8, count), random.uniform(-np.pi, np.pi, 7) * (1, 0.3, 1, 0, 1, 0.3, 1)
@@ -276,7 +276,7 @@ def test_nearest_feasible_angle():
     for row, near, margin, expected in (
         (two, (0.2, 1.0, 1.8, -2.0, -1.5, 7.0), 0.0, (0.2, 0.5, 2.0, -2.0, 4.5 - turn, 0.5)),
         (two, (0.2, 1.0, 1.4, -2.0), 0.3, (0.2, 0.2, 2.3, 4.2 - turn)),
-        (two, (0.4, 1.9), 1.0, (-0.25, 3.0)),  # the middle of the shorter
+        (two, (0.4, 1.9), 1.0, (-0.25, 3.0)),  # the middle of the shorter interval
         (one, (-2.0, 1.5, 1.57, 7.0), 0.0, (1.6, 1.5, 1.57, 1.5)),
         (whole, (-3.0, 7.0), 0.5, (-3.0, 7.0 - turn)),
         (none, (0.1, np.pi), 0.5, (np.nan, np.nan)),
@@ -288,7 +288,7 @@ def test_nearest_feasible_angle():
 
 
 def path(count=3000):
-    """Return joints (N, 7) of a smooth path, of several turns in some."""
+    """Return joints (N, 7) of a smooth path; some joints make several turns."""
     random, t = np.random.default_rng(5), np.linspace(0, 1, count)[:, None]
     return 1.2 * np.sin(4 * t * random.uniform(0.5, 2, 7) + random.uniform(0, 6, 7)) + t * (15, 0, 0, 0, -9, 0, 20)
 
@@ -306,7 +306,7 @@ def test_path_without_jumps():
 
 @pytest.mark.parametrize(("first", "tilt"), [(4, 0.0), (4, np.pi), (0, 0.0), (0, np.pi)])
 def test_singular_stretch_keeps_the_first_joint(first, tilt):
-    """Only the third angle moves while only the sum of the first and third matters."""
+    """Check that only the third angle moves while only the sum of the first and third angle counts."""
     smooth, rows = path(), slice(1000, 2000)
     smooth[rows, first + 1], smooth[rows, first] = tilt, smooth[999, first]
     split, share = smooth.copy(), np.random.default_rng(1).uniform(-9, 9, 1000)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Poses from Python: in any frame, in double precision and in the core's words; the reference axis."""
+"""Test poses from Python, in any frame, in double precision and in the core's words; test the reference axis."""
 
 import re
 
@@ -33,7 +33,7 @@ COUNT = 500
 
 @pytest.fixture(scope="module")
 def reachable():
-    """Return points (N, 3) and swivel angles (N,)."""
+    """Return points (N, 3) and swivel angles (N,) of reachable wrist targets."""
     return wrists(COUNT)
 
 
@@ -71,7 +71,7 @@ def test_a_width_gives_the_words_of_the_core(reachable, datapath, width):
 
 @pytest.mark.parametrize("axis", NAMED_AXES)
 def test_a_named_axis_loses_no_bit(reachable, axis):
-    """The words have permuted coordinates; Qs holds sums of four of them over 2, exact in a double."""
+    """Check that words are only permuted; components of Qs are sums of four words over 2, exact in a double."""
     points, phi = reachable
     r = to_z(axis)
     there = (matrix(r) @ points.T).T
@@ -114,7 +114,7 @@ def test_order_and_scipy(reachable):
 
 
 def test_continuous():
-    """Components do not jump along an arm, even if arms are interleaved; only signs change."""
+    """Check that quaternions of an arm do not jump, even if rows of two arms alternate; only signs change."""
     t = np.linspace(0, 2 * np.pi, 400)
     circle = np.column_stack((0.1 * np.cos(t), 0.35 + 0.1 * np.sin(t), 0.2 * np.sin(t / 2)))
     other = np.random.default_rng(3).permutation(circle)
@@ -132,7 +132,7 @@ def test_continuous():
 
 @pytest.mark.parametrize("width", [None, 24])
 def test_rows_of_nan_pass_and_none_is_solved(reachable, width, monkeypatch):
-    """The other rows have the same bits as without the rows of nan, in chunks of any size."""
+    """Check that rows of nan do not change a bit of the other rows, in chunks of any size."""
     points, phi = reachable[0].copy(), reachable[1].copy()
     points[[3, 70]], phi[9], there = np.nan, np.nan, np.delete(np.arange(COUNT), [3, 9, 70])
     settings = {"width": width, "order": "xyzw", "axis": (0, -1, 1)}
@@ -155,7 +155,7 @@ def test_angles_of_degrees_warn():
 
 
 def test_elbow_points_at_the_pole(reachable, axis=(0.3, 1.0, 0.0)):
-    """Other swivel angles leave the elbow farther from the pole."""
+    """Check that with other swivel angles the elbow is farther from the pole."""
     points, _ = reachable
     pole = np.random.default_rng(4).normal(size=(COUNT, 3))
     phi = swivel_toward(points, pole, axis)
@@ -214,7 +214,6 @@ SLANTED = [(0.3, 1, 0), (0, -1, 1), (1e-9, 0, -1), (0, 1e-200, 1), (1e200, 1e200
 
 @pytest.mark.parametrize("axis", [*NAMED_AXES, *SLANTED])
 def test_axis_becomes_z(axis):
-    """R is a rotation that takes the axis to z; for a named axis it only permutes coordinates."""
     q, m = to_z(axis), matrix(to_z(axis))
     np.testing.assert_allclose(m @ m.T, np.eye(3), atol=1e-15)
     np.testing.assert_allclose(m @ direction(axis), (0, 0, 1), atol=4e-16)
