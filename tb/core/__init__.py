@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Testbenches of the whole core: streams, sections, every node of every target."""
+"""Testbenches of the whole core: streams, elaboration, power-up, every node of every target, the hardest targets."""

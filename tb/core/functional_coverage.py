@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Functional coverage at the ports of ``ik_axis``: flag x datapath x singular region x stall pattern; at the
-ports of ``ik_arm``: kind of pose x datapath x stall pattern.
+"""Functional coverage at the ports of ``ik_axis`` (flag x datapath x singular region x stall pattern) and of ``ik_arm``
+(property of a pose x datapath x stall pattern).
 
-:class:`tb.core.pipeline.Pipeline` samples each result that leaves, and writes the samples once a test has checked them.
+:class:`tb.core.pipeline.Pipeline` samples each result, and writes the samples after a test has checked the results.
 """
 
 import functools
@@ -22,18 +22,18 @@ from tb.sim import coverage
 from tb.sim.coverage import Point
 from tb.sim.job import answer
 
-NEAR = 64  # a target is near a singular pose if it is within reach / NEAR of it
-FILE = f"{uuid.uuid4().hex}.json"  # counts of this simulation
+NEAR = 64  # largest offset from the z axis: distance from the shoulder / NEAR; from other singular poses: reach / NEAR
+FILE = f"{uuid.uuid4().hex}.json"  # file for the counts of this simulation
 
 REGIONS = ("regular", "axis", "shoulder", "stretched", "closed")
 STALLS = ("none", "gap", "held", "gap and held")
-"""Idle clocks before the target, a result that had to wait, or both."""
+"""Stall patterns. gap: the target followed idle clocks. held: its result had to wait."""
 
 IMPOSSIBLE = {
     *itertools.product(("too_far", "too_near", "on_axis", "at_shoulder"), ("regular",)),
-    ("too_far", "shoulder"),  # farther than d1 + d2 is not within a 64th of it
+    ("too_far", "shoulder"),  # a target beyond d1 + d2 is not within (d1 + d2) / 64 of the shoulder
 }
-"""Flags that exclude a region."""
+"""Pairs of a flag and a region that cannot occur together."""
 
 
 Kind = tuple[str, ...]
@@ -43,16 +43,15 @@ LATE = "after a reset that dropped poses"
 POSES = [f"{name}={bit}" for name in (*ARM_FLAGS, *BRANCHES) for bit in (0, 1)]
 POSES += [f"{joint} near {angle}" for joint in ("th2", "th6") for angle in ("0", "pi")]
 POSES += [f"tool {length}" for length in ("least", "0", "greatest")]
-"""Properties of poses of the whole arm; an angle is near another one within 1/256 of a turn."""
+"""Properties of poses of the whole arm. "near" means at most 1/256 of a turn away."""
 
 
 def bin_of(*values: str, top: str = "ik_axis") -> Point:
-    """Return the point of a bin."""
     return Point(top, 0, 0, "cross", " x ".join(values))
 
 
 def bin_of_kind(kind: Kind, datapath: str, stall: str) -> Point:
-    """Return the point of a kind of target, a datapath and a stall pattern."""
+    """Return the coverage point of a kind of target, a datapath and a stall pattern."""
     first, *region = kind
     return bin_of(first, datapath, *region, stall, top="ik_axis" if region else "ik_arm")
 
@@ -67,7 +66,7 @@ BINS += [bin_of(LATE, datapath, "any", top="ik_arm") for datapath in ("arm", "fo
 
 
 def kinds_of(target: Sequence[int], results: Sequence[int], flags: int, width: int) -> list[Kind]:
-    """Return the kinds of a wrist target, or of a pose with its branch, that has these results and flags."""
+    """Return the kinds of a wrist target, or of a pose with its branch, from the target's results and flags."""
     if len(target) == len(FIELDS):
         return list(itertools.product(names(flags).split("+"), regions(target)))
     bits = {name: flags & flag != 0 for name, flag in ARM_FLAGS.items()}
@@ -84,7 +83,7 @@ def kinds_of(target: Sequence[int], results: Sequence[int], flags: int, width: i
 
 
 def regions(target: Sequence[int]) -> list[str]:
-    """Return the regions of a target: near the z axis or the shoulder, stretched or beyond, closed or too near."""
+    """Return the regions of a wrist target. "stretched" includes targets too far, "closed" targets too near."""
     x, y, z, _, d1, d2 = (int(word) for word in target)
     reach, nearest = abs(d1) + abs(d2), abs(abs(d1) - abs(d2))
     off, far = isqrt(x * x + y * y), isqrt(x * x + y * y + z * z)
@@ -99,7 +98,7 @@ def regions(target: Sequence[int]) -> list[str]:
 
 @functools.cache
 def examples(width: int, arm: bool) -> dict[Kind, tuple[int, ...]]:
-    """Return a wrist target, or a pose of the whole arm, of each kind that occurs; a few targets for all kinds."""
+    """Return an example of each kind that occurs: a wrist target, or a pose of the whole arm. A few cover all kinds."""
     k = 1 << width - 5
     targets = mixed(4000, width, 8)
     targets = hands(targets, width, 8) if arm else np.array([*targets, (k - 2, 0, 0, 9, k, 1), (k + 2, 0, 0, 9, k, 1)])
@@ -112,8 +111,8 @@ def examples(width: int, arm: bool) -> dict[Kind, tuple[int, ...]]:
 
 
 def every_kind(width: int, arm: bool = False, datapath: str = "", stall: str = "") -> np.ndarray:
-    """Return wrist targets, (N, 6), or poses, (N, 12), of all kinds; with a datapath and a stall pattern, only those
-    whose bin has no sample."""
+    """Return wrist targets (N, 6), or poses with their branch (N, 12), of all kinds. With a datapath and a stall
+    pattern, return only targets whose bin has no sample."""
     wanted = [
         target
         for kind, target in examples(width, arm).items()
@@ -126,14 +125,14 @@ HITS: Counter[Point] = Counter()  # samples of this simulation
 
 
 def sample(kinds: Sequence[Kind], datapath: str, gap: bool, held: bool, late: bool) -> None:
-    """Sample a result; ``gap``: its target followed idle clocks, ``held``: the result had to wait, ``late``: it is the
-    first one after a reset that dropped poses."""
+    """Count a result in the bins of its kinds. ``gap``: its target followed idle clocks. ``held``: the result had to
+    wait. ``late``: it is the first result after a reset that dropped poses."""
     HITS.update(bin_of_kind(kind, datapath, STALLS[gap + 2 * held]) for kind in kinds)
     if late:
         HITS[bin_of(LATE, datapath, "any", top="ik_arm")] += 1
 
 
 def keep() -> None:
-    """Write everything sampled so far."""
+    """Write all samples so far, if the environment names a folder for coverage counts."""
     if folder := coverage.folder():
         coverage.write(folder / FILE, HITS)

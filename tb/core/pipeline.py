@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bench of ``ik_axis`` and ``ik_arm``: clock, reset, stream drivers, monitors, model, and a scoreboard for all nodes.
 
-``ik_axis_bytes`` has the same bench, without nodes. Tests build on :class:`Pipeline`. All sampling is done at the
-falling edge of the clock, when inputs and registers have settled in both simulators.
+``ik_axis_bytes`` uses the same bench, without comparing nodes. Tests build on :class:`Pipeline`. All sampling is done
+at the falling edge of the clock, when inputs and registers have settled in both simulators.
 """
 
 import itertools
@@ -30,10 +30,10 @@ from tb.sim.job import KEPT, Difference, Run, answer, limits_port, report
 
 
 class Scoreboard:
-    """Comparison of every named node of every target with the bit-true model, in the clock where the node is valid.
+    """Scoreboard that compares every named node of every target with the model, in the clock where the node is valid.
 
-    ``handle_of`` maps a node to its signal. ``expect`` announces targets in order of admission. Enter each admitted
-    target in ``in_clock``, and call ``sample`` once per clock.
+    ``handle_of(node)`` returns the signal of a node. Call ``expect`` with targets in order of admission, enter each
+    admitted target in ``in_clock``, and call ``sample`` once per clock.
     """
 
     def __init__(self, handle_of, nodes: Iterable[Node]) -> None:
@@ -48,14 +48,14 @@ class Scoreboard:
         self.differences: list[Difference] = []
 
     def expect(self, answer: fixed.Answer) -> None:
-        """Append the model's node values for further targets."""
+        """Append the model's node values of the next targets."""
         for name, values in self.expected.items():
             node = answer.bits.nodes[name]
             mask = (1 << node.format.width) - 1
             values += [int(v) & mask for v in node.value.tolist()]
 
     def sample(self, clock: int, now: int) -> None:
-        """Compare all valid nodes; ``clock`` counts clocks without a stall, ``now`` all clocks, for messages."""
+        """Compare all valid nodes. ``clock`` counts clocks without a stall; ``now`` counts all clocks, for messages."""
         for time, pairs in self.by_time.items():
             target = self.in_clock.get(clock - time)
             if target is None:
@@ -71,7 +71,7 @@ class Scoreboard:
                         self.differences.append(difference)
 
     def report(self, since: int = 0) -> str:
-        """Return a message about the first differing target, numbered from ``since``; empty if nothing differs."""
+        """Return a message about the first target that differs; empty if none does. Numbers count from ``since``."""
         return report(self.differences, self.nodes, since=since)
 
 
@@ -86,10 +86,10 @@ def configuration(dut) -> str:
 
 
 class Pipeline:
-    """Bench around one ``ik_axis``, or one ``ik_arm`` with limits of the joints, by default :func:`arm_limits`.
+    """Bench around one ``ik_axis`` or ``ik_arm``. ``limits`` are the joints' limits, by default :func:`arm_limits`.
 
     With ``nodes`` every node is compared, otherwise results only. ``results`` holds (words, tag, flags, clock) of every
-    output beat in order, ``latencies`` the clocks since admission.
+    output beat in order; ``latencies`` holds the clocks from admission to result.
     """
 
     def __init__(self, dut, nodes: bool = True, limits: Limits | None = None) -> None:
@@ -119,15 +119,15 @@ class Pipeline:
         self.clock = 0
         self.ran = 0  # clocks in which the core was not stalled
         self.words = np.zeros((0, len(path.inputs) + bool(path.side)), dtype=np.int64)  # announced targets, in order
-        self.expected: list[tuple[tuple[int, ...], int, int]] = []  # words, tag and flags of their results
+        self.expected: list[tuple[tuple[int, ...], int, int]] = []  # words, tag, flags of announced targets' results
         self.admitted: list[int] = []  # clock of admission of each target
         self.due: list[int] = []  # targets whose result has not left yet
         self.results: list[tuple[tuple[int, ...], int, int, int]] = []
         self.latencies: list[int] = []
         self.errors: list[str] = []
-        self.gap = self.held = False  # since the last beat: an idle input clock; a result had to wait
+        self.gap = self.held = False  # since the last beat: the input was idle; a result had to wait
         self.gaps: list[bool] = []
-        self.lost = False  # poses were dropped by a reset, and no result has left since
+        self.lost = False  # a reset has dropped poses, and no result has left since
         cocotb.start_soon(self._watch())
 
     def module(self, node: Node):
@@ -136,7 +136,7 @@ class Pipeline:
         return reduce(getattr, filter(None, self.path.instance(node).split(".")), core)
 
     async def reset(self, clocks: int = 4) -> None:
-        """Assert reset for ``clocks`` clocks; core, drivers and scoreboard drop all targets in flight."""
+        """Assert reset for ``clocks`` clocks. Core, drivers and scoreboard drop all targets in flight."""
         await RisingEdge(self.dut.clk)
         self.dut.rst.value = 1
         self.source.clear()
@@ -153,16 +153,16 @@ class Pipeline:
         await FallingEdge(self.dut.clk)
 
     def mixed(self, count: int, seed: int) -> np.ndarray:
-        """Return targets of every kind."""
+        """Return shuffled targets of every kind: wrist targets (N, 6), or poses with their branch (N, 12)."""
         return (arm_targets if self.path.side else mixed)(count, self.width, seed)
 
     def around(self, words: np.ndarray) -> np.ndarray:
-        """Return wrist targets, or poses of the whole arm with these wrists."""
+        """Return the wrist targets ``words``; for the whole arm, return poses with these wrists."""
         hands = [(0, 1 << self.width - 2, 0, 0, 0, n % 8) for n in range(len(words))]  # tool, Qh, branch
         return np.column_stack([words, hands]) if self.path.side else words
 
     def send(self, words: np.ndarray) -> None:
-        """Queue targets (N, words per target) with incrementing tags; those of the whole arm include the branch."""
+        """Queue targets with incrementing tags: wrist targets (N, 6), or poses with their branch (N, 12)."""
         model = answer(words, self.width, self.datapath, self.limits)
         self.words = np.concatenate([self.words, words])
         self.scoreboard.expect(model)
@@ -178,7 +178,7 @@ class Pipeline:
             self.source.send_nowait(AxiStreamFrame([beat], tuser=branch << self.tag_width | tag))
 
     async def drain(self, most_clocks: int = 20000) -> None:
-        """Wait for all results; fail after ``most_clocks`` clocks without one."""
+        """Wait for all results; fail after ``most_clocks`` clocks without a result."""
         seen, since = len(self.results), self.clock
         while len(self.admitted) < len(self.words) or self.due:
             await FallingEdge(self.dut.clk)
@@ -191,7 +191,6 @@ class Pipeline:
         await ClockCycles(self.dut.clk, 8, FallingEdge)  # no further result may follow
 
     async def finish(self) -> None:
-        """Wait for all results, then check them."""
         await self.drain()
         self.check()
 
@@ -204,7 +203,7 @@ class Pipeline:
         functional_coverage.keep()
 
     async def _watch(self) -> None:
-        """Sample admissions, departures and nodes once per clock; tb/axi/rules checks the stream rules."""
+        """Sample admissions, departures and nodes once per clock. The stream rules are checked by tb/axi/rules."""
         dut = self.dut
         # Verilator randomizes the initial clock level: ignore an edge at time 0.
         await Timer(1, unit="ns")
@@ -230,7 +229,7 @@ class Pipeline:
             self.ran += self.go is None or self.go.value == 1
 
     async def unknown_while_idle(self) -> None:
-        """Drive X on the input data while tvalid is low; run as a task. The driver overwrites it with the next beat."""
+        """Drive X on the input data while tvalid is low, until the driver's next beat. Start this as a task."""
         dut = self.dut
         while True:
             await FallingEdge(dut.clk)
@@ -270,7 +269,7 @@ class Pipeline:
 
 
 def bursts(random: np.random.Generator) -> Iterable[bool]:
-    """Yield pauses and gaps between them, of random lengths."""
+    """Yield True for a clock with a pause, else False, in runs of 1 to 11 clocks."""
     while True:
         yield from [bool(random.integers(2))] * int(random.integers(1, 12))
 
@@ -281,20 +280,20 @@ PATTERNS = {
     "bursts": bursts,
     "long": lambda random: itertools.cycle([False] * int(random.integers(20, 60)) + [True] * 700),
 }
-"""Pause patterns of a stream: a pause in every other clock, of random lengths, of 700 clocks."""
+"""Pause patterns of a stream: no pause; every other clock; random lengths; 700 clocks after every 20 to 59 clocks."""
 
 
 def pause(pattern: str, seed: int) -> Iterable[bool] | None:
-    """Return a pause generator, None for no pauses."""
+    """Return a pause generator, or None for no pauses."""
     return PATTERNS[pattern](np.random.default_rng(seed))
 
 
 @cocotb.test()
 async def run_targets(dut):
-    """Run jobs of targets without stalls, each after its own reset: the cocotb side of ``tb/sim/simulate.py``.
+    """Run jobs of targets without stalls, with a reset before each job: the cocotb side of ``tb/sim/simulate.py``.
 
-    IK_FOLDER is a folder with the file ``jobs``, a pickle of the target words of each job and of the limits of the
-    joints. It gets the files ``runs``, a pickled list of :class:`Run`, and ``progress``, the number of results so far.
+    IK_FOLDER names a folder. Its file ``jobs`` is a pickle of each job's target words and the joints' limits. This
+    writes the files ``runs``, a pickled list of :class:`Run`, and ``progress``, the number of results so far.
     """
     folder = Path(os.environ["IK_FOLDER"])
     jobs, limits = pickle.loads((folder / "jobs").read_bytes())

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Random targets in chunks, and the checks of the RTL's results: the soak without its command line.
 
-Bits, flags and norms are checked for every target, the hand error where `model.bounds.tolerances` has a limit.
+Bits, flags and norms are checked for every target, hand errors where `model.bounds.tolerances` has a tolerance.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ from tb.sim.simulate import Job, Run, SimulationError, simulate
 CHUNK = 20000  # targets per chunk
 
 CANDIDATES = 1000
-"""Targets of a chunk with the largest hand errors, which are ranked by tolerance (paper: by prediction)."""
+"""Number of a chunk's largest hand errors that are divided by their tolerance (paper: predicted error) and ranked."""
 
 
 def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.ndarray:
-    """Return chunk `number` of targets, shuffled: half near singular poses and in the other `REGIONS`, an eighth each
-    of clamped targets, format edges and extreme words, every corner, the rest anywhere in reach.
+    """Return chunk `number` of targets (count, 6), shuffled. Half lie in `REGIONS`, most of which are near singular
+    poses; an eighth each are `unreachable`, `edges` and `extremes`; `corners` and `random_reachable` make up the rest.
 
     Without a seed, return part `number` of all targets made of special words, in order."""
     if seed is None:
@@ -57,7 +57,7 @@ def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.n
 
 
 def over_limits(results: np.ndarray, limits: Limits, width: int) -> np.ndarray:
-    """Return the flags over_1, .. over_7 (N,) of angles (N, 7..) outside their arcs, in exact integers of the words."""
+    """Return flags (N,), over_1 to over_7, of joints outside their limits. Results (N, 7..) start with the angles."""
     low, high = np.array(limits).T
     over = (results[:, :7] - low) % (1 << width) > (high - low) % (1 << width)
     return (over << np.arange(OVER_BIT, OVER_BIT + 7)).sum(axis=1)
@@ -78,8 +78,8 @@ class Hard:
 class Found:
     """Totals of a set of targets.
 
-    * `above`: number of targets whose hand error exceeds the tolerance or prediction
-    * `by_hand`, `by_norm`: hardest targets by hand error over tolerance, and by norm error
+    * `above`: number of targets whose hand error exceeds the tolerance (paper: the predicted error)
+    * `by_hand`, `by_norm`: hardest targets by hand error / tolerance, and by norm error
     * `flags`: number of targets with each flag
     """
 
@@ -112,7 +112,7 @@ def _first(of: list[Hard], measure: Callable[[Hard], float]) -> list[Hard]:
 
 @dataclass(frozen=True)
 class Failure:
-    """Failed check: lines for the user and the target rows (K,), the first or worst one first."""
+    """Failed check: lines for the user, and the rows of the targets that fail, the first or the worst target first."""
 
     lines: list[str]
     rows: list[int]
@@ -120,7 +120,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Core:
-    """Core to simulate: simulator, datapath, word length, and the native program if there is one."""
+    """Core to simulate: simulator, datapath, word length, and with Verilator the native program."""
 
     sim: str
     datapath: str
@@ -133,7 +133,7 @@ class Core:
         return cls(sim, datapath, width, native_run.program(datapath, width) if sim == "verilator" else None)
 
     def run(self, words: np.ndarray) -> tuple[Run, np.ndarray, np.ndarray]:
-        """Return the RTL's run and the model's results (N, 6) and flags (N,). Raises SimulationError."""
+        """Return the RTL's run, and the model's results (N, words) and flags (N,). Raises SimulationError."""
         frames = list(native_run.answered(words, self.width, self.datapath))
         if self.program:
             run = native_run.compare(self.program, frames, self.width, self.datapath)
@@ -146,9 +146,9 @@ class Core:
 
 
 def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found, list[Failure]]:
-    """Run targets; return their totals and the failures.
+    """Run targets and check their results; return the totals and the failed checks.
 
-    numbers (N,): positions of the targets in their sequence. Raises SimulationError, also for lost results.
+    `numbers` (N,) are the targets' positions in their sequence. Raises SimulationError, also for lost results.
     """
     run, results, flags = core.run(words)
     path = MODELS[core.datapath]
@@ -195,7 +195,7 @@ def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found,
 
 
 def _above(text: str, error: np.ndarray, most: np.ndarray, rows: np.ndarray) -> list[Failure]:
-    """Return the failure of targets whose error is too large, if there are any, the worst first."""
+    """Return one failure for the targets `rows`, whose errors are too large, worst first; none if `rows` is empty."""
     if not len(rows):
         return []
     worst = rows[np.argsort(-error[rows] / most[rows], kind="stable")].tolist()
@@ -206,7 +206,7 @@ _TARGET = re.compile(r"(?<= of target )\d+")
 
 
 def _bits_failure(run: Run, differing: list[int], numbers: Sequence[int]) -> Failure:
-    """Make the failure message, with target numbers of the sequence instead of the run."""
+    """Return the failure for differing bits. Its lines number targets by their sequence, not by the run."""
     lines = [f"{run.bit_mismatches} bits differ from the bit-true model, results of {len(differing)} targets"]
     first = run.first_mismatch or ""
     named = [int(n) for n in _TARGET.findall(first)[:1]]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stream tests of ``ik_axis`` and ``ik_arm``: stalls on both sides, tags and order, rate and latency, reset in traffic.
+"""Stream tests of ``ik_axis`` and ``ik_arm``: stalls on both sides, tags, order, rate, latency, reset during traffic.
 
-Each test compares every result, tag and flag with the bit-true model; some also compare every node, which dominates
-simulation time. tb/axi/rules checks the AXI4-Stream rules in every clock.
+Each test compares every result, tag and flag with the bit-true model. Some also compare every node, which takes most
+of their simulation time. tb/axi/rules checks the AXI4-Stream rules in every clock.
 """
 
 import os
@@ -18,7 +18,7 @@ from tb.core.pipeline import PATTERNS, Pipeline, pause
 
 
 async def started(dut, nodes: bool = False) -> Pipeline:
-    """Return the bench after reset; ``nodes``: compare every node, not only the results."""
+    """Return the bench after reset. With ``nodes`` it compares every node, not only the results."""
     bench = Pipeline(dut, nodes)
     if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator has no X
         cocotb.start_soon(bench.unknown_while_idle())
@@ -32,10 +32,10 @@ def datapath_latency(bench: Pipeline) -> int:
 
 
 def places(bench: Pipeline) -> int:
-    """Return the number of targets admitted while m_axis_tready is low.
+    """Return the number of targets that are admitted while m_axis_tready is low.
 
-    A pipeline has a FIFO whose depth is its latency plus 3, rounded up to a power of two. The folded core holds one
-    result at its output, a second target that stalls before its first result, and a third if it is loaded before that.
+    A pipeline has a FIFO whose depth is its latency plus 3, rounded up to a power of two. In the folded core a result
+    waits at the output, and the next target stalls before its first result. A third target may be loaded before then.
     """
     if bench.period == 1:
         return 1 << int(np.ceil(np.log2(datapath_latency(bench) + 3)))
@@ -46,8 +46,8 @@ def places(bench: Pipeline) -> int:
 
 @cocotb.test()
 async def one_result_per_clock(dut):
-    """Unstalled results leave in consecutive clocks, or a period apart, all with the same latency. Each divider and
-    root is of the kind that DIGIT selects."""
+    """Check that unstalled results leave in consecutive clocks (folded core: one per period), all with the specified
+    latency, and that DIGIT selects the kind of each divider and root."""
     bench = await started(dut, nodes=True)
     bench.send(bench.mixed(200 if bench.period == 1 else 20, seed=1))
     await bench.finish()
@@ -55,7 +55,7 @@ async def one_result_per_clock(dut):
     assert (np.diff(clocks) == bench.period).all(), f"results come {sorted(set(np.diff(clocks)))} clocks apart"
     expected = fixed.latency(bench.datapath, bench.width)
     assert set(bench.latencies) == {expected}, f"latencies {sorted(set(bench.latencies))}, expected {expected}"
-    # specified: at W = 18 and 32
+    # largest specified latency: up to W = 18, from W = 19
     limits = {"paper": (363, 363), "fold": (115, 115), "arm": (105, 130), "fold_arm": (320, 320)}
     most = limits.get(bench.datapath.removesuffix("16"), (38, 44))[bench.width > 18]
     assert expected <= most, f"latency {expected}, more than {most}"
@@ -69,7 +69,7 @@ async def one_result_per_clock(dut):
 @cocotb.test()
 @cocotb.parametrize(idle=list(PATTERNS), stall=list(PATTERNS))
 async def stalls(dut, idle, stall):
-    """Input gaps crossed with output stalls; without gaps, a 'long' stall fills the FIFO."""
+    """Cross input gaps with output stalls. Without gaps, a "long" stall fills the FIFO."""
     bench = await started(dut)
     for port, pattern, seed in ((bench.source, idle, 1), (bench.sink, stall, 2)):
         port.set_pause_generator(pause(pattern, seed))
@@ -81,10 +81,10 @@ async def stalls(dut, idle, stall):
 @cocotb.test()
 @cocotb.parametrize(idle=[False, True], stall=[False, True])
 async def every_flag_in_every_region(dut, idle, stall):
-    """Targets near each singular pose and far from all, with and without gaps and waiting results.
+    """Send targets near each singular pose and far from all, with and without gaps and waiting results.
 
-    Pauses are random: targets whose coverage bin is empty are sent again, up to 9 times. An extra target goes first,
-    since the first one always follows idle clocks.
+    Pauses are random, so targets whose coverage bin is still empty are sent again, up to 9 times. An extra target goes
+    first, since the first target always follows idle clocks.
     """
     bench = await started(dut, nodes=not idle and not stall)
     random = np.random.default_rng(7)
@@ -105,7 +105,7 @@ async def every_flag_in_every_region(dut, idle, stall):
 
 @cocotb.test()
 async def full(dut):
-    """While m_axis_tready is low the core admits one target per slot; all results leave when it is high again."""
+    """Check that the core admits :func:`places` targets while m_axis_tready is low; then take all results."""
     bench = await started(dut)
     most, more = places(bench), 50 if bench.period == 1 else 5
     bench.sink.pause = True
@@ -121,8 +121,8 @@ async def full(dut):
 @cocotb.test()
 @cocotb.parametrize(after=["few", "many", "out", "full"])
 async def reset_in_traffic(dut, after):
-    """Reset with few or many targets in flight, with results leaving, or with a full FIFO: all are dropped, and later
-    targets give results."""
+    """Reset with few or many targets in flight, while results leave, or with a full FIFO. Check that all targets are
+    dropped and that later targets give results."""
     bench = await started(dut)
     latency = datapath_latency(bench)
     bench.sink.pause = after == "full"
@@ -141,9 +141,9 @@ async def reset_in_traffic(dut, after):
 
 @cocotb.test()
 async def reset_in_any_clock(dut):
-    """Reset for one clock, after 1 to 200 clocks of traffic with gaps and stalls; later results are right.
+    """Reset for one clock after 1 to 200 clocks of traffic with gaps and stalls; check the later results.
 
-    One number of clocks in 11 is simulated; `make formal` proves all.
+    Every 11th number of clocks is simulated; `make formal` proves all.
     """
     bench = await started(dut)
     for clocks in range(1, 201, 11):
@@ -161,7 +161,7 @@ async def reset_in_any_clock(dut):
 
 @cocotb.test()
 async def not_ready_under_reset(dut):
-    """Nothing is taken under reset: tready falls with it."""
+    """Check that tready falls as soon as reset is asserted, so that no target is admitted under reset."""
     bench = await started(dut)
     bench.send(bench.mixed(2, seed=8))
     while dut.s_axis_tready.value != 1:
@@ -173,7 +173,7 @@ async def not_ready_under_reset(dut):
 
 @cocotb.test()
 async def ready_before_valid(dut):
-    """After reset a pipeline is ready before tvalid, the folded core is not; no result leaves."""
+    """Check that without targets a pipeline is ready, the folded core is not, and no result leaves."""
     bench = await started(dut)
     for _ in range(20):
         await FallingEdge(dut.clk)

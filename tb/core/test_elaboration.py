@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Elaboration: unsupported parameters stop it with a named error, their neighbours do not; depth of the FIFO."""
+"""Test that unsupported parameters stop elaboration with a named error and supported ones do not; test FIFO depths."""
 
 import itertools
 import re
@@ -32,7 +32,7 @@ ILLEGAL_SETS = [  # top, module that stops the elaboration, parameter sets
     ("ik_axi", "ik_axi_illegal_DATA_W", sets_of("DATA_W", (16,), (33,), (96,), (256,))),
     ("ik_axi", "ik_axi_illegal_ADDR_W", sets_of("ADDR_W ARM", (11, 0), (65, 0), (12, 1))),
     ("ik_axi", "ik_axi_illegal_LOG2_BURST", sets_of("LOG2_BURST DATA_W ARM", (0, 64, 0), (6, 64, 0), (5, 32, 1))),
-    ("ik_axi", "ik_axis_illegal_DIGIT", sets_of("DIGIT DATAPATH", (2, 1), (2, 0))),  # from here the core reports
+    ("ik_axi", "ik_axis_illegal_DIGIT", sets_of("DIGIT DATAPATH", (2, 1), (2, 0))),  # stopped by the core inside
     ("ik_axi", "ik_axis_illegal_TILE", sets_of("TILE", (17,), (20,))),
     ("ik_axi", "ik_axis_illegal_W", [{"W": 15}, {"W": 33}, {"TILE": 16}]),
     ("ik_lean", "ik_lean_illegal_W", [{"W": 2}, *LEAN_W[1:]]),
@@ -63,7 +63,7 @@ ILLEGAL_SETS = [  # top, module that stops the elaboration, parameter sets
     ("ik_root", "ik_root_digit_illegal_LAT", sets_of(SQRT, (10, 5, 8, 4), (32, 30, 32, 16), (10, 0, 2, 1), DIGIT=1)),
     ("ik_root", "ik_root_digit_illegal_width", sets_of(SQRT, (1, 5, 8, 9), (10, 5, 1, 9), DIGIT=1)),
 ]
-ILLEGAL = [  # only the first of each row is in the quick gate
+ILLEGAL = [  # `make test` uses only the first set of each row
     pytest.param(top, parameters, name, marks=pytest.mark.slow if k else ())
     for top, name, sets in ILLEGAL_SETS
     for k, parameters in enumerate(sets)
@@ -87,11 +87,11 @@ LEGAL = [  # top, parameter sets
     ("ik_fold_arm", [{"W": 32, "TAG_W": 1}]),
 ]
 READ = () if simulator() == "icarus" else pytest.mark.slow
-"""Verilator reads nearly the same sets in `make lint`, and builds others in other tests."""
+"""Mark of the LEGAL sets: slow with Verilator, which reads nearly the same sets in `make lint` and builds others."""
 
 
 def elaborated(top: str, parameters: dict[str, int]) -> tuple[int, set[str]]:
-    """Return the exit status of the simulator that SIM names, and the modules it reports as missing."""
+    """Return the exit status of the simulator that SIM names, and the modules that it reports as missing."""
     folders = [f"-I{folder}" for folder in includes()]
     if simulator() == "icarus":
         command = ["iverilog", "-g2001", "-t", "null", "-s", top]
@@ -128,13 +128,13 @@ def test_elaborates(top, parameters):
 
 
 PARTS = ("ik_axis", "ik_axi", "ik_arm", "ik_credit_fifo", "ik_lean", "ik_lean_arm", "ik_paper")
-"""Modules that define T_OUT and LOG2; for other modules, only the header is compiled."""
+"""Modules that define T_OUT and LOG2; the FIFO test compiles only the headers of other modules."""
 
 
 def test_fifo_has_a_slot_for_each_clock_and_not_twice_as_many(tmp_path):
-    """A slot is reserved from admission until the result leaves: T_OUT clocks, two of the FIFO, one of departure.
+    """Check that the FIFO has at least T_OUT + 3 slots, fewer than twice that, and that ``ik_axi`` has equal constants.
 
-    With fewer slots the stream has gaps.
+    A slot is reserved for T_OUT clocks, two in the FIFO and one of departure. With fewer slots the stream has gaps.
     """
     lines, checked = ["module top;"], 0
     for path in (path for path in MODELS.values() if path.period == 1):

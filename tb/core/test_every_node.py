@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every node of the whole core equals the bit-true model's, at several word lengths of every datapath.
+"""Test that every node of the whole core equals the bit-true model's, at several word lengths of every datapath.
 
-Targets are the hardest found so far and random ones of every kind; under Verilator also corners and all combinations
-of 3-bit words.
+The targets are the hardest found so far and random targets of every kind. Verilator also runs corners of the arithmetic
+and all combinations of 3-bit words.
 """
 
 import itertools
@@ -33,8 +33,7 @@ else:
 
 
 def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) -> Run:
-    """Run targets, under Verilator without cocotb; check every node, result and flag. The whole arm has other limits
-    than the bench's own."""
+    """Run targets, with Verilator natively, and check every node, result and flag. Joints have random limits."""
     options = {"simulator": simulator(), "datapath": datapath, "width": width, "cores": cores}
     ends = np.random.default_rng(6).integers(-(1 << width - 1), 1 << width - 1, (7, 2))
     limits = list(map(tuple, ends.tolist())) if MODELS[datapath].side else None
@@ -46,7 +45,7 @@ def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) 
 
 
 def listed(datapath: str, width: int) -> np.ndarray:
-    """Return the hardest targets; a width that is not in the list uses the longest words, truncated."""
+    """Return the listed hardest targets. An unlisted word length uses targets of the longest listed one, truncated."""
     listed_as = "arm" if MODELS[datapath].side else datapath if datapath in DATAPATHS else "lean"
     longest = max(w for d, w in GROUPS if d == listed_as)
     source = width if (listed_as, width) in GROUPS else longest
@@ -54,7 +53,7 @@ def listed(datapath: str, width: int) -> np.ndarray:
 
 
 def targets(datapath: str, width: int) -> np.ndarray:
-    """Return the hardest targets and others of every kind; Icarus, a hundred times slower, runs fewer."""
+    """Return the hardest targets and others of every kind; fewer for Icarus, which is a hundred times slower."""
     if MODELS[datapath].side:
         mixed_poses = arm_targets(40 if ICARUS else 5000 if MODELS[datapath].period == 1 else 1000, width, 4)
         return np.concatenate([listed(datapath, width), mixed_poses])
@@ -82,7 +81,7 @@ if ICARUS:  # Verilator takes minutes to compile digit recurrences
 else:
     signed = np.concatenate([np.arange(4), np.arange(-4, 0)])
     EVERY = np.array(list(itertools.product(signed, repeat=6)))[:, ::-1]
-    """All targets of 3-bit words; the octal digits of n are the words of target n, x lowest."""
+    """All targets of 3-bit words. The octal digits of n are the words of target n; the lowest digit is x."""
 
     @pytest.mark.sim
     def test_every_target_of_3_bits():
@@ -93,7 +92,7 @@ else:
     @pytest.mark.slow
     @pytest.mark.cost(20)
     def test_every_folded_target_of_3_bits():
-        """All combinations of the three highest bits of each word at W = 20, the shortest for fold."""
+        """Run all combinations of the three highest bits of each word at W = 20, fold's shortest word length."""
         run("fold", 20, EVERY << 17)
 
 

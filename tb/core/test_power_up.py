@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Power-up: outputs are defined before the first clock and do not depend on the initial state.
+"""Test power-up: outputs are defined before the first clock, and nothing depends on the initial state.
 
-Registers start as X under Icarus, which runs the check of the ports alone. Verilator starts registers, memories and X
-at random: several seeds run streams and jobs as well.
+Icarus starts registers as X; there, test_nothing_depends_on_the_start only checks the ports. Verilator starts
+registers, memories and X at random; there, several seeds also run streams and jobs.
 """
 
 import re
@@ -23,7 +23,7 @@ ALWAYS_READY = ("m_axi_rready", "m_axi_bready")
 
 DRIVEN = {"s_axis_tvalid", "m_axis_tready", *(f"s_axi_{c}valid" for c in ("aw", "w", "ar")), "s_axi_bready"}
 DRIVEN |= {"s_axi_rready", "m_axi_rvalid", "m_axi_bvalid", *(f"m_axi_{c}ready" for c in ("aw", "w", "ar"))}
-"""Inputs of the core."""
+"""Handshake inputs of ``ik_axis``, ``ik_arm`` and ``ik_axi``."""
 
 
 @cocotb.test()
@@ -50,8 +50,7 @@ async def power_up(dut):
 ICARUS = simulator() == "icarus"
 SEEDS = range(1, 2) if ICARUS else range(3, 13)
 STREAMED = () if ICARUS else (3, 6, 12)
-"""Seeds of streams and jobs; the others check the ports alone. Other simulations use 1. Of 40 seeds, three start at a
-step that overwrites a constant; 12 is the first of them."""
+"""Seeds that also run streams and jobs; the other seeds only check the ports. Other tests use seed 1."""
 
 EVERY = "every_flag.*idle=False/stall=False"
 STREAMS = f"power_up|one_result|ready_before|after=few|idle=bursts/stall=bursts|{EVERY}"
@@ -65,10 +64,10 @@ for name, (path, width, tag) in SETS.items():
         TOPS.append(pytest.param(MODELS[path].top, parameters, STREAMS, id=name, marks=marks))
 
 LONG = "paper-23", "arm-18", "fold_arm16-18"
-"""Cores that take longest; `make test-all` tests their reset."""
+"""Sets that simulate longest; only `make test-all` tests them without initial values."""
 BUG = Bug("no initial valid", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n", "", "power_up")
 INITIAL = re.compile(r"^ *initial (?:\{[^}]*\}|\w+) = .*;\n", re.MULTILINE)
-"""Initial value of registers; memories have theirs from a loop or a list."""
+"""Initial value of registers; a memory is initialized by a loop or in a block instead."""
 BARE = "one_result|after=few|one_record|after_a_reset"
 MODULES = {**dict.fromkeys(("ik_axis", "ik_arm"), "tb.core.stream_tests"), "ik_axi": "tb.axi.ik_axi,tb.axi.registers"}
 
@@ -76,7 +75,7 @@ pytestmark = [pytest.mark.sim, *([] if ICARUS else [pytest.mark.cost(60)])]
 
 
 def failing(top: str, parameters: dict[str, int], tests: str, **options) -> Iterator[int]:
-    """Yield the seeds with which tests fail, from one build."""
+    """Yield the seeds with which tests fail; all seeds share one build."""
     options["parameters"] = parameters
     for seed in SEEDS:
         env = {"COCOTB_TEST_FILTER": tests if seed in STREAMED else "power_up", "IK_AXI_JOBS": "4"}
@@ -104,7 +103,7 @@ def test_a_register_without_an_initial_value_is_detected(tmp_path):
     [pytest.param(*one.values[:2], id=one.id, marks=[pytest.mark.slow] if one.id in LONG else []) for one in TOPS],
 )
 def test_a_reset_of_one_clock_replaces_initial_values(top, parameters, tmp_path):
-    """Without initial values registers are X until a reset of one clock; memories keep their contents."""
+    """Test a copy of the RTL whose registers, but not memories, have no initial values: they are X until the reset."""
     changed = 0
     for path in sources(copy_rtl(tmp_path)):
         text, count = INITIAL.subn("", path.read_text())
@@ -112,7 +111,7 @@ def test_a_reset_of_one_clock_replaces_initial_values(top, parameters, tmp_path)
         changed += count
     assert changed == sum(len(re.findall(r"\n +initial (?!begin|for)", path.read_text())) for path in sources())
     memory = tmp_path / "rtl" / "fold" / "ik_fold_memory.v"
-    stop = "always @(posedge clk) if (w_en === 1'bx) $finish;"  # a write of X would not show in Icarus
+    stop = "always @(posedge clk) if (w_en === 1'bx) $finish;"  # Icarus would skip such a write
     memory.write_text(memory.read_text().replace("endmodule", f"{stop}\nendmodule"))
     env = {"COCOTB_TEST_FILTER": BARE, "IK_RESET": "0"}
     simulate(top, MODULES[top], parameters=parameters, env=env, root=tmp_path, name="bare")

@@ -33,7 +33,7 @@ def test_a_chunk_depends_on_its_number_and_seed_only(width):
 
 @pytest.mark.parametrize("width", [16, 32])
 def test_special_words_are_all_that_there_are(width):
-    """Chunks cover each of the 12^6 combinations once, including the ends of the range, 0, 1 and their neighbours."""
+    """Check that chunks without a seed contain each of the 12^6 targets made of special words once."""
     words = np.concatenate([chunk(n, width, None) for n in range(-(-SPECIAL // 20000))])
     numbers = np.searchsorted(sorted(special(width)), words)
     assert (np.sort(special(width))[numbers] == words).all() and len(set(special(width))) == 12
@@ -43,8 +43,8 @@ def test_special_words_are_all_that_there_are(width):
 
 
 def test_a_chunk_has_all_kinds():
-    """The first tenth of a chunk, as in a short soak, already has clamped targets, unequal lengths and every decade of
-    distance to the singular poses; the whole chunk has every corner."""
+    """Check that the first tenth of a chunk, as in a short soak, has clamped targets, unequal lengths and every decade
+    of distance to the singular poses, and that the whole chunk has every corner."""
     whole = chunk(0, 32, 1)
     assert set(corners(32).values()) <= set(map(tuple, whole.tolist()))
     words = whole[:2000]
@@ -57,7 +57,7 @@ def test_a_chunk_has_all_kinds():
     off_axis = np.arctan2(np.hypot(at.x, at.y), np.abs(at.z))
     distance = np.sqrt(at.x**2 + at.y**2 + at.z**2)
     pose = solve_clamped(at.x, at.y, at.z, at.phi, at.d1, at.d2)
-    near = {  # distance, and the decades of it
+    near = {  # distance from the pose, number of decades
         "z axis": (off_axis, 7),
         "full stretch": (1 - distance / at.reach, 8),
         "full fold": ((distance - np.abs(at.d1 - at.d2)) / at.reach, 8),
@@ -71,7 +71,7 @@ def test_a_chunk_has_all_kinds():
 
 
 def test_the_list_is_sorted_and_bounded():
-    """The list is as `python -m scripts.soak --keep` writes it: no manual edits and no duplicates."""
+    """Check that the list is as `python -m scripts.soak --keep` writes it, without manual edits and duplicates."""
     order = [(row.datapath, row.width, -row.hand_error, row.words) for row in ROWS]
     assert order == sorted(order)
     assert len({(row.datapath, row.width, row.words) for row in ROWS}) == len(ROWS)
@@ -81,9 +81,9 @@ def test_the_list_is_sorted_and_bounded():
 
 @pytest.mark.parametrize(("datapath", "width"), GROUPS)
 def test_errors_in_the_model(datapath, width):
-    """Recorded errors equal the model's, norms are within tolerance, and lean and the whole arm meet their tolerances.
+    """Check that recorded errors equal the model's, and that norms and hand errors (not paper's) are within tolerance.
 
-    For the paper's equations the prediction is no bound where two singular poses meet, as they do for these targets.
+    Two singular poses meet at the listed targets of paper, and there the predicted error is no bound.
     """
     rows = GROUPS[datapath, width]
     words = worst_targets.array(rows)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of stream_tests.py, one pytest case each; all cases of a parameter set share one build and simulation."""
+"""Run each test of stream_tests.py as a pytest case. All cases of a parameter set share one build and simulation."""
 
 import re
 import xml.etree.ElementTree as ElementTree
@@ -12,8 +12,8 @@ from tb.sim.env import simulator
 from tb.sim.runner import simulate
 
 # One set per datapath; tag widths 3 and 8. At W = 23 the paper datapath takes 255 clocks, for which a FIFO of 256 slots
-# would be too short. Streams do not depend on the word length: Icarus, which is slow, runs lean at W = 18, and only the
-# tests in FEW on the paper datapath and the whole arm.
+# would be too short. Streams do not depend on the word length. So Icarus, which is slow, runs lean at W = 18; on the
+# paper datapath and the whole arm it runs only the tests in FEW.
 SETS = {
     "fold-24": ("fold", 24, 8),
     "paper-23": ("paper", 23, 3),
@@ -56,7 +56,7 @@ def failures(request, tmp_path_factory):
 
 
 LARGE = ("paper-23", "arm-18", "fold_arm-24") if simulator() == "icarus" else ()
-SOME = (*LARGE, "fold_arm16-18")  # differs from fold_arm-24 in the fetch of steps only: test_power_up resets it
+SOME = (*LARGE, "fold_arm16-18")  # only its fetch of steps differs from fold_arm-24's; test_power_up tests its reset
 WHOLE = [key for key in SETS if key not in SOME]
 FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out")
 
@@ -78,5 +78,5 @@ def test_some_streams(failures, name):
 @pytest.mark.parametrize("name", [name for name in TESTS if "idle=bursts/stall=bursts" in name or "after=out" in name])
 @pytest.mark.parametrize("failures", BYTES, indirect=True)
 def test_words_of_whole_bytes(failures, name):
-    """``ik_axis_bytes`` ignores the padding of targets, which is random, and sign-extends results."""
+    """Check that ``ik_axis_bytes`` ignores the padding of targets, which is random here, and sign-extends results."""
     assert name not in failures, failures[name]

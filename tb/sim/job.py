@@ -13,18 +13,18 @@ from model.dataflow.nodes import Limits, Node
 from model.io.stimuli import arm_limits
 from model.io.words import pack
 
-KEPT = 1000  # number of differences kept for the message; all are counted
+KEPT = 1000  # number of differences kept for the message; later ones are only counted
 
 
 class SimulationError(Exception):
-    """Simulation that did not complete; the message has one or more lines for the user."""
+    """Error of a simulation that did not complete; the message has one or more lines for the user."""
 
 
 @dataclass
 class Job:
     """Targets to run in order.
 
-    ``words`` are signed input words: (N, 6), or for the whole arm (N, 12) with the branch.
+    ``words`` are signed input words: wrist targets (N, 6), or poses of the whole arm with their branch (N, 12).
     """
 
     name: str
@@ -32,14 +32,14 @@ class Job:
 
 
 def answer(words: np.ndarray, width: int, datapath: str, limits: Limits | None = None) -> fixed.Answer:
-    """Return the model's answer to a bench's targets. Joints have limits, by default :func:`arm_limits`."""
+    """Return the model's answer to the words of a :class:`Job`; ``limits`` of joints default to :func:`arm_limits`."""
     count = len(MODELS[datapath].inputs)
     branch = words[:, count] if MODELS[datapath].side else 0
     return fixed.run(words[:, :count], width, datapath, branch, limits or arm_limits(width))
 
 
 def limits_port(limits: Limits, width: int) -> int:
-    """Return the value of ``limits`` of ``ik_arm``, whose words wrap."""
+    """Return the value of the port ``limits`` of ``ik_arm``; each limit wraps modulo one turn."""
     half = 1 << width - 1
     return pack((np.ravel(limits)[None] + half) % (2 * half) - half, width)[0]
 
@@ -48,9 +48,9 @@ def limits_port(limits: Limits, width: int) -> int:
 class Run:
     """Results of the RTL for a job.
 
-    ``results`` (N, 6) signed words and ``flags`` (N,) in input order; ``latency_cycles`` from first in to first out;
-    ``total_cycles`` from first in to last out, both included, None for hardware behind a link; ``bit_mismatches`` over
-    all visible named nodes, ``first_mismatch`` the first of them as text.
+    ``results`` (N, words) are signed; they and ``flags`` (N,) are in input order. ``latency_cycles`` counts the clocks
+    from first in to first out, ``total_cycles`` from first in to last out, both included. Hardware behind a link has
+    None for both. ``bit_mismatches`` counts differing bits of all visible named nodes; ``first_mismatch`` is a message.
     """
 
     results: np.ndarray
@@ -72,7 +72,7 @@ class Difference:
     model: int
 
     def bits(self) -> int:
-        """Return the number of differing bits; X and Z count."""
+        """Return the number of differing bits. X and Z differ from both 0 and 1."""
         expected = format(self.model, f"0{self.node.format.width}b")
         return sum(a != b for a, b in zip(self.rtl, expected, strict=True))
 
@@ -87,12 +87,12 @@ class Difference:
 
 
 def hexadecimal(bits: str) -> str:
-    """Format bits as hexadecimal digits, or unchanged if one is X or Z."""
+    """Return bits as hexadecimal digits, or unchanged if any bit is X or Z."""
     return f"{int(bits, 2):0{-(-len(bits) // 4)}x}" if set(bits) <= {"0", "1"} else bits
 
 
 def value(bits: str, fmt: Format, digits: int = 12) -> str:
-    """Format the value of bits in format ``fmt`` with ``digits`` significant digits."""
+    """Return the value of bits in format ``fmt`` as text with ``digits`` significant digits."""
     if not set(bits) <= {"0", "1"}:
         return "unknown"
     word = int(bits, 2)
@@ -102,9 +102,9 @@ def value(bits: str, fmt: Format, digits: int = 12) -> str:
 
 
 def report(differences: Sequence[Difference], nodes: Iterable[Node], most: int = 5, since: int = 0) -> str:
-    """Return a message about the first differing target, nodes in the order of ``nodes``; empty if nothing differs.
+    """Return a message about the first target that differs; empty if none does. Its number counts from ``since``.
 
-    Target numbers count from target ``since``.
+    The message lists at most ``most`` nodes, in the order of ``nodes``.
     """
     if not differences:
         return ""

@@ -5,8 +5,9 @@
 //
 // Built around the wrapper from native_run.py: `nodes` holds every node, aligned to 32 bits. The stream consists of 64-bit
 // little-endian words: the word length, the numbers of input words, result words and nodes, and clock and width of each
-// node; then frames: a count n, followed by columns of n words each: input words, result words, flags, and the nodes, with
-// as many columns as each needs. A frame of 0 targets ends the stream. RESULTS receives columns of each frame: result words (unsigned) and flags.
+// node. Then frames follow: a count n, and columns of n words each: input words, result words, flags, and the nodes, one
+// column per 64 bits. A frame of 0 targets ends the stream. RESULTS receives columns of each frame: result words
+// (unsigned) and flags.
 //
 // Prints "done TARGETS LATENCY CLOCKS BITS": clocks from first in to first out, from first in to last out, differing bits;
 // and for the first differences "differs NODE TARGET CLOCK RTL MODEL" with hexadecimal words. A broken stream prints a line
@@ -44,7 +45,7 @@ uint64_t read_word() {
 
 uint64_t ones(unsigned width) { return width >= 64 ? ~uint64_t{0} : (uint64_t{1} << width) - 1; }
 
-// 64 bits of a node's word, or the remaining bits.
+// Up to 64 bits of a node's word.
 struct Limb {
   unsigned node, time, word;  // word: index of the port's 32-bit word
   bool wide;                  // more than 32 bits

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Native simulation of ``ik_axis`` without Python in the loop: ``native_run.cpp`` compares every node of every target.
+"""Native simulation of a core without Python in the loop: ``native_run.cpp`` compares every node of every target.
 
-:func:`wrapper` generates Verilog that connects all named nodes of a datapath to one port; :func:`compare` streams
-targets and the bit-true model's words through the program that Verilator builds from it.
+:func:`wrapper` generates Verilog that connects all named nodes of a datapath to one port; :func:`program` builds a
+program from this Verilog. :func:`compare` streams targets and the bit-true model's words through the program.
 """
 
 import contextlib
@@ -33,7 +33,7 @@ TOP = "ik_native_run"
 BUILD = coverage.build("native")
 
 FRAME = 5000
-"""Targets per model call: arrays fit the caches, and columns avoid cache-line conflicts."""
+"""Number of targets per model call. Arrays then fit the caches, and columns avoid cache-line conflicts."""
 
 
 def nodes_of(datapath: str, width: int) -> list[Node]:
@@ -42,8 +42,10 @@ def nodes_of(datapath: str, width: int) -> list[Node]:
 
 
 def wrapper(datapath: str, width: int, digit: int, bounds: Limits | None = None) -> str:
-    """Return a top around the core, or around the datapath alone below 16 bits: fields in 32-bit lanes, and every node
-    on one port, aligned to 32 bits.  The branch of the whole arm has a lane above the fields; limits are constants."""
+    """Return the Verilog of a top around the core, or around the datapath alone for W < 16.
+
+    Each word of a target or result has a 32-bit lane. For the whole arm, the branch has the lane above these, and
+    ``bounds``, the joints' limits, are constants. The port ``nodes`` holds every node, aligned to 32 bits."""
     path = MODELS[datapath]
     core = f"u_axis.g_{path.rtl}.u_core" if width in WIDTHS else "u_core"
     parameters = {**path.parameters, **({"DIGIT": 1} if digit else {})}
@@ -113,9 +115,10 @@ def program(
     kind: str | None = None,
     limits: Limits | None = None,
 ) -> Path:
-    """Build the program of a datapath if necessary; parameters as in :func:`tb.sim.simulate.simulate`.
+    """Build the program of a datapath if necessary; return its path.
 
-    Raises :class:`SimulationError` with the compilers' messages.
+    The parameters are as in :func:`tb.sim.simulate.simulate`; ``kind`` is ``cores`` there. Raises
+    :class:`SimulationError` with the compilers' messages.
     """
     digit = CORES.index(cores(kind)) if MODELS[datapath].rtl == "paper" else 0
     parts = [datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])]
@@ -140,14 +143,14 @@ def program(
 def answered(
     words: np.ndarray, width: int, datapath: str, limits: Limits | None = None
 ) -> Iterator[tuple[np.ndarray, fixed.Answer]]:
-    """Yield targets and the model's answers in frames."""
+    """Yield frames of at most :data:`FRAME` targets, each with the model's answer."""
     for start in range(0, len(words), FRAME):
         piece = words[start : start + FRAME]
         yield piece, answer(piece, width, datapath, limits)
 
 
 def columns(node: Node) -> Iterator[np.ndarray]:
-    """Yield the 64-bit words of a node, lowest first."""
+    """Yield the words of a node as columns of 64 bits, lowest bits first."""
     value = node.value
     for low in range(0, node.format.width, 64):
         limb = value >> low if low else value
@@ -164,10 +167,11 @@ def compare(
     progress: Callable[[int], None] | None = None,
     root: Path = ROOT,
 ) -> Run:
-    """Run and compare the targets of all frames in order, without stalls.
+    """Run the targets of all frames in order, without stalls, and compare every node; return the run.
 
     ``progress(done)`` is called after each frame. ``root`` is the RTL copy that the program was built from. Raises
-    :class:`SimulationError` for lost or reordered results, a changing latency, or a program that stops early.
+    :class:`SimulationError` for lost or reordered results, wrong results although all nodes are right, a changing
+    latency, or a program that stops early.
     """
     nodes, of = nodes_of(datapath, width), MODELS[datapath]
     header = [width, len(of.inputs) + bool(of.side), len(of.results), len(nodes)]
@@ -198,7 +202,7 @@ def compare(
 
 
 def _run(said: str, back: np.ndarray, sizes: list[int], nodes: list[Node], width: int, count: int) -> Run:
-    """Return the run from the program's output ``said`` and its results ``back``, ``count`` words per target."""
+    """Return the run, from the program's output ``said`` and its results and flags ``back``, ``count`` per target."""
     done, *differs = said.splitlines()
     targets, latency, clocks, bits = map(int, done.split()[1:])
     if targets != sum(sizes) or len(back) != count * targets:

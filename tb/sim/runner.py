@@ -25,7 +25,7 @@ from tb.sim.sources import headers, includes, sources, with_rules
 BUILD = coverage.build("sim")
 
 COMPACT = ["--output-split", "0", str(ROOT / "tb" / "sim" / "tables.vlt")]
-"""Verilator arguments for one short C++ file, which parses the system's headers once: half the compile time."""
+"""Verilator arguments for a single, shorter C++ file. It parses the system's headers once: half the compile time."""
 
 VERILATOR_ARGS = [
     *COMPACT,
@@ -38,10 +38,10 @@ VERILATOR_ARGS = [
 RANDOM_START = "+verilator+rand+reset+2", "+verilator+seed+{}"
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # compiler flag missing from the PyPI package's configuration
 UNOPTIMIZED = ["OPT_FAST=-O0", "OPT_SLOW=-O0"]
-"""Compiling takes a third less time; Python takes nine tenths of the simulation time anyway."""
+"""Make arguments: compiling takes a third less time. Python takes nine tenths of the simulation time anyway."""
 WITH_DIGIT = ("ik_axis", "ik_axis_bytes", "ik_axi")  # toplevels that have the parameter DIGIT
 TRACED = ROOT / "tb" / "sim" / "waves.vlt"
-"""Scopes omitted from a Verilator waveform; for Icarus, ``ik_waves.v`` limits the depth."""
+"""List of scopes omitted from a Verilator waveform. For Icarus, ``ik_waves.v`` limits the depth instead."""
 
 
 @contextmanager
@@ -55,10 +55,10 @@ def alone(folder: Path):
 
 @contextmanager
 def runtime(folder: Path, kind: str, header: bool = True):
-    """Share Verilator's own runtime and its parsed headers, 10 s of compilation, between all builds of a kind; yield
-    the arguments of their make, which would otherwise find the runtime older than its makefile.
+    """Share Verilator's runtime and parsed headers, 10 s of compilation, between all builds of a kind. Yield make's
+    arguments; without them make would rebuild the copied runtime, because it is older than the makefile.
 
-    header: False if Verilator precompiles a header itself, as for a model in several files; gcc accepts only one."""
+    header: False if Verilator itself precompiles a header, as for a model in several files; gcc accepts only one."""
     store = BUILD / "verilator" / f"runtime-{version('verilator')}-{kind}"
     with alone(store):
         if not (store / "common.h").exists():
@@ -110,12 +110,12 @@ def simulate(
 ) -> Path:
     """Run the cocotb tests of ``module`` on ``toplevel``; return the results file.
 
-    ``sim`` is icarus or verilator (default: ``SIM`` of the environment, then icarus); ``env`` goes to the tests;
-    ``waves`` is a VCD file to write; ``root`` holds another copy of ``rtl/``, and ``name`` distinguishes its build;
-    ``core`` is behavioural or digit, for dividers and roots (default: ``IK_CORES`` of the environment, then
-    behavioural); ``top`` is the text of a toplevel outside ``rtl/``; ``start`` is the seed of initial register values
-    under Verilator; ``built`` reuses the build of an earlier call that differs only in env and seeds; ``build`` is
-    another folder of builds. Raises ``SystemExit`` when a test or the build fails, as cocotb-test does.
+    ``sim`` is icarus or verilator (default: variable ``SIM``, else icarus). ``env`` has environment variables for the
+    tests. ``waves`` is a VCD file to write. ``root`` holds another copy of ``rtl/``; ``name`` distinguishes its build.
+    ``core``, the kind of dividers and roots, is behavioural or digit (default: variable ``IK_CORES``, else
+    behavioural). ``top`` is the text of a toplevel outside ``rtl/``. ``start`` is the seed of initial register values
+    under Verilator. ``built`` reuses the build of an earlier call that differs only in env and seeds. ``build`` is
+    another folder for builds. Raises ``SystemExit`` when a test or the build fails, as cocotb-test does.
     """
     use_environment()
     sim = simulator(sim)
@@ -183,16 +183,16 @@ def simulate(
 
 
 class Built(Verilator):
-    """An existing Verilator build."""
+    """Run of an existing Verilator build."""
 
     def build_command(self) -> list[list[str]]:
-        """Return the command that starts the program; the base class would build it again."""
+        """Return the command that starts the program; the base class's commands would build it again."""
         return [[os.path.join(self.sim_dir, self.toplevel_module), *self.plus_args]]
 
 
 def command(*names: str, **options) -> list[str]:
-    """Return a command that calls :func:`simulate`, for a separate process: cocotb-test changes signal handlers and
-    logging."""
+    """Return a command that calls :func:`simulate` in a process of its own, since cocotb-test changes signal handlers
+    and logging."""
     return [sys.executable, "-m", "tb.sim.runner", json.dumps([names, options], default=str)]
 
 

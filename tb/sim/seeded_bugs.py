@@ -10,7 +10,7 @@ from tb.sim.env import ROOT
 
 @dataclass(frozen=True)
 class Bug:
-    """Replace the text `old`, which occurs once in `file`, with `new`; `fails` names the check that must detect it."""
+    """Replacement of the text `old`, which occurs once in `file`, by `new`. The check named `fails` must detect it."""
 
     what: str
     file: str
@@ -26,7 +26,7 @@ class Bug:
 
 
 def copy_rtl(place: Path, bug: Bug | None = None) -> Path:
-    """Copy rtl/ into `place`, with the bug if one is given; returns `place`. Raises LookupError like Bug.seeded."""
+    """Copy rtl/ into `place`, with `bug` if it is given, and return `place`. Raises LookupError as Bug.seeded does."""
     shutil.rmtree(place / "rtl", ignore_errors=True)
     shutil.copytree(ROOT / "rtl", place / "rtl")
     if bug:

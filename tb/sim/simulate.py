@@ -16,7 +16,7 @@ from tb.sim.job import Job, Run, SimulationError
 from tb.sim.subprocesses import full, started
 
 LONG = 5000
-"""Targets from which Verilator runs natively by default: for fewer, cocotb takes less time than that build."""
+"""Least number of targets that Verilator runs natively by default. For fewer, cocotb takes less time than a build."""
 
 
 def simulate(
@@ -35,11 +35,11 @@ def simulate(
 ) -> list[Run]:
     """Run all jobs in one simulation and compare every node with the bit-true model.
 
-    ``waves`` is a VCD file to write. ``progress(done, total)`` is called about twice a second. ``root`` and ``name``
-    select another copy of the RTL, ``cores`` its dividers and roots (see :func:`tb.sim.runner.simulate`). ``native``
-    lets Verilator run without Python in the loop (:mod:`tb.sim.native_run`) with the same results, unless it writes
-    waves; it is the default from :data:`LONG` targets on. ``limits`` are words for the whole arm's joints. Raises
-    :class:`SimulationError`.
+    ``waves`` is a VCD file to write. ``progress(done, total)`` is called about twice a second, or natively after each
+    frame. ``root`` and ``name`` select another copy of the RTL, ``cores`` the kind of dividers and roots (see
+    :func:`tb.sim.runner.simulate`). With ``native``, which is the default from :data:`LONG` targets on, Verilator runs
+    without Python in the loop (:mod:`tb.sim.native_run`), unless it writes waves; the results are the same. ``limits``
+    are the joints' limits of the whole arm, in words. Raises :class:`SimulationError`.
     """
     total = sum(len(job.words) for job in jobs)
     if native is None:

@@ -2,8 +2,8 @@
 """File lists of the Verilog (``rtl/ik_axis.f``, ``ik_axi.f``, ``ik_arm.f``), copies with AXI rules, and digests.
 
 The lists use the simulators' format (``verilator -F``): one file per line, relative to the list's folder, or
-``+incdir+`` and a header folder. Lists do not nest, because Icarus 11 cannot read that. ``root`` is the checkout or a
-copy with the same layout that contains ``rtl/``.
+``+incdir+`` and a header folder. Lists do not nest, because Icarus 11 cannot read nested lists. ``root`` is the
+checkout, or a copy of its ``rtl/`` with the same layout.
 """
 
 import hashlib
@@ -23,7 +23,7 @@ INCLUDE = "+incdir+"
 
 
 def _entries(root: Path) -> tuple[list[Path], list[Path]]:
-    """Return header folders and files, in list order; a copy may have the first list only."""
+    """Return header folders and files, in list order. A copy of the checkout may have only the first list."""
     folders, files = {}, []
     for path in [root / LIST, *(path for path in (root / MEMORY, root / ARM) if path.exists())]:
         for line in path.read_text(encoding="utf-8").splitlines():
@@ -51,8 +51,8 @@ def headers(root: Path = ROOT) -> list[Path]:
 
 
 def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = (), without: Iterable[str] = ()) -> list[Path]:
-    """Return the files of module ``top`` and of everything it instantiates or includes, its own first; a file in
-    ``instead`` replaces the one of the same name; modules ``without`` are left out."""
+    """Return the file of module ``top``, then the files of everything that it instantiates or includes. A file in
+    ``instead`` replaces the listed file of the same name; modules named in ``without`` are left out."""
     known = {path.name: path for path in [*sources(root), *headers(root), *instead]}
     known = {name: path for name, path in known.items() if path.stem not in without}
     wanted, files = [f"{top}.v"], {}
@@ -66,7 +66,7 @@ def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = (), without: 
 
 @cache
 def _named(text: str) -> list[str]:
-    """Return the names of files that may hold the headers and modules in a Verilog text."""
+    """Return the names of the files that may contain the headers and modules named in a Verilog text."""
     text = re.sub(r"//[^\n]*", "", text)
     return re.findall(r'`include\s+"([^"]+)"', text) + [f"{word}.v" for word in re.findall(r"\bik_\w+\b", text)]
 
@@ -77,13 +77,13 @@ def header(text: str) -> str:
 
 
 RULES = ROOT / "tb" / "axi" / "rules"
-"""AXI rules: Icarus 11 has no ``bind``, so NAME.vh is inserted before the end of a copy of module NAME."""
+"""Folder of AXI rules. Icarus 11 has no ``bind``, so NAME.vh is inserted before the end of a copy of module NAME."""
 
 END = "\nendmodule\n"
 
 
 def with_rules(files: list[Path], folder: Path) -> list[Path]:
-    """Return the Verilog files, with copies in ``folder`` where rules apply (kept if unchanged), and the rule files."""
+    """Return the files, where AXI rules apply as copies in ``folder`` (kept if unchanged), and the rules' module."""
     return [*(_bound(path, folder) for path in files), RULES / "ik_rules.v"]
 
 
@@ -105,7 +105,7 @@ C_LIKE = re.compile(r'("(?:\\.|[^"\\\n])*")|//[^\n]*|/\*.*?\*/|\s+', re.S)
 
 
 def _python(text: str) -> str:
-    """Strip comments, docstrings and empty lines from Python; indentation stays."""
+    """Return a Python text without comments, docstrings and empty lines; indentation stays."""
     lines = text.splitlines(keepends=True)
     cut, statement = [], True
     tokens = list(tokenize.generate_tokens(io.StringIO(text).readline))
@@ -126,12 +126,12 @@ def _code(text: str, python: bool) -> str:
 
 
 def code(path: Path) -> str:
-    """Return a source file without comments and blanks, which do not affect behaviour: Verilog, C++ or Python."""
+    """Return the text of a Verilog, C++ or Python file without comments and blanks, which do not affect behaviour."""
     return _code(path.read_text(encoding="utf-8"), path.suffix == ".py")
 
 
 def digest(paths: Iterable[Path]) -> str:
-    """Return the start of the SHA-256 of file names and code, independent of order."""
+    """Return 16 digits of a SHA-256 over the files' names and code. The order of ``paths`` has no effect."""
     whole = hashlib.sha256()
     for path in sorted(paths, key=lambda path: path.name):
         whole.update(f"{path.name}\0{code(path)}\0".encode())

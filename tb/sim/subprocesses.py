@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Subprocesses for compilers and simulators; they and their own children end with the process that started them."""
+"""Subprocesses for compilers and simulators. They and their own children end with the process that started them."""
 
 import contextlib
 import ctypes
@@ -22,13 +22,13 @@ _prctl = ctypes.CDLL(None).prctl
 
 
 def end_with_parent() -> None:
-    """Let the kernel send SIGTERM to this process when its parent thread ends, even by SIGKILL."""
+    """Let the kernel send SIGTERM to this process when its parent thread ends, even if SIGKILL ends the parent."""
     _prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 @contextlib.contextmanager
 def started(command: Sequence[str | Path], temporary: str | Path, **options) -> Iterator[subprocess.Popen]:
-    """Start a process in its own group, with temporary files in ``temporary``; end the group on exit."""
+    """Start a process in its own group, with temporary files in the folder ``temporary``; end the group on exit."""
     env = environment() | {"TMPDIR": str(temporary)}
     options |= {"cwd": ROOT, "env": env, "start_new_session": True, "preexec_fn": end_with_parent}
     process = subprocess.Popen(command, **options)
@@ -52,7 +52,7 @@ def end_group(process: subprocess.Popen) -> None:
 
 
 def compiled(command: Sequence[str | Path], seconds: float | None = None) -> subprocess.CompletedProcess:
-    """Run a compiler to completion. Raises subprocess.TimeoutExpired."""
+    """Run a compiler to completion. Raises subprocess.TimeoutExpired after ``seconds``."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         with started(
             command, folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace"
@@ -62,7 +62,7 @@ def compiled(command: Sequence[str | Path], seconds: float | None = None) -> sub
 
 
 def full(*folders: Path) -> str:
-    """Return an error line naming the first of these folders on a full disk; empty if none is."""
+    """Return an error line that names the first of ``folders`` whose disk is full; empty if no disk is full."""
     for folder in folders:
         if folder.exists() and shutil.disk_usage(folder).free < FULL:
             return f"no space left on the disk of '{folder}'"

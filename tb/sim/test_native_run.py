@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The native harness gives the same results and messages as cocotb, also for a broken core."""
+"""Test that the native harness gives the same results and messages as cocotb, also for a broken core."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ if simulator() == "verilator":
         return native_run.program("lean", WIDTH)
 
     def spoiled(words, change):
-        """Return the model's frames with the first one changed."""
+        """Return the frames of targets after ``change`` has altered the answer in the first frame."""
         frames = list(native_run.answered(words, WIDTH, "lean"))
         change(frames[0][1])
         return frames
@@ -33,14 +33,14 @@ if simulator() == "verilator":
     LATENCY = fixed.latency("lean", QUICK)
 
     def broken(folder, bug, ways=(False, True)):
-        """Run a copy of the RTL with a bug in cocotb and natively."""
+        """Return the runs of an RTL copy with a bug, one for each of ``ways``: with cocotb (False), natively (True)."""
         jobs = [Job("some", np.random.default_rng(4).integers(-4, 4, (200, 6)))]
         core = {"simulator": "verilator", "datapath": "lean", "width": QUICK, "name": f"native-{bug.what}"}
         core["root"] = copy_rtl(folder, bug)
         return [simulate(jobs, **core, native=native)[0] for native in ways]
 
     def test_both_ways_give_the_same(monkeypatch):
-        """Several jobs, one of them longer than a frame."""
+        """Run several jobs, one of them longer than a frame."""
         monkeypatch.setattr(native_run, "FRAME", 100)
         jobs = [Job(f"job {n}", mixed(count, WIDTH, seed=n)) for n, count in enumerate((1, 60, 330))]
         core = {"simulator": "verilator", "datapath": "lean", "width": WIDTH}
@@ -73,7 +73,7 @@ if simulator() == "verilator":
             assert " of target 57 at clock " in run.first_mismatch
 
     def test_results_and_flags_at_the_port_count(program):
-        """Wrong results or flags after right nodes, for example from the FIFO, are reported."""
+        """Check that wrong results or flags after right nodes, as from a broken FIFO, are reported."""
 
         def result(answer):
             answer.results[3, 5] ^= 1

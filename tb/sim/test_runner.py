@@ -21,7 +21,7 @@ from tb.sim.sources import closure, code, digest, headers, sources
 
 @pytest.fixture
 def program(tmp_path):
-    """Return a function that writes a shell script of a given name."""
+    """Return a function that writes a shell script with a given name and text."""
 
     def make(name, text):
         path = tmp_path / name
@@ -67,7 +67,7 @@ def test_the_environment_chooses(monkeypatch, choose, variable, default, other, 
 
 
 def test_every_module_above_a_core_has_the_parameter():
-    """DIGIT reaches every divider and root: no module between ik_axis and these sets a constant."""
+    """Check that DIGIT reaches every divider and root: all modules above them have the parameter and pass it on."""
     texts = {path.stem: path.read_text() for path in sources()}
     have = {name for name, text in texts.items() if re.search(r"parameter integer DIGIT\b", text)}
     assert {"ik_axis", "ik_paper", "ik_div", "ik_root"} < have
@@ -78,7 +78,7 @@ def test_every_module_above_a_core_has_the_parameter():
 
 
 def started(monkeypatch, then=lambda: None) -> list[dict]:
-    """Replace cocotb-test's Icarus with a function; return the list of the options that it gets."""
+    """Replace cocotb-test's Icarus with a function; return the list to which each call appends its options."""
     calls: list[dict] = []
 
     def icarus(**options):
@@ -90,7 +90,7 @@ def started(monkeypatch, then=lambda: None) -> list[dict]:
 
 
 def test_the_parameter_goes_to_tops_that_have_it(monkeypatch):
-    """DIGIT is added only if the test does not set it; behavioural keeps the RTL default and the folder's name."""
+    """Check that digit adds DIGIT to tops that have it, unless the test sets it, and that behavioural adds nothing."""
     calls = started(monkeypatch)
 
     def parameters(toplevel, core=None, **others):
@@ -105,7 +105,7 @@ def test_the_parameter_goes_to_tops_that_have_it(monkeypatch):
 
 
 def test_handlers_of_signals_come_back(monkeypatch):
-    """Signal handlers are restored: cocotb-test's own would turn a later Ctrl-C into an AssertionError."""
+    """Check that signal handlers are restored: cocotb-test's own would turn a later Ctrl-C into an AssertionError."""
     before = signal.getsignal(signal.SIGINT)
     started(monkeypatch, lambda: signal.signal(signal.SIGINT, lambda *_: None) and None)
     runner.simulate("ik_guard", "tb.none", sim="icarus")
@@ -113,7 +113,7 @@ def test_handlers_of_signals_come_back(monkeypatch):
 
 
 def test_a_changed_header_is_compiled_again(tmp_path, monkeypatch):
-    """The simulators' runner checks the ages of sources only, so headers must force a build."""
+    """Check that a newer header forces a build; cocotb-test compares only the ages of sources."""
     monkeypatch.setattr(runner, "BUILD", tmp_path)
     calls = started(monkeypatch)
     folder = tmp_path / "icarus" / "ik_trig"
@@ -187,7 +187,7 @@ child.wait()
 
 
 def alive(pid: int) -> bool:
-    """Return True if the process is running; a zombie is not."""
+    """Return True if the process runs and is no zombie."""
     stat = Path(f"/proc/{pid}/stat")
     return stat.exists() and stat.read_text().rsplit(")", 1)[1].split()[0] != "Z"
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Generated top with several modules of ``rtl/`` side by side, so that one simulator start serves all of them.
+"""Generated top with several modules of ``rtl/`` side by side, so that one simulation tests all of them.
 
-A wrapper replaces a module's inputs with registers and its outputs with wires of the same names: a bench can use the
-wrapper like the module. Each wrapper has its own clock, so that only the module under test runs.
+A wrapper around a module has registers for its inputs and wires for its outputs, with the same names, so that a bench
+can use the wrapper like the module. Each wrapper has its own clock, so that only the module under test runs.
 """
 
 import re
@@ -18,7 +18,7 @@ PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)\b\s*((?:signed\s*)?(?:\[.*
 
 
 def top_of(instances: dict[str, tuple[str, dict[str, int]]], more: Iterable[Path] = ()) -> str:
-    """Return the text of :data:`TOP`, with a wrapper for each instance: name -> (module, parameters).
+    """Return the text of :data:`TOP`, with a wrapper for each of ``instances``, name -> (module, parameters).
 
     ``more`` are files of modules outside ``rtl/``.
     """

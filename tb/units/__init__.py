@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Testbenches of the modules of rtl/lib, one test file per module or pair."""
+"""Testbenches of the modules of rtl/lib and of some modules of rtl/fold, one test file per group of modules."""

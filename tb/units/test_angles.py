@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_vector`` and ``ik_fold_angle`` against their model; ``ik_double`` and the limits against the definition."""
+"""Test ``ik_vector`` and ``ik_fold_angle`` against their model, ``ik_double`` and the joint limits by definition."""
 
 import itertools
 import random
@@ -31,7 +31,7 @@ from tb.units.unit import (
 
 
 def words(W: int, count: int = 1000) -> list[Vector]:
-    """Return vectors of words in random order: all of them up to EVERY, else ``count``, a quarter along an axis."""
+    """Return vectors of words in random order: all if there are at most EVERY, else ``count``, a quarter on an axis."""
     if 1 << 2 * W <= EVERY:
         return shuffled(itertools.product(signed(W), signed(W)))
     pairs = [(x * random.choice((0, 1, 1, 1)), y) for x, y in some(count, signed(W), signed(W))]
@@ -39,7 +39,7 @@ def words(W: int, count: int = 1000) -> list[Vector]:
 
 
 def vector(W: int) -> Tests:
-    """The length is checked at its own latency."""
+    """Check length and angle in separate tests, because their latencies differ."""
     inputs = {"x": signed(W + 4), "y": signed(W + 4)}
 
     def of_words():
@@ -62,12 +62,15 @@ def vector(W: int) -> Tests:
 
 
 def fold_angle(W: int) -> Tests:
-    """The program of a ball joint, repeated: in some an elbow, (i, j) to h, (w, k), in most the angle between both."""
+    """Check ``th`` in the program of a ball joint, repeated for random quaternions.
+
+    The program stores the angle d of (i, j) in h and shows s + d and s - d, where s is the angle of (w, k). Most times
+    it then shows twice the angle of the vector of both lengths; sometimes it first shows twice the angle of (i, -w)."""
     head, last = angles.iterations(W)
     rest = last - head  # iterations of the second stage
 
     async def joints(dut) -> None:
-        """Angles of random quaternions, of words on axes among them, for both signs and with half turns."""
+        """Drive random quaternions, some with vectors on an axis, with either sign, with and without half a turn."""
         quaternions = [(*a, *b) for a, b in zip(words(W, 200), words(W, 200), strict=True)]
         random.shuffle(quaternions)
         events, wanted, clock = defaultdict(dict), {}, 0
@@ -76,7 +79,7 @@ def fold_angle(W: int) -> Tests:
             events[when] |= ports
 
         def load(x: int, y: int, rounding: int, negative: int, opposite: int = 0) -> int:
-            """Load a vector from `clock` on; return the clock in which its first stage is over."""
+            """Load a vector from `clock` on; return the clock in which the first stage has finished it."""
             one = clock + random.choice((0, 0, 1))
             two = one + random.choice((2, 2, 4))
             at(one, load_x=1, word=x % (1 << W))
@@ -128,7 +131,7 @@ def fold_angle(W: int) -> Tests:
         unused = {"word": W, "opposite": 1, "rounding": 2, "negative": 1, "minus": 1, "half": 1}
         program = []
         for when in range(max(events) + 1):
-            # Words that the program does not use have no effect.
+            # Ports that the program does not use in a clock have no effect.
             program.append(idle | {port: random.getrandbits(bits) for port, bits in unused.items()} | events[when])
 
         def expected(taken: list[Ports], now: Ports) -> Ports:
@@ -141,7 +144,7 @@ def fold_angle(W: int) -> Tests:
 
 
 def double(IW: int, OW: int) -> Tests:
-    """Twice an angle, with either sign, rounded half up; it wraps."""
+    """Check that q is 2 a, or -2 a, rounded half up, modulo one turn."""
     q = unsigned(OW)
     return checks(
         {"a": unsigned(IW), "negate": BIT},
@@ -161,8 +164,6 @@ def limit(W: int) -> Tests:
 
 
 def fold_limit(W: int) -> Tests:
-    """Angles are mostly at or next to a limit."""
-
     def of_joint(joint: int, th: int, limits: int) -> int:
         return over(W, th, *(limits >> W * n & (1 << W) - 1 for n in (2 * joint - 2, 2 * joint - 1)))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_div`` and ``ik_root``, behavioural and by digit recurrence, against exact floors, saturated."""
+"""Test ``ik_div`` and ``ik_root``, behavioural and by digit recurrence, against exact floors, saturated."""
 
 import math
 import random
@@ -10,7 +10,7 @@ from tb.units.unit import BIT, Case, Tests, checks, corners, runs, sets_of, sign
 
 
 def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: int) -> Tests:
-    """Floor of the quotient, saturated; the end of q's range with the sign of n if d <= 0."""
+    """Check that q is the floor of n 2^SH / d, saturated; for d <= 0, the least word if n < 0, else the greatest."""
     N, D, Q = signed(NW), signed(DW), signed(QW)
 
     def reference(n, d):
@@ -19,14 +19,15 @@ def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: 
         return Q[0] if n < 0 else Q[-1], 1
 
     def ends_of_the_range():
-        """Dividends around the first one of a quotient, for both ends of the range, their neighbours, and -2 to 1."""
+        """Return dividends at or next to a quotient's least dividend; quotients are near 0 or an end of q's range."""
         wanted = [q + e for q in (Q[0], Q[-1]) for e in (-1, 0, 1)] + [-2, -1, 0, 1]
         divisors = [d for d in corners(D) if d > 0] + [random.randint(1, D[-1]) for _ in range(20)]
         first = [(math.ceil(Fraction(q * d, 1 << SH)), d) for d in divisors for q in wanted]
         return [(n + e, d) for n, d in first for e in (-1, 0, 1) if n + e in N]
 
     def quotients_that_fit():
-        """Quotients as in the equations: |n / d| up to twice q's range, any magnitude of d, exact or nearly so."""
+        """Return random divisors, each with a dividend at or next to the least one that gives some quotient. The
+        quotients span twice q's range."""
         vectors = []
         while len(vectors) < 2000:
             d = random.randint(1, (1 << random.randint(1, DW - 1)) - 1)
@@ -50,11 +51,11 @@ def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: 
 
 
 def root(NW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0) -> Tests:
-    """Floor of the root, saturated; 0 and a flag for negative arguments."""
+    """Check that q is the floor of sqrt(n 2^SH), saturated; for n < 0 it is 0, and neg is 1."""
     N, Q = signed(NW), signed(QW)
 
     def near_squares():
-        """The first argument with root r and the one before it, where a floor error shows first."""
+        """Return the least radicand of many roots, and the radicand before it: a wrong floor shows there first."""
         last = math.isqrt(N[-1] << SH)
         roots = [random.randint(0, last) for _ in range(500)] + [Q[-1], Q[-1] + 1]
         roots += [random.getrandbits(random.randint(1, max(QW - 2, 1))) for _ in range(500)]
@@ -81,7 +82,7 @@ test_div_root = runs(
             *sets_of(DIV, (4, 7, 1, 9, 0), (4, 8, 1, 5, 3)),
             *sets_of(DIV, (6, 5, 2, 5, 7), DD=3),
             *sets_of(DIV, (6, 5, 2, 5, 6), DIGIT=1, DD=2),
-            # two bits per stage with a register after it; the natural latency, one clock a quotient bit and two; more
+            # LAT: two bits per stage and a spare clock; one bit per stage; that and spare clocks
             *sets_of(DIV, (6, 5, 2, 5, 5), (6, 5, 2, 5, 6), (6, 5, 2, 5, 9), DIGIT=1),
             # all dividend bits are stored; fewer rows than quotient bits; no dividend bit is stored, odd number of rows
             *sets_of(DIV, (6, 5, 0, 5, 4), (4, 7, 1, 9, 6), (6, 6, 5, 4, 5), (6, 6, 5, 4, 4), DIGIT=1),
@@ -99,7 +100,7 @@ test_div_root = runs(
         ],
         [
             *sets_of(ROOT, (10, 0, 6, 0), (10, 5, 5, 4)),  # some roots do not fit
-            # two bits per stage with a register after it; the natural latency, one clock a result bit and one; more
+            # LAT: two bits per stage and a spare clock; one bit per stage; that and spare clocks; two bits per stage
             *sets_of(ROOT, (10, 5, 8, 6), (10, 5, 8, 8), (10, 5, 8, 11), (10, 2, 7, 4), DIGIT=1),
             # all radicand bits are stored; fewer rows than result bits; some roots do not fit
             *sets_of(ROOT, (10, 0, 6, 6), (10, 1, 6, 4), (10, 3, 12, 7), (10, 5, 5, 5), (10, 5, 5, 4), DIGIT=1),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Modules of the folded core, which hold their state while ``go`` is 0, against their definitions."""
+"""Test modules of the folded core against their definitions. They hold their state while ``go`` is 0."""
 
 import random
 from collections.abc import Callable, Iterable
@@ -14,10 +14,10 @@ Ports = dict[str, int]  # port -> word in one clock
 
 
 async def check(dut, vectors: Iterable[Ports], clocks: int, expected: Callable[[list[Ports], Ports], Ports]) -> None:
-    """Drive all vectors with ``go``, and in three of ten clocks any of them without, which must have no effect.
+    """Drive all vectors in order with ``go``. In 3 of 10 clocks, drive any vector without ``go``; it has no effect.
 
-    ``expected(taken, now)`` returns the defined outputs from the inputs of the clocks with ``go``, newest last, and of
-    the present clock; ``clocks`` is the number of past inputs that it needs.
+    ``expected(taken, now)`` returns the outputs that are defined. ``taken`` has the inputs of all clocks with ``go``,
+    newest last; ``now`` has the present inputs. Outputs are compared once ``taken`` has ``clocks`` entries.
     """
     Clock(dut.clk, 10, unit="ns").start()
     vectors = list(vectors)
@@ -40,13 +40,13 @@ async def check(dut, vectors: Iterable[Ports], clocks: int, expected: Callable[[
 
 
 def memory(D: int, AD: int, DOWN: int, RW: int) -> Tests:
-    """64 read/write words, initially 0, followed by constant powers of two."""
+    """Check 64 read/write words, initially 0, followed by constant powers of two."""
     written, powers = 64, 64
 
     def vectors() -> Iterable[Ports]:
-        """Read all addresses before and after writing each; then random accesses.
+        """Yield reads of all addresses and writes to all words, both twice, then random accesses.
 
-        No clock reads the address it writes, because the result is undefined.
+        No clock reads the address that it writes, because the result is undefined.
         """
 
         def access(a: int, b: int, r: int, w: int | None = None) -> Ports:
@@ -79,7 +79,7 @@ def memory(D: int, AD: int, DOWN: int, RW: int) -> Tests:
 
 
 def mul(D: int, TILE: int, WORD: int, ROOT: int, SINE: int) -> Tests:
-    """The exact product, or a sum of tiles, each truncated separately."""
+    """Check the exact product, or for most values of `cut` the sum of tiles, each truncated separately."""
     low = D - TILE
     last = {"plain": WORD - 2, "double": WORD - 3, "word": WORD, "root": 2 * low + ROOT, "sine": 2 * low + SINE}
 
@@ -111,7 +111,7 @@ def mul(D: int, TILE: int, WORD: int, ROOT: int, SINE: int) -> Tests:
 
 
 def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
-    """The largest even left shift, or a given count."""
+    """Check left shifts: by the largest even count that fits, or by the count n."""
     kinds, words = ("", *NORMS), (1 << XW) - 1
 
     def expected(taken: list[Ports], now: Ports) -> Ports:
@@ -130,7 +130,7 @@ def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
         return {"word": mantissa, "zero": int(t == 0), "pairs": pairs}
 
     def sums() -> Ports:
-        """Return a sum of random length, or 0; inverted for the kind that inverts."""
+        """Return a sum of random length, or 0. For the kind "inverse" nine in ten are inverted."""
         kind = random.randrange(len(kinds))
         t = random.getrandbits(random.randint(0, XW))
         t ^= words * (kinds[kind] == "inverse" and random.random() < 0.9)

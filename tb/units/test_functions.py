@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_sincos``, ``ik_trig`` and ``ik_rsqrt`` against their models and, within a bound, the true values."""
+"""Test ``ik_sincos``, ``ik_trig`` and ``ik_rsqrt`` against their models, and the models against the true values."""
 
 import random
 from functools import partial
@@ -14,10 +14,10 @@ from tb.units.unit import BIT, Case, Tests, checks, runs, sets_of, shuffled, sig
 
 
 def half_angles(W: int, frac: int, model, bound: float, latency: int, *streams) -> Tests:
-    """Return the tests of sin and cos of phi / 2; ``bound`` is in LSBs of 2^-``frac``."""
+    """Return the tests of sin and cos of phi / 2. ``bound`` is the model's largest error in LSBs, 2^-``frac``."""
 
     def reference(phi):
-        """Return the model's words, which are within the bound of the true values."""
+        """Return the model's words; check that they differ from the true values by at most the bound."""
         half, results = np.pi * np.array(phi) / 2**W, model(np.array(phi))
         for function, result in zip((np.sin, np.cos), results, strict=True):
             error = np.abs(result - np.ldexp(function(half), frac)).max()
@@ -37,7 +37,7 @@ def trig(W: int, F: int, TILE: int = TILE) -> Tests:
     step = (1 << W - 1) // rows  # angle of a segment
 
     def segments():
-        """Ends and middles of many segments, for both signs."""
+        """Return angles at and next to the ends and middles of many segments, for both signs, in random order."""
         near = (-1, 0, 1, step // 2 - 1, step // 2)
         return shuffled(k * step + e for k in range(-rows, rows + 1, 3) for e in near if k * step + e in signed(W))
 
@@ -51,8 +51,8 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
     mantissas = words[one // 4 :]
 
     def reference(m, twice):
-        """Return the model's words. For mantissas they are within an LSB of 2^(F-1) / sqrt(V), V from m to m + 1,
-        doubled modulo the word length if ``twice``."""
+        """Return the model's words, doubled modulo the word length if ``twice``. Check that roots of mantissas m differ
+        from 2^(F-1) / sqrt(V / 2^MW), for V from m to m + 1, by at most :func:`rsqrt_places` LSBs."""
         y = rsqrt(np.array(m), F, TILE).tolist()
         square = 100 << 2 * F + MW - 2
         off = round(10 * rsqrt_places(F, TILE))
@@ -62,7 +62,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
         return ([(root << double) % (2 << F) for root, double in zip(y, twice, strict=True)],)
 
     def segments():
-        """Ends, middle, where u changes its sign, and neighbours of many segments, in random order."""
+        """Return words at and next to the ends and middles (u changes sign) of many segments, in random order."""
         segment = one >> 11
         near = (0, 1, segment // 4, segment // 2 - 1, segment // 2, segment // 2 + 1, segment - 2, segment - 1)
         return shuffled((start + place, 0) for start in range(0, one, 7 * segment) for place in near)
@@ -85,7 +85,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
 
 
 def of_datapath(*widths: int, **tile: int) -> list[dict[str, int]]:
-    """Return the parameters of ``ik_trig``; F depends on W as in the datapath."""
+    """Return the parameters W and F of ``ik_trig``, as in the datapath of each width."""
     return sets_of("W F", *((w, min(inner_frac(w), SINE_FRACS[-1])) for w in widths), **tile)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Products against Python integers; with SQUARE the square of a, whatever b is."""
+"""Test products against Python integers. With SQUARE the product is the square of a, and b has no effect."""
 
 import itertools
 
@@ -14,7 +14,7 @@ def exact(W: int, SQUARE: int) -> Tests:
     words = signed(W)
 
     def extreme_halves():
-        """All pairs of words with extreme halves, which give the extremes of the tiles."""
+        """Return all pairs of words with extreme halves, which give the extremes of the tiles."""
         return itertools.product(halves(W), halves(W))
 
     def reference(a, b):
@@ -28,11 +28,10 @@ def mul(AW: int, BW: int, SH: int, OW: int, SQUARE: int = 0, **delays: int) -> T
     A, B, Q = signed(AW), signed(BW), signed(OW)
 
     def reference(a, b):
-        """Return the exact product, rounded half up."""
         return rounded(a * (a if SQUARE else b), SH)
 
     def fits(a, b):
-        """The format of q must hold the rounded product, as the datapath's formats guarantee."""
+        """Accept operands whose rounded product fits q, as the datapath's formats guarantee."""
         return reference(a, b) in Q
 
     half = 1 << SH - 1 if SH else 0
@@ -50,7 +49,7 @@ def mul(AW: int, BW: int, SH: int, OW: int, SQUARE: int = 0, **delays: int) -> T
 
 
 def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int = 0, **delays: int) -> Tests:
-    """Exact partial products, truncated and rounded half up."""
+    """Check the sum of tiles, each truncated two bits below q's LSB, rounded half up, modulo 2^OW."""
     A, B, Q = signed(AW), signed(BW), signed(OW)
     a_last, b_last = (1 << bits for bits in unseen(AW, BW, TILE))
     a_low, b_low = 1 << max(AW - TILE, 0), 1 << max(BW - min(TILE, 18), 0)
@@ -73,7 +72,7 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
         return [(a // a_low * a_low, b // b_low * b_low) for a, b in crossed(A, B)]
 
     def halves_of_a_place():
-        """Products of half a place, and of the low parts alone, which are omitted or estimated."""
+        """Return operands with a product of half an LSB, or of the low parts, which is omitted or estimated."""
         a, b = 1 << SH // 2, 1 << SH - 1 - SH // 2
         pairs = [(a, b), (-a, b), (a - 1, b), (a_low, b_low // 2), (a_low // 2, -b_low), (a_low - 1, b_low - 1)]
         return [(a, b) for a, b in [*pairs, (-1, b_low - 1)] if a in A and b in B]
@@ -83,7 +82,7 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
 
 
 def scale(COUNT: int, AW: int, BW: int, SH: int, OW: int, **delays: int) -> Tests:
-    """A product for each word of a; :func:`of_tiles` checks the model's."""
+    """Check the product of b and each word of a against the model, which :func:`of_tiles` checks."""
 
     def reference(a, b):
         words = [(np.array(a) >> AW * k) % (1 << AW) for k in range(COUNT)]

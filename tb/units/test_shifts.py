@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_shift``, ``ik_shift3``, ``ik_even``, ``ik_lzc`` and ``ik_norm`` against their definitions."""
+"""Test ``ik_shift``, ``ik_shift3``, ``ik_even``, ``ik_lzc`` and ``ik_norm`` against their definitions."""
 
 import random
 
@@ -13,7 +13,7 @@ COUNTS = unsigned(6)
 
 
 def shift(W: int, RIGHT: int, PRODUCT: int = 0, **delays: int) -> Tests:
-    """Times 2^count modulo 2^W, or floor of a division by 2^count; includes counts beyond the word."""
+    """Check d 2^count modulo 2^W, or the floor of d / 2^count, also for counts larger than W."""
     words = signed(W)
 
     def every_count():
@@ -27,20 +27,20 @@ def shift(W: int, RIGHT: int, PRODUCT: int = 0, **delays: int) -> Tests:
 
 
 def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
-    """The low bits of the floor of d 2^count / 2^DROP, for any count."""
+    """Check the low OW bits of the floor of d 2^count / 2^DROP, for any count."""
     words, Q, top = signed(IW), signed(OW), DROP + OW  # top: the bit above the result's MSB
 
     def every_count():
         return [(d, count) for d in corners(words) for count in COUNTS]
 
     def single_bits():
-        """Single bits that each count shifts to or next to an end of the result, and the words one less."""
+        """Return single bits that each count shifts to or next to an end of the result; also bit - 1, -bit, ~bit."""
         places = (0, DROP - 1, DROP, DROP + 1, top - 2, top - 1, top)
         bits = [(1 << place - count, count) for place in places for count in COUNTS if place >= count]
         return [(d, count) for bit, count in bits for d in (bit, bit - 1, -bit, -bit - 1) if d in words]
 
     def normalized_words():
-        """Short words at the count that aligns their MSB with the result's, and at one less and one more."""
+        """Return short words of either sign. The count shifts their highest bit to just below q's sign, or one off."""
         short = [random.getrandbits(random.randint(1, IW - 1)) for _ in range(500)]
         near = [(d, top - 1 - d.bit_length() + random.choice((-1, 0, 0, 1))) for d in short]
         return [(random.choice((d, ~d)), min(max(count, 0), COUNTS[-1])) for d, count in near]
@@ -60,7 +60,7 @@ def of_triangle(width: int) -> tuple[int, int, int]:
 
 
 def evenly(VW: int, MW: int) -> Tests:
-    """The largest even left shift with which a word still fits."""
+    """Check k, the largest with which v 4^k still fits VW bits, and m, the floor of v 4^k / 2^(VW-MW)."""
     V = unsigned(VW)
 
     def normalized(v):
@@ -74,7 +74,7 @@ def evenly(VW: int, MW: int) -> Tests:
         return k, m
 
     def powers_of_two():
-        """Each power of two and its neighbours, for every count."""
+        """Return each power of two and its neighbours, so that every count occurs."""
         return shuffled({(1 << n) + e for n in range(VW) for e in (-1, 0, 1)})
 
     quarter = 1 << MW - 2
@@ -91,8 +91,8 @@ def evenly(VW: int, MW: int) -> Tests:
 
 
 def zeros(W: int, N: int, norm: bool = False) -> Tests:
-    """The largest left shift with which all words still fit; with `norm` also the words, where all zeros give a first
-    word of one half."""
+    """Check the largest left shift with which all words still fit, and with `norm` the shifted words. If all words are
+    0, `norm` expects one half in word 0."""
     words = signed(W)
 
     def pack(vector):
@@ -107,12 +107,12 @@ def zeros(W: int, N: int, norm: bool = False) -> Tests:
         return [pack(vector) for vector in crossed(*[words] * N)]
 
     def powers_of_two():
-        """Each power of two, its neighbours and their negatives, in one word at a time."""
+        """Return vectors with a single nonzero word: a power of two or a neighbour, of either sign."""
         near = sorted({s * (1 << k) + e for k in range(W) for s in (1, -1) for e in (-1, 0, 1)})
         return [pack([0] * k + [v]) for k in range(N) for v in near if v in words]
 
     def common_magnitude():
-        """Words of any common magnitude, so that every count occurs."""
+        """Return vectors of words with a common random magnitude, so that every count occurs."""
         small = [signed(random.randint(1, W)) for _ in range(1000)]
         return [pack([random.randrange(s.start, s.stop) for _ in range(N)]) for s in small]
 
@@ -147,7 +147,7 @@ test_shifts = runs(
         shift3,
         sets_of("IW DROP OW", (7, 3, 4), of_triangle(32), of_triangle(17)),  # at 17 one bit longer than the word
         [
-            # the word has bits above the result; in the second it has fewer than the result
+            # the word has bits above the result; in the second set it has fewer bits than the result
             *sets_of("IW DROP OW", (7, 2, 3), (5, 3, 6), (34, 24, 21), *map(of_triangle, (27, 18, 16))),
             *sets_of("IW DROP OW", (7, 3, 4), DD=2),
         ],

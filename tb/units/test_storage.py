@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_delay`` and ``ik_ring``: every word comes out N clocks later. ``ik_fifo`` against a queue: order, loss,
-duplication, stalls, latency, throughput, reset at several fill levels.
+"""Test that ``ik_delay`` and ``ik_ring`` return every word N clocks later. Test ``ik_fifo`` against a queue: order,
+loss, duplication, stalls, latency, throughput, reset at several fill levels.
 """
 
 import itertools
@@ -20,11 +20,11 @@ def delay(W: int, N: int) -> Tests:
     words = unsigned(W)
 
     def single_bits():
-        """Each bit alone, to detect lost or swapped bits."""
+        """Return words with a single bit set, to detect lost or swapped bits."""
         return [1 << k for k in range(W)]
 
     def each_place():
-        """Fill every ring location with zeros, then ones, then zeros, to toggle every bit."""
+        """Return zeros for every ring location, then ones, then zeros, to toggle every bit."""
         lap = 1 << max(N, 1).bit_length()
         return [word for word in (0, words[-1], 0) for _ in range(lap)]
 
@@ -46,7 +46,7 @@ def ring(W: int, N: int) -> Tests:
 class Fifo:
     """Bench of ``ik_fifo`` with a reference queue and checks in every clock.
 
-    The writer fills it completely: ``depth`` words in the memory and one in the output register.
+    The FIFO is full with ``depth`` words in the memory and one in the output register.
     """
 
     def __init__(self, dut, width: int, depth: int) -> None:
@@ -60,12 +60,12 @@ class Fifo:
         return random.getrandbits(self.width)
 
     def has_room(self) -> bool:
-        """Return True if a word may be written in the next clock; an offered word is then in the output register."""
+        """Return True if a word may be written in the next clock. The word offered then is in the output register."""
         offered = bool(self.queue) and self.queue[0][1] + LATENCY <= self.clock + 1
         return len(self.queue) - offered < self.depth
 
     async def step(self, word: int | None = None, ready: bool = False, rst: bool = False) -> None:
-        """Run one clock, writing ``word`` unless it is None."""
+        """Run one clock; write ``word`` unless it is None; compare the output with the queue."""
         dut = self.dut
         assert word is None or rst or self.has_room(), "the testbench writes into a full FIFO"
         await RisingEdge(dut.clk)
@@ -100,8 +100,7 @@ class Fifo:
 
 
 async def traffic(fifo: Fifo, write: float, read: float) -> None:
-    """Compare with the queue in every clock; only the capacity stops the writer, which else writes in a share of the
-    clocks, as the reader reads."""
+    """Write and read with probabilities ``write`` and ``read`` in each clock; only a full FIFO stops the writer."""
     start, count = fifo.clock + 1, 300 + 3 * fifo.depth
     sent = []
     for _ in range(count):
@@ -115,7 +114,7 @@ async def traffic(fifo: Fifo, write: float, read: float) -> None:
 
 
 async def reset_with_words_inside(fifo: Fifo) -> None:
-    """A reset of one clock, some clocks after the last of several words: old words are dropped, new ones come out.
+    """Write several words, wait, reset for one clock; check that old words are dropped and new words come out.
 
     A word written during the reset is dropped as well.
     """

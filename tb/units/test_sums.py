@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``ik_sum2``, ``ik_sum3``, ``ik_wide``, ``ik_half`` and ``ik_pick`` against Python integers."""
+"""Test ``ik_sum2``, ``ik_sum3``, ``ik_wide``, ``ik_half`` and ``ik_pick`` against Python integers."""
 
 import itertools
 
@@ -8,7 +8,7 @@ from tb.units.unit import BIT, Case, Tests, checks, halves, rounded, runs, sets_
 
 
 def sums(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, SAT: int = 1, **delays: int) -> Tests:
-    """Exact sum, rounded half up, saturated if SAT is 1."""
+    """Check the exact sum, rounded half up; it is saturated if SAT is 1. SUB_B or SUB_C subtracts the last operand."""
     IN, Q = signed(IW), signed(OW)
     operands, sub = 2 if SUB_C is None else 3, SUB_B or SUB_C
 
@@ -25,7 +25,7 @@ def sums(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, SA
         return SAT or reference(*vector)[1] == 0
 
     def operands_of(wanted):
-        """Return operands with this sum, the last negated if it is subtracted; out of range if there are none."""
+        """Return operands whose result is ``wanted``. If there are none, an operand is out of range."""
         rest, chosen = wanted, []
         for k in range(operands - 1, -1, -1):
             # as large as this operand may be, but not larger than needed
@@ -34,7 +34,7 @@ def sums(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, SA
         chosen[-1] = (chosen[-1] + rest) * (-1 if sub else 1)
         return tuple(chosen)
 
-    # the first sum that overflows, the lowest that does not, and half an LSB
+    # top: the least sum that overflows upwards; low: the least sum that does not overflow
     half = 1 << SH - 1 if SH else 0
     top, low = (Q[-1] << SH) + (half or 1), (Q[0] << SH) - half
     cases = [(0, 0, 0), (top - 1, Q[-1], 0), (low, Q[0], 0)]
@@ -53,15 +53,15 @@ def sums(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, SA
 
 
 def wide(W: int, SUB: int, **delays: int) -> Tests:
-    """Sum or difference modulo 2^W."""
+    """Check the sum or difference modulo 2^W."""
     words = signed(W)
 
     def extreme_halves():
-        """All pairs of words with extreme halves, for every carry across the middle."""
+        """Return all pairs of words with extreme halves, for every carry across the middle."""
         return itertools.product(halves(W), halves(W))
 
     def small_results():
-        """Words that cancel exactly or almost, for the sign that comparisons use."""
+        """Return pairs with a result near 0 or +-2^(W/2), because comparisons use the sign of q."""
         near = [s * (1 << W // 2) * k + e for s in (-1, 1) for k in (0, 1) for e in (-1, 0, 1)]
         drawn = [a for (a,) in some(100, words)]
         return [(a, wrapped((a if SUB else -a) + little, words)) for a in drawn for little in near]
@@ -75,7 +75,7 @@ def wide(W: int, SUB: int, **delays: int) -> Tests:
 
 
 def half(W: int, MINUS: int) -> Tests:
-    """(1 +- c) / 2, clamped to [0, 1]; q has one fraction bit more than c, so its words are 1 +- c."""
+    """Check (1 +- c) / 2, clamped to [0, 1]. Since q has one fraction bit more than c, its word is 1 +- c's."""
     one = 1 << W - 2
 
     def around_one():
@@ -88,7 +88,7 @@ def half(W: int, MINUS: int) -> Tests:
 
 
 def pick(W: int) -> Tests:
-    """a, or b with either sign, modulo 2^W."""
+    """Check that q is a, b or -b, modulo 2^W."""
     words = signed(W)
 
     def reference(a, b, use_b, minus):

@@ -2,8 +2,8 @@
 """Framework for the unit testbenches of ``rtl/lib`` and ``rtl/fold``.
 
 A bench is a function that maps a module's parameters to the cocotb tests of an instance; most are one call of
-:func:`checks`. All benches of a file share a simulation (:func:`runs`). References do not share the arithmetic of RTL
-and model: they use Python integers and fractions.
+:func:`checks`. All benches of a file share a simulation (:func:`runs`). Most references share no arithmetic with RTL
+and model: they use Python integers and fractions. The others are functions of the model.
 """
 
 import importlib
@@ -25,20 +25,20 @@ from cocotb.triggers import FallingEdge, RisingEdge
 Vector = tuple[int, ...]
 Parameters = dict[str, int]
 Tests = dict[str, Callable[..., Awaitable[None]]]
-"""cocotb tests by name, functions of ``dut``."""
+"""Name -> cocotb test, a function of ``dut``."""
 
 SEED = int(os.environ.get("COCOTB_RANDOM_SEED", "1"))
 """Seed of all unit simulations; the environment overrides it."""
 
 EVERY = 1 << 14
-"""Largest number of input vectors that is tested exhaustively."""
+"""Largest number of possible input vectors that is tested exhaustively."""
 
 
 # ---- starting a simulation (pytest) ----------------------------------------------------------------------------------
 
 
 class Case(NamedTuple):
-    """A module, its bench, its parameter sets in ``make test``, and further ones in ``make test-all``."""
+    """A module, its bench, its parameter sets in ``make test``, and further parameter sets in ``make test-all``."""
 
     module: str
     bench: Callable[..., Tests]
@@ -47,7 +47,7 @@ class Case(NamedTuple):
 
 
 def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
-    """Return the arguments of :func:`tb.sim.runner.simulate` for instances of modules, all in one top."""
+    """Return the arguments of :func:`tb.sim.runner.simulate` that simulate all pairs as instances in one top."""
     from tb.sim.wrapper_top import TOP, top_of
 
     named = {"_".join([case.module, *(f"{k}{v}" for k, v in values.items())]): (case, values) for case, values in pairs}
@@ -79,7 +79,7 @@ def runs(*cases: Case) -> Callable:
 
 
 def sets_of(names: str, *rows: Vector, **others: int) -> list[Parameters]:
-    """Return one parameter set per row of values of the parameters in ``names``; all sets include ``others``."""
+    """Return one parameter set per row, which has values for the parameters ``names``; all sets include ``others``."""
     return [dict(zip(names.split(), row, strict=True)) | others for row in rows]
 
 
@@ -100,14 +100,13 @@ def checks(
 ) -> Tests:
     """Return the tests of a module without handshake; in each, a vector enters in every clock (:func:`stream`).
 
-    ``inputs`` and ``outputs`` map ports to the range of their words; ``reference`` is a function of the words of a
-    vector, or with ``columns`` of a sequence of words per input. A vector of one word may be written as the word.
+    ``inputs`` and ``outputs`` map ports to the range of their words. ``reference`` takes the words of one vector, or
+    with ``columns`` the words of all vectors, one sequence per input. A vector of one word may be written as the word.
 
-    - *named*: each of ``corners``, a vector and its outputs, between ``good`` vectors; omitted if a word does not fit
-      its port.
-    - *extremes*: all combinations of the corners of each operand.
-    - *every_vector* if there are at most :data:`EVERY`, otherwise *random_vectors*.
-    - each of ``streams``, by its name.
+    - *named*: each of ``corners``, a vector and its outputs, between ``good`` vectors, if all words fit their ports.
+    - *extremes*: all combinations of the :func:`corners` of the inputs.
+    - *every_vector* if there are at most :data:`EVERY` vectors, otherwise *random_vectors*.
+    - one test for each function in ``streams``, with the function's name: it drives the vectors that it returns.
 
     Vectors that do not satisfy ``fits`` are skipped.
     """
@@ -139,9 +138,9 @@ def checks(
 async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency: int, delays) -> None:
     """Drive one vector per clock without gaps, and compare every output ``latency`` clocks later.
 
-    Inputs change after the rising edge; outputs are sampled at the falling edge, when both have settled in both
-    simulators, and compared as bits, so that X is a difference. A module's parameter DA delays its port ``a``, and so
-    on: this port gets its word DA clocks before the ports without delay, from which ``latency`` counts.
+    Inputs change after the rising edge. Outputs are sampled at the falling edge, when all ports have settled in both
+    simulators, and compared as bits, so that X is a difference. A module's parameter DA delays its port ``a``, DB its
+    port ``b``, and so on. A port gets its word earlier by its delay; ``latency`` counts from ports without delay.
     """
     assert vectors, "no vectors to check"
     for name, words in (inputs | outputs).items():
@@ -191,12 +190,12 @@ def _written(value: int, words: range) -> str:
 
 
 def signed(width: int) -> range:
-    """Return all signed words."""
+    """Return the range of signed words."""
     return range(-(1 << width - 1), 1 << width - 1)
 
 
 def unsigned(width: int) -> range:
-    """Return all unsigned words."""
+    """Return the range of unsigned words."""
     return range(1 << width)
 
 
@@ -204,12 +203,12 @@ BIT = range(2)
 
 
 def size(words: range) -> int:
-    """Return the number of words; ``len`` fails above 63 bits."""
+    """Return the number of words in a range; ``len`` fails for words of more than 62 bits."""
     return words.stop - words.start
 
 
 def corners(words: range) -> list[int]:
-    """Return both ends and the middle of a range with their neighbours, and its three-quarter point."""
+    """Return both ends and the middle of a range, their neighbours, and the middle of the upper half."""
     low, high = words[0], words[-1]
     mid = (low + high + 1) // 2
     near = {low, low + 1, mid - 1, mid, mid + 1, (mid + high + 1) // 2, high - 1, high}
@@ -217,25 +216,24 @@ def corners(words: range) -> list[int]:
 
 
 def shuffled(vectors: Iterable) -> list:
-    """Return vectors in random order."""
     vectors = list(vectors)
     return random.sample(vectors, len(vectors))
 
 
 def crossed(*words: range) -> list[Vector]:
-    """Return all combinations of the operands' corners."""
+    """Return all combinations of the :func:`corners` of several ranges."""
     return list(itertools.product(*map(corners, words)))
 
 
 def halves(width: int) -> list[int]:
-    """Return signed words with extreme halves and halves close to 0, to test carries across the middle."""
+    """Return signed words whose halves are extreme or close to 0, to test carries across the middle."""
     low = width // 2
     high, last = signed(width - low), (1 << low) - 1
     return [(k << low) + rest for k in {high[0], -1, 0, 1, high[-1]} for rest in (0, 1, last // 2 + 1, last - 1, last)]
 
 
 def some(count: int, *words: range) -> list[Vector]:
-    """Return random vectors: a third of the words uniform, a third of random magnitude, the rest close to a corner."""
+    """Return ``count`` random vectors: a third of words are uniform, a third of random size, a third near a corner."""
     return [tuple(_one(w) for w in words) for _ in range(count)]
 
 
@@ -263,11 +261,11 @@ def wrapped(value: int, words: range) -> int:
     return (value - words[0]) % size(words) + words[0]
 
 
-# ---- tests of a simulation's instances, whose benches IK_SETS names --------------------------------------------------
+# ---- tests of this simulation's instances; IK_SETS names their benches ----------------------------------------------
 
 
 def _on(instance: str, test: Callable):
-    """Return the test of an instance of the top, which it gets as ``dut``."""
+    """Return a test of the top that runs ``test`` with the instance as ``dut``."""
 
     async def narrowed(top):
         await test(dut=getattr(top, instance))
