@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Order and needs of all tests. The longest files start first, to balance the parallel workers."""
+"""Pytest hooks for all tests: skip tests without their tools; start the longest files first, to balance the workers."""
 
 import json
 import os
@@ -11,17 +11,17 @@ from scripts.setup.bootstrap import EXTRAS, PROGRAMS, STAMP
 from tb.sim.env import ROOT
 
 STAMPED = json.loads((ROOT / STAMP).read_text())["ready"] if (ROOT / STAMP).exists() else []
-"""What set-up has installed."""
+"""Optional extras that set-up has installed."""
 
 
 def pytest_itemcollected(item):
-    """Add `slow` to a test that needs more than `make test` installs."""
+    """Mark a test as `slow` if it needs anything except a C compiler (`cc`)."""
     if needs(item) - {"cc"}:
         item.add_marker("slow")
 
 
 def pytest_runtest_setup(item):
-    """Skip a test without the tools that it needs; in continuous integration it fails."""
+    """Skip a test if a tool that it needs is not installed; fail it if CI is set."""
     if lacks := [need for need in sorted(needs(item)) if is_missing(need)]:
         message = f"not installed; to install it: python3 scripts/setup/bootstrap.py {' '.join(lacks)}"
         (pytest.fail if os.environ.get("CI") else pytest.skip)(message)
@@ -33,7 +33,7 @@ def needs(item) -> set[str]:
 
 
 def is_missing(need: str) -> bool:
-    """Return whether a program or the packages of a need of scripts/setup/bootstrap.py are missing."""
+    """Return True if the packages of a need or one of its programs are not installed; ignore ccache."""
     return (
         need in EXTRAS
         and need not in STAMPED
@@ -42,7 +42,7 @@ def is_missing(need: str) -> bool:
 
 
 def pytest_collection_modifyitems(items):
-    """Sort files by their longest case, longest first. A file stays together because its tests share fixtures."""
+    """Sort files by their longest test, longest first. Tests of a file stay together because they share fixtures."""
     longest: dict = {}
     for item in items:
         longest[item.path] = max(longest.get(item.path, 0), cost(item))
@@ -50,7 +50,7 @@ def pytest_collection_modifyitems(items):
 
 
 def cost(item) -> float:
-    """Return the estimated seconds of a test: its ``cost`` marker, or a default for its kind."""
+    """Return the estimated seconds of a test: its ``cost`` marker, or a default for slow and simulated tests."""
     marker = item.get_closest_marker("cost")
     if marker:
         return marker.args[0]

@@ -1,4 +1,4 @@
-// Lengths: Q2.30, rounded half to even, saturated. phi: one turn = 2^32, rounded half to even, wrapped. Results: exact.
+// Lengths: Q2.30, rounded half to even, saturated. phi: one turn = 2^32, rounded half to even, wrapped. qs, qe: exact.
 // SPDX-License-Identifier: Apache-2.0
 #include "ik.h"
 
@@ -10,7 +10,7 @@
 #endif
 typedef char ik_needs_double_of_64_bits[DBL_MANT_DIG == 53 && sizeof(double) == 8 ? 1 : -1];
 
-enum { FRACTION = 30, HEADROOM = 4 }; // fraction bits, low bits that scaling may drop
+enum { FRACTION = 30, HEADROOM = 4 }; // fraction bits of a length, low bits that scaling may drop
 
 static const double TURN = 6.283185307179586;
 
@@ -49,7 +49,7 @@ static bool finite(double value) {
     return parts_of(value).exponent < 0x7ff - 1075;
 }
 
-// Returns the greatest e with value * 2^e in [-2, 2).
+// Returns the greatest e with value * 2^e in [-2, 2); INT_MAX for 0.
 static int fits(double value) {
     const parts is = parts_of(value);
     if (is.digits == 0) return INT_MAX;
@@ -67,7 +67,7 @@ static uint64_t rounded(double value, int e) {
     if (up >= 0) {
         word = up < 64 ? is.digits << up : 0;
     } else if (up > -64) {
-        const uint64_t rest = is.digits << (64 + up); // binary point left of the MSB
+        const uint64_t rest = is.digits << (64 + up); // the dropped bits, left-aligned
         const uint64_t half = UINT64_C(1) << 63;
         word = is.digits >> -up;
         word += rest > half || (rest == half && (word & 1));
@@ -77,7 +77,7 @@ static uint64_t rounded(double value, int e) {
 
 static uint32_t length_word(double value, int exponent) {
     const uint64_t word = rounded(value, exponent + FRACTION);
-    return (uint32_t)word - (word == UINT64_C(1) << 31); // within half an ulp of +2
+    return (uint32_t)word - (word == UINT64_C(1) << 31); // a word rounded to +2 saturates
 }
 
 static ik_real value_of(uint32_t word) {
@@ -90,7 +90,7 @@ static ik_real angle_of(uint32_t word) {
 
 // ---- targets and results in memory ----
 
-// Targets and results of a call, or if hands is not null, hand poses and joints.
+// Arrays of a call: targets and results or, if hands is not null, hands and joints.
 typedef struct {
     const ik_target *targets;
     const ik_hand *hands;
@@ -104,12 +104,12 @@ static ik_hand target_of(const lists *of, size_t k) {
     return (ik_hand){.x = t->x, .y = t->y, .z = t->z, .phi = t->phi, .d1 = t->d1, .d2 = t->d2, .tag = t->tag};
 }
 
-static size_t words_of(const lists *of) { // per record
+static size_t words_of(const lists *of) { // 32-bit words per record
     return of->hands ? 16 : 8;
 }
 
-// Computes the scaling exponent: the greatest that puts every reach into [0, 2) and every coordinate and tool into
-// [-2, 2). Fails if the coordinates cost more than HEADROOM bits, or the tools that many again.
+// Computes the scaling exponent e: the greatest with every reach * 2^e in [0, 2), coordinate * 2^e in [-2, 2) and
+// |tool| * 2^e below 2. Fails if the coordinates lower e by more than HEADROOM, or the tools then lower it by more.
 static ik_code scale(ik_core *core, const lists *of, size_t n, int *exponent) {
     int longest = INT_MAX, furthest = INT_MAX, tools = INT_MAX;
     size_t far = 0, shortest = 0, tool = 0;
@@ -184,7 +184,7 @@ static void take_result(const lists *of, size_t k, const uint32_t *record) {
 
 // ---- a job ----
 
-// Soft reset; waits until the bus has completed pending transfers.
+// Starts a soft reset and waits until pending transfers have ended. Returns code, or IK_TIMEOUT.
 static ik_code give_up(ik_core *core, ik_code code) {
     set(core, IK_CONTROL, IK_CONTROL_SOFT_RESET);
     for (uint32_t left = core->bus.polls; get(core, IK_STATUS) & IK_STATUS_BUSY;)
@@ -209,10 +209,10 @@ static ik_code ended(ik_core *core) {
     return (ik_code)code;
 }
 
-// Runs a job of n targets from core->written on.
+// Runs a job of n targets, from index core->written on, and takes its valid results.
 static ik_code run(ik_core *core, const lists *of, uint32_t n, int exponent) {
     const ik_bus *bus = &core->bus;
-    const size_t words = words_of(of), index = of->hands ? 14 : 7; // word in which the core writes k
+    const size_t words = words_of(of), index = of->hands ? 14 : 7; // index: word in which the core writes k
     const size_t first = core->written;
     const ik_area *from = &bus->source, *to = &bus->destination;
     if (get(core, IK_STATUS) & IK_STATUS_BUSY) return IK_BUSY;

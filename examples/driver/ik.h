@@ -10,15 +10,15 @@
 
 #include "ik_regs.h"
 
-// A double holds every bit of a word; -DIK_REAL=float selects float, common in animation. Words are built by shifting
-// the bits of a double. Double arithmetic: a division, a sum and a few comparisons per target, a division and a sum per
-// value of a result.
+// Type of numbers. A double holds every bit of a word; -DIK_REAL=float selects float, common in animation. Words are
+// built by integer shifts. Double arithmetic is a division, a sum and a few comparisons per target, and a division or
+// product and a sum per value of a result.
 #ifndef IK_REAL
 #define IK_REAL double
 #endif
 typedef IK_REAL ik_real;
 
-// Lengths in any unit, the same for all targets of a call. phi in radians, any magnitude.
+// Wrist target. Lengths are in any unit, the same for all targets of a call. phi is in radians, of any magnitude.
 typedef struct {
     ik_real x, y, z, phi, d1, d2;
     uint32_t tag; // the low 24 bits are returned
@@ -31,12 +31,12 @@ typedef struct {
     uint8_t flags; // see docs/core.md
 } ik_result;
 
-// A hand pose, for a core with ARM = 1. x, y, z is the hand's point; the wrist is `tool` behind it on the hand's z axis.
+// Hand pose, for a core with ARM = 1. x, y, z is the hand's point; the wrist is `tool` behind it on the hand's z axis.
 typedef struct {
     ik_real x, y, z, phi, d1, d2, tool;
     ik_real hand[4]; // orientation: w, i, j, k of a unit quaternion
     uint32_t tag;    // the low 24 bits are returned
-    uint8_t branch;  // bit 0 shoulder, 1 elbow, 2 wrist: the other solution there
+    uint8_t branch;  // a set bit selects the other solution: bit 0 shoulder, 1 elbow, 2 wrist
 } ik_hand;
 
 typedef struct {
@@ -44,35 +44,35 @@ typedef struct {
     ik_real qs[4], qe[2];
     uint32_t tag;
     uint8_t flags;
-    uint16_t over_limit; // bit k: th[k] is outside its limits; bit 8: length of the quaternion outside [1 - 2^-8, 1 + 2^-8)
+    uint16_t over_limit; // bit k: th[k] is outside its limits; bit 8: |hand| is outside [1 - 2^-8, 1 + 2^-8)
 } ik_joints;
 
-// 0, a hardware code IK_CODE_* of ik_regs.h, or a driver code.
+// IK_OK, a hardware code IK_CODE_* of ik_regs.h, or one of these codes of the driver.
 typedef int ik_code;
 enum {
     IK_OK = IK_CODE_NONE,
-    // invalid calls; no job was started
+    // The call was invalid; no job was started.
     IK_NULL = 16,   // a null pointer, or buffers of 0 records
     IK_NO_CORE,     // ID does not match, or ik_init has not succeeded
     IK_VERSION,     // another major version
     IK_NO_TARGETS,  // n is 0
-    IK_NOT_FINITE,  // here and in the next three, ik_core.bad is the target
+    IK_NOT_FINITE,  // infinite or NaN; for this and the next four codes, ik_core.bad is the target
     IK_NOT_AN_ARM,  // d1 or d2 is not positive
-    IK_TOO_FAR_OUT, // for the longest arm, or the reach overflows a double
+    IK_TOO_FAR_OUT, // a coordinate or tool, for the longest reach; or d1 + d2 overflows a double
     IK_TOO_SHORT,   // the scaled word of d1 or d2 is 0
-    IK_NOT_A_HAND,  // a part of the quaternion is outside [-2, 2); ik_core.bad is the target
-    IK_OTHER_CORE,  // ik_solve with ARM = 1, ik_solve_arm or ik_limits without it
-    IK_BAD_LIMITS,  // low is not below high, or no angle of the core is between them; ik_core.bad is the joint, from 0
-    // job results
+    IK_NOT_A_HAND,  // a component of the quaternion is outside [-2, 2)
+    IK_OTHER_CORE,  // ik_solve on a core with ARM = 1, ik_solve_arm or ik_limits on any other core
+    IK_BAD_LIMITS,  // low is above high, or no angle of the core is between them; ik_core.bad is the joint, from 0
+    // The job did not run, or it failed.
     IK_BUSY,    // another job is running
     IK_TIMEOUT, // bus.wait returned false or bus.polls ran out; the job was aborted
-    IK_ABORTED, // by ik_abort
+    IK_ABORTED, // ik_abort was called
     IK_LOST,    // a result is missing from the destination buffer
     IK_CODES
 };
 
-// Memory shared by CPU and core, 32 bytes per record, with ARM = 1 64. The address must be a multiple of that; with a
-// cache, `at` and the size must be multiples of its line size.
+// Buffer shared by CPU and core. A record has 32 bytes, or 64 with ARM = 1. The address must be a multiple of the
+// record size. With a cache, `at` and the size of the buffer must be multiples of the cache line size.
 typedef struct {
     uint32_t *at;     // CPU pointer
     uint64_t address; // bus address
@@ -93,20 +93,20 @@ typedef struct {
     void (*flush)(void *user, const void *at, size_t bytes);
     void (*invalidate)(void *user, void *at, size_t bytes);
 
-    // Null: polling. Otherwise sleeps until ik_irq has run since its last return; may return early. False: timeout.
+    // Null: polling. Otherwise sleeps until ik_irq has run since the last return; may return early. False: timeout.
     bool (*wait)(void *user);
     uint32_t polls; // maximum consecutive reads of a polled register; 0: unlimited
 } ik_bus;
 
 typedef struct {
     ik_bus bus;
-    uint32_t width, data_width, addr_width, latency; // of this instance: W, DATA_W, ADDR_W, latency in clocks
-    bool lean;                                       // datapath: lean, or the paper's
-    bool arm;                                        // ARM = 1: it solves hand poses
+    uint32_t width, data_width, addr_width, latency; // parameters W, DATA_W, ADDR_W; latency in clocks
+    bool lean;                                       // true: lean datapath; false: the paper's
+    bool arm;                                        // ARM = 1: the core solves hand poses
 
-    // of the last ik_solve
-    size_t written;         // number of valid results, from the first, whatever the code
-    size_t bad;             // index of the rejected target
+    // outcome of the last ik_solve or ik_solve_arm
+    size_t written;         // number of valid results, counted from the first, with any return code
+    size_t bad;             // index of the rejected target, or joint
     uint64_t error_address; // of a hardware error; see ERROR in docs/generated/registers.md
 
     volatile uint32_t events; // IRQ_STATUS bits collected by ik_irq
@@ -119,16 +119,16 @@ ik_code ik_init(ik_core *core, const ik_bus *bus);
 // Solves n targets. All lengths are scaled by a common power of two, as in make run.
 ik_code ik_solve(ik_core *core, const ik_target *targets, ik_result *results, size_t n);
 
-// The same for hand poses and a core with ARM = 1.
+// Solves n hand poses on a core with ARM = 1, otherwise like ik_solve.
 ik_code ik_solve_arm(ik_core *core, const ik_hand *hands, ik_joints *results, size_t n);
 
-// Sets the limits of th1 .. th7 in radians, rounded inward, while no job runs; a whole turn or more is no limit.
+// Sets the limits of th1 .. th7 in radians, rounded inward; a whole turn or more is no limit. No job may be running.
 ik_code ik_limits(ik_core *core, const ik_real low[7], const ik_real high[7]);
 
-// Called by the interrupt handler, which then wakes bus.wait. False: the interrupt has another source.
+// Call it in the interrupt handler, then wake bus.wait. Returns false if the interrupt has another source.
 bool ik_irq(ik_core *core);
 
-// Aborts a running ik_solve from another context; with bus.wait, wake it afterwards.
+// Aborts a running ik_solve or ik_solve_arm from another context. If bus.wait is set, wake it afterwards.
 void ik_abort(ik_core *core);
 
 const char *ik_error_text(ik_code code);

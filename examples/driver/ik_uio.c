@@ -33,7 +33,7 @@ static void store(void *user, uint32_t offset, uint32_t value) {
     BARRIER();
 }
 
-// Checks the result of read() or write() of a word.
+// Sets uio->error from `bytes`, the result of a read() or write() of one word. Returns true if the word was moved.
 static bool moved(ik_uio *uio, ssize_t bytes) {
     uio->error = bytes == WORD ? 0 : bytes < 0 ? errno : EIO;
     return !uio->error;
@@ -44,8 +44,8 @@ static bool unmask(ik_uio *uio) {
     return moved(uio, write(uio->file, &on, WORD));
 }
 
-// Waits until the kernel has counted an interrupt, which masks it; clears it in the core and unmasks it. A signal ends
-// the wait early: after ik_abort, send one to the thread in ik_solve.
+// Waits for an interrupt, which the kernel counts and masks. Then clears it in the core and unmasks it. A signal ends
+// the wait early: after ik_abort, send a signal to the thread in ik_solve.
 static bool interrupted(void *user) {
     ik_uio *uio = user;
     struct pollfd event = {.fd = uio->file, .events = POLLIN};
@@ -58,9 +58,9 @@ static bool interrupted(void *user) {
     return unmask(uio);
 }
 
-// Maps a memory of the device. Returns -errno, or IK_OK with its first word and bus address in area, its size in bytes.
+// Maps memory `map` of the device. Returns -errno, or IK_OK with pointer and bus address in area, its size in bytes.
 static ik_code mapped(ik_uio *uio, const char *maps, int map, ik_area *area, uint64_t *bytes) {
-    static const char *const names[] = {"addr", "size", "offset"}; // of its first page, from there on, in that page
+    static const char *const names[] = {"addr", "size", "offset"}; // page's bus address, bytes from it, first used byte
     unsigned long long is[3];
     for (int k = 0; k < 3; k++) {
         char path[256];

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of ``ik_axi`` with a host at its registers and a memory at its bus port."""
+"""Tests of ``ik_axi``. The benches act as the host at its register port and as the memory at its memory port."""

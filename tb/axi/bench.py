@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``ik_axi``: clock, registers, a memory with injected faults, a monitor of its port, and result checks."""
+"""Bench of ``ik_axi``: clock, register access, a memory with injected faults, a monitor of its port, result checks."""
 
 import functools
 import logging
@@ -28,20 +28,20 @@ SEED = int(os.environ.get("IK_AXI_SEED", "0"))
 
 PERIOD = 10  # clock period in ns
 BURSTS = 8  # maximum number of outstanding bursts in each direction
-PATIENCE = 50000  # clocks without a beat on the memory port after which a test fails
+PATIENCE = 50000  # maximum number of clocks without a handshake on the memory port
 
 ARM = bool(getattr(getattr(getattr(cocotb, "top", None), "ARM", None), "value", 0))
-"""True if the simulated instance solves the whole arm."""
+"""True if the simulated instance solves hand poses (parameter ARM = 1)."""
 
 LAYOUT = ARM_RECORDS if ARM else RECORDS
 BYTES = LAYOUT.size
 
 CHANNELS = ("ar", "r", "aw", "w", "b", "lite")
-"""Channels that `Bench.stall` pauses; lite: all register channels."""
+"""Names for `Bench.stall`: the channels of the memory port, and ``lite`` for all channels of the register port."""
 
 
 class Memory(SparseMemory):
-    """Sparse memory; an access outside the source and destination areas is an error of the core."""
+    """Sparse memory. It records each access outside the source and destination areas in `errors`."""
 
     def __init__(self) -> None:
         super().__init__(1 << 64)
@@ -50,14 +50,14 @@ class Memory(SparseMemory):
         self.errors: list[str] = []
 
     def access(self, kind: str, area: tuple[int, int], address: int, length: int) -> AxiResp | None:
-        """Check an access; return the error response injected at its address, if any."""
+        """Record an error if an access leaves ``area``. Return the first fault injected at its addresses, or None."""
         if not (area[0] <= address and address + length <= area[1]):
             self.errors.append(f"{kind} of {length} bytes at {address:#x}, outside {area[0]:#x} to {area[1]:#x}")
         return next((code for at, code in self.faults.items() if address <= at < address + length), None)
 
 
 class Responder:
-    """Slave mixin: responds in order after a latency, pipelined, with the injected errors."""
+    """Mixin for both ports of the memory: delay responses by a latency, in order and pipelined; insert errors."""
 
     fault: AxiResp | None = None
 
@@ -86,8 +86,6 @@ class Responder:
 
 
 class Reader(Responder, AxiSlaveRead):
-    """Read channels of the memory."""
-
     def __init__(self, bus, clock, reset, memory: Memory, latency: int) -> None:
         super().__init__(bus, clock, reset, target=memory)
         self.respond(self.r_channel, "rresp", latency)
@@ -98,7 +96,7 @@ class Reader(Responder, AxiSlaveRead):
 
 
 class Writer(Responder, AxiSlaveWrite):
-    """Write channels of the memory. A faulty beat is not written; the other beats of its burst are."""
+    """Write channels of the memory. A beat with a fault is not written; the other beats of its burst are written."""
 
     def __init__(self, bus, clock, reset, memory: Memory, latency: int) -> None:
         super().__init__(bus, clock, reset, target=memory)
@@ -112,9 +110,9 @@ class Writer(Responder, AxiSlaveWrite):
 
 
 class Monitor:
-    """Checks of the memory port beyond the AXI rules (tb/axi/rules), sampled at every falling edge.
+    """Monitor of the memory port at every falling edge: checks beyond the AXI rules, which tb/axi/rules checks.
 
-    A test checks `errors` at its end. A reset clears only the state of open transactions.
+    `Bench.check` fails if `errors` is not empty. A reset clears the state of open transactions, and nothing else.
     """
 
     def __init__(self, dut, record_beats: int) -> None:
@@ -130,7 +128,7 @@ class Monitor:
         )
         parts = ("addr", "len", "size", "burst", "cache", "prot", "id")
         self.payload = {name: [getattr(dut, f"m_axi_{name}{part}") for part in parts] for name in self.bursts}
-        self.kind = ((BYTES // record_beats).bit_length() - 1, 1, 0b0011, 0, 0)  # from size to id
+        self.kind = ((BYTES // record_beats).bit_length() - 1, 1, 0b0011, 0, 0)  # size, burst, cache, prot, id
         core = dut.u_records.g_arm.u_arm if ARM else dut.u_records.g_axis.u_axis
         self.axis_valid, self.axis_ready = core.s_axis_tvalid, core.s_axis_tready
         self._clear()
@@ -138,7 +136,7 @@ class Monitor:
     def _clear(self) -> None:
         self.open = {"ar": 0, "aw": 0}  # bursts requested and not yet complete
         self.requested = self.sent = 0  # beats
-        self.moved = self.clock  # clock of the last beat
+        self.moved = self.clock  # clock of the last handshake
         self.failed: dict[str, int] = {}  # address channel -> clock of the first error, after which no burst may start
         self.offered: set[str] = set()  # address channels whose current burst is counted but not yet accepted
 
@@ -196,21 +194,20 @@ class Monitor:
             self.error(f"m_axi_{name}: size, burst, cache, prot, id are {kind}, expected {self.kind}")
 
     def quiet(self) -> bool:
-        """Return True if no transaction is open."""
         return not any(self.open.values())
 
 
 def random_words(count: int, seed: int) -> np.ndarray:
-    """Return 32-bit targets of all kinds, (N, 6), or hand poses (N, 11)."""
+    """Return 32-bit words of targets of all kinds, shape (N, 6), or of hand poses, shape (N, 11), if ARM is True."""
     words = arm_targets(count, 32, seed)[:, :11] if ARM else mixed(count, 32, seed)
     numbers = np.random.default_rng(seed)
-    words[::7, :3] += numbers.integers(-(1 << 14), 1 << 14, (len(words[::7]), 3))  # low bits, rounded at W < 32
+    words[::7, :3] += numbers.integers(-(1 << 14), 1 << 14, (len(words[::7]), 3))  # low bits, rounded if W < 32
     words[5, :6] = (2**31 - 1, -(2**31), 2**31 - 1, 2**31 - 1, 2**31 - 1, 1)  # saturation and wrap-around
     return np.clip(words, -(2**31), 2**31 - 1)
 
 
 class Bench:
-    """Bench of one ``ik_axi``; it drives the clock: one per test. Its pool holds targets and their results."""
+    """Bench of one ``ik_axi``. It drives the clock, so a test creates only one. Jobs take targets from its pool."""
 
     def __init__(self, dut, seed: int = 1, latency: int = 0, words: np.ndarray | None = None) -> None:
         self.dut = dut
@@ -223,7 +220,7 @@ class Bench:
         self.width, self.data_width = int(dut.W.value), int(dut.DATA_W.value)
         self.addr_width = int(dut.ADDR_W.value)
         self.datapath = "arm" if ARM else "lean" if int(dut.DATAPATH.value) else "paper"
-        self.limits: list[tuple[int, int]] | None = None  # of the joints, words of the core
+        self.limits: list[tuple[int, int]] | None = None  # (low, high) of each joint, in words of the core
         self.registers = [name for name in OFFSETS if ARM or not name.startswith("LIMIT_")]
         self.beats = 8 * BYTES // self.data_width  # beats of a record
         self.per_burst = 1 << int(dut.LOG2_BURST.value)  # records of a whole burst
@@ -254,7 +251,7 @@ class Bench:
         return results[:, [names.index(name) for name in LAYOUT.results]], flags, tags
 
     def place(self, source: int, first: int, count: int) -> None:
-        """Write ``count`` targets of the pool to memory, starting at ``first``."""
+        """Write ``count`` targets, from index ``first`` of the pool, to address ``source``; wrap at the pool's end."""
         data = (self.records * (2 + (first + count) // self.pool))[first * BYTES : (first + count) * BYTES]
         self.memory.write(source, data)
 
@@ -282,7 +279,7 @@ class Bench:
         return await self.read(f"{name}_LO") | await self.read(f"{name}_HI") << 32
 
     async def start(self, source: int, destination: int, count: int, accepted: bool = True) -> None:
-        """Write the parameters in random order, then start; an accepted job may access its areas only."""
+        """Write a job's parameters in random order, then start it. If ``accepted``, permit access to its areas only."""
         values = {"COUNT": count}
         for name, value in (("SOURCE", source), ("DESTINATION", destination)):
             values |= {f"{name}_LO": value & 0xFFFFFFFF, f"{name}_HI": value >> 32}
@@ -297,7 +294,7 @@ class Bench:
         await self.write("CONTROL", 1)
 
     async def ended(self, most: int = 100000) -> dict[str, int]:
-        """Return STATUS at the end of a job; fail after ``most`` clocks."""
+        """Wait for the end of the job and return the fields of STATUS. Raise AssertionError after ``most`` clocks."""
         for _ in range(most):
             await FallingEdge(self.dut.clk)
             if self.dut.u_job.busy.value == 0:
@@ -305,7 +302,7 @@ class Bench:
         raise AssertionError(f"busy for {most} clocks; {self.monitor.errors[:1]}")
 
     async def solve(self, source: int, destination: int, count: int, first: int = 0) -> None:
-        """Run a job that must succeed, and compare its results."""
+        """Run a job that must succeed, and compare its results with the model's."""
         self.place(source, first, count)
         await self.start(source, destination, count)
         status = await self.ended()
@@ -315,7 +312,7 @@ class Bench:
         self.compare(destination, first, count)
 
     def compare(self, destination: int, first: int, count: int) -> None:
-        """Compare results in memory with the model's results for ``count`` targets of the pool from ``first`` on."""
+        """Compare ``count`` results in memory with the model's results, from index ``first`` of the pool."""
         part = np.arange(first, first + count) % self.pool
         wanted = LAYOUT.written(self.results[part], self.flags[part], self.tags[part], self.width)
         got = self.memory.read(destination, count * BYTES)
@@ -325,17 +322,17 @@ class Bench:
             raise AssertionError(f"result {k} of {count} at {destination:#x}: {rows[0]}, expected {rows[1]}")
 
     def check(self) -> None:
-        """Check everything that must hold at the end of a test."""
+        """Check that memory and monitor have recorded no error and that no transaction is open."""
         errors = self.memory.errors + self.monitor.errors
         assert not errors, f"{len(errors)} errors, the first: {errors[0]}"
         assert self.monitor.quiet(), "transactions are open"
 
     def channel(self, name: str):
-        """Return the memory's end of a channel."""
+        """Return the memory's side of a channel."""
         return getattr(self.reader if name in ("ar", "r") else self.writer, f"{name}_channel")
 
     def stall(self, *channels: str, share: float = 0.3) -> None:
-        """Pause channels at random."""
+        """Pause channels at random: each stretch of clocks is a pause with probability ``share``."""
         write, read = self.lite.write_if, self.lite.read_if
         lite = [write.aw_channel, write.w_channel, write.b_channel, read.ar_channel, read.r_channel]
         for name in channels:
@@ -356,7 +353,7 @@ async def started(dut, seed: int = 1, **options) -> Bench:
 
 
 def bench_test(**options) -> Callable:
-    """Return a decorator: a cocotb test of a bench that is started with these options and checked at the end."""
+    """Return a decorator that makes a cocotb test: start a bench with ``options``, run the test, check the bench."""
 
     def decorate(function):
         @cocotb.test()

@@ -25,7 +25,7 @@ LISTED = (SOURCE / "ik.h").read_text(encoding="utf-8").partition("    IK_NULL = 
 CODES = HARDWARE | {
     name.lower(): 16 + k for k, name in enumerate(["null", *re.findall(r"^    IK_(\w+), ", LISTED, re.MULTILINE)])
 }
-"""Name -> number of every code: the hardware's, and the driver's from ik.h."""
+"""Code name -> number: hardware codes from the register description, driver codes from ik.h."""
 
 REGISTER = {offset: name for name, offset in OFFSETS.items()}
 NAMES = {number: name for name, number in CODES.items()}
@@ -34,7 +34,7 @@ REALS = {"double": np.float64, "float": np.float32}
 
 
 def compiled(folder: Path, *options: str, text: str = "") -> Path:
-    """Compile ik.c, or ``text`` instead of it, to a shared object and return its path."""
+    """Compile ik.c, or the C source ``text`` instead, to a shared library and return its path."""
     library, source = folder / "ik.so", SOURCE / "ik.c"
     if text:
         source = folder / "ik.c"
@@ -90,9 +90,9 @@ class Uio(ctypes.Structure):
 
 
 def uio_device(folder: Path, page: int, size: int, offset: int, arm: bool = False) -> tuple[bytes, bytes]:
-    """Write a file as the device, one page per map, and the files of sysfs that describe its maps; return both paths.
+    """Write a plain file as UIO device, and the sysfs files of its maps. Return (device file, folder of the maps).
 
-    The maps are the registers, all 0 except CONFIG.arm, and the buffer.
+    Each map is one page of the device file: map 0 has the registers, all 0 except CONFIG.arm, and map 1 the buffer.
     """
     registers = np.zeros(2 * os.sysconf("SC_PAGESIZE") // 4, "<u4")
     registers[OFFSETS["CONFIG"] // 4] = arm << FIELDS_OF["CONFIG"]["arm"].low
@@ -105,10 +105,10 @@ def uio_device(folder: Path, page: int, size: int, offset: int, arm: bool = Fals
 
 
 class Driver:
-    """Handle of one core. An area is a pair: the CPU's pointer and the bus address.
+    """C driver of one core. ``source`` and ``destination`` are buffers, each as (CPU pointer, bus address).
 
-    ``platform`` has the callbacks read and write, and with ``interrupt`` also wait, flush and invalidate. With ``arm``
-    it solves hand poses.
+    ``platform`` has the callbacks read and write, and if ``interrupt`` also wait, flush and invalidate. If ``arm``,
+    targets are hand poses.
     """
 
     def __init__(
@@ -143,7 +143,7 @@ class Driver:
         self.target_type, self.result_type = np.dtype(target, align=True), np.dtype(result, align=True)
 
     def _guarded(self, function: Callable) -> Callable:
-        """Wrap a callback: ctypes callbacks cannot raise, so errors are kept and `call` raises them."""
+        """Wrap a callback. A ctypes callback cannot raise, so its exception is stored and `call` raises it."""
 
         def call(_user, *arguments):
             try:
@@ -161,7 +161,6 @@ class Driver:
         return code
 
     def start_up(self) -> str:
-        """Call ik_init and return the code's name."""
         return NAMES[self.call("ik_init", ctypes.byref(self.bus))]
 
     def targets(self, columns: dict[str, np.ndarray], tags: np.ndarray) -> np.ndarray:
@@ -171,8 +170,8 @@ class Driver:
         return targets
 
     def solve(self, targets: np.ndarray) -> tuple[str, np.ndarray]:
-        """Call ik_solve or ik_solve_arm; return the code's name and the results it reports as written; no other may
-        change."""
+        """Call ik_solve or ik_solve_arm. Return the code's name and the results that the driver reports as written.
+        Check that it has not changed any other result."""
         results = np.full(len(targets) * self.result_type.itemsize, 0xA5, np.uint8)
         code = self.call(
             "ik_solve_arm" if self.arm else "ik_solve", targets.ctypes, results.ctypes, ctypes.c_size_t(len(targets))

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the C driver on ``ik_axi``: its library, IK_DRIVER, runs in a thread; register accesses take simulated time.
+"""Tests of the C driver on a simulated ``ik_axi``. The driver runs in a thread; register accesses take simulated time.
 
-Target words in memory and result values equal the model's. Each bus error returns its code, and the next call
-succeeds.
+IK_DRIVER is the path of the driver's shared library. Target words in memory and results must equal the model's.
 """
 
 import ctypes
@@ -26,13 +25,13 @@ RECORDS = 24  # capacity of each buffer in records
 
 SIZE = RECORDS * BYTES
 PAGE = 4096  # bytes of a segment of the simulated memory
-PATIENCE = 4000  # limit in clocks for an interrupt to arrive
+PATIENCE = 4000  # maximum number of clocks until an interrupt
 
 
 class Platform:
-    """Buffers and driver callbacks: polling on coherent memory, or interrupts with a non-coherent cache.
+    """Buffers and callbacks of the driver: polling and coherent memory, or interrupts and a non-coherent cache.
 
-    The cache may write dirty lines of the results back at any time; this model does so when a job ends.
+    A cache may write dirty lines of the result buffer back at any time; this model does so at the end of a job.
     """
 
     def __init__(self, bench: Bench, interrupt: bool, polls: int = 2000) -> None:
@@ -42,16 +41,16 @@ class Platform:
         self.jobs: list[bytes] = []  # target records of each job
         self.waits = 0
         self.running = False  # the driver has started a job
-        self.woken = False  # by an abort
+        self.woken = False  # an abort has ended the wait
         self.race = False  # another host starts a job just before the driver does
-        self.second_faults: dict[int, AxiResp] = {}  # faults of the memory in the second job of a call
+        self.second_faults: dict[int, AxiResp] = {}  # memory faults during the second job of a call
         base = (3 << 36) * (bench.addr_width > 37)
         self.source, self.destination = base + 0x41000 - 5 * BYTES, base + 0x82000 - 2 * BYTES
         areas = [(self._buffer(address), address) for address in (self.source, self.destination)]
         self.driver = Driver(LIBRARY, self, *areas, RECORDS, interrupt, polls, arm=ARM)
 
     def _buffer(self, address: int) -> int:
-        """Create the buffer of a bus address; return the CPU's pointer."""
+        """Create the buffer at a bus address and return the CPU's pointer to it."""
         if self.interrupt:
             self.buffers[address] = ctypes.create_string_buffer(b"\xa5" * SIZE, SIZE)
             self.clean[address] = b""
@@ -126,7 +125,7 @@ class Platform:
         assert self.bench.dut.irq.value == 0, "the interrupt is not acknowledged"
 
     def wait(self) -> bool:
-        """Wait for the interrupt; every other call returns at once, as a spurious wake-up."""
+        """Wait for the interrupt; return False on timeout. Every second call returns at once: a spurious wake-up."""
         self.waits += 1
         if self.waits % 2:
             return True
@@ -141,7 +140,7 @@ class Platform:
         return True
 
     def targets(self, count: int) -> np.ndarray:
-        """Return targets in and out of reach, with phi of many turns."""
+        """Return random targets, in and out of reach, with phi of many turns."""
         numbers = np.random.default_rng(self.bench.random.randrange(1 << 32))
         d1, d2 = 0.33, 0.27
         columns = dict(zip("xyz", numbers.uniform(-0.8, 0.8, (3, count)) * (d1 + d2), strict=True))
@@ -154,7 +153,7 @@ class Platform:
         return self.driver.targets(columns, numbers.integers(0, 1 << 32, count))
 
     async def call(self, targets: np.ndarray, code: str = "none", written: int | None = None, address: int = 0) -> None:
-        """Solve targets, expect this code, and compare target words and all returned results with the model."""
+        """Solve targets; check the code, the number written and the error address; compare words with the model."""
         self.jobs.clear()
         written = (len(targets) if code == "none" else 0) if written is None else written
         bench, core = self.bench, self.driver.core
@@ -218,7 +217,7 @@ async def ik_init(dut):
 @MODES
 @cocotb.parametrize(stalled=[False, True])
 async def solves(dut, interrupt, stalled):
-    """Calls for one target, exactly one buffer, and several buffers."""
+    """Solve one target, exactly one buffer of targets, and more than two buffers of targets."""
     platform = await ready(dut, interrupt)
     if stalled:
         platform.bench.stall(*CHANNELS)
@@ -232,13 +231,13 @@ async def solves(dut, interrupt, stalled):
 @cocotb.parametrize(on=["read", "write"])
 @cocotb.parametrize(answer=["slverr", "decerr"])
 async def bus_error(dut, on, answer):
-    """A call whose second job has a bus error returns the results written before it."""
+    """A bus error in the second job of a call: the call returns its code and the results written before the error."""
     platform = await ready(dut, interrupt=True)
     bench = platform.bench
     for bad in (0, RECORDS - 2):
         area = platform.source if on == "read" else platform.destination
         place = address = area + bad * BYTES
-        if on == "write":  # ERROR is the address of its burst
+        if on == "write":  # ERROR has the address of the burst
             address = max(area, place - place % (bench.per_burst * BYTES))
         platform.second_faults = {place: AxiResp[answer.upper()]}
         written = RECORDS + (address - area) // BYTES

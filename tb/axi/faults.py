@@ -31,7 +31,7 @@ async def next_job(bench: Bench) -> None:
 
 @bench_test()
 async def refused_areas(bench):
-    """Illegal areas are refused within a few clocks, before any access."""
+    """A job with illegal or overlapping areas is refused after 4 clocks, before any access to memory."""
     end = 1 << bench.addr_width
     cases = [
         (0x1004, 0x2000, 4, "source_misaligned", 0x1004),
@@ -65,7 +65,7 @@ async def refused_areas(bench):
 
 @bench_test()
 async def no_records(bench):
-    """A job of count 0 is done at once, even with illegal areas."""
+    """A job with COUNT = 0 is done at once, even if its areas are illegal."""
     for source, destination in ((0x1000, 0x2000), (0x1000, 0x1000), (3, 5), (1 << 63, 1 << 63)):
         await bench.start(source, destination, 0)
         assert await bench.ended(20) == {"busy": 0, "done": 1, "error": 0, "code": 0}
@@ -77,9 +77,9 @@ async def no_records(bench):
 
 @bench_test(seed=5, latency=9)
 async def bus_errors(bench):
-    """The records before the failing beat of R or burst of W are written; ERROR is the address of that beat or burst.
+    """The records before a failing beat of R, or before a failing burst of W, are written; ERROR is its address.
 
-    Sides and responses alternate. Some failing jobs follow each other directly; each reports its own error.
+    Read and write errors alternate, as do SLVERR and DECERR. After some errors, the next failing job starts directly.
     """
     numbers, beat_bytes = bench.random, bench.data_width // 8
     for k in range(4 * ROUNDS):
@@ -116,7 +116,7 @@ async def bus_errors(bench):
 
 @bench_test(seed=7)
 async def errors_on_both(bench):
-    """One error on each side: the first to arrive is reported, and the first WRITTEN results are in memory."""
+    """With a read and a write error in a job, one of them is reported; the first WRITTEN results are in memory."""
     numbers = bench.random
     for k in range(ROUNDS):
         count = numbers.randint(20, 90)
@@ -136,7 +136,7 @@ async def errors_on_both(bench):
 
 @bench_test()
 async def start_while_busy(bench):
-    """A start while busy is refused with its own interrupt; new parameters apply to the next job only."""
+    """A start during a job is refused and sets its own interrupt bit; new parameters apply to the next job only."""
     bench.stall("r", "w")
     bench.place(SOURCE, 0, 60)
     await bench.start(SOURCE, DESTINATION, 60)
@@ -163,7 +163,7 @@ async def start_while_busy(bench):
 @cocotb.parametrize(paused=[False, True])
 @bench_test(seed=8, latency=12)
 async def soft_reset(bench, paused):
-    """A soft reset in any clock of a job completes open bus transactions and clears STATUS and IRQ_STATUS."""
+    """A soft reset at a random clock of a job completes open bus transactions and clears STATUS and IRQ_STATUS."""
     numbers = bench.random
     if paused:
         bench.stall(*CHANNELS)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Job tests of ``ik_axi``: results equal the model's, only the areas are accessed; limits, counters and throughput."""
+"""Job tests of ``ik_axi``: results, accessed addresses, bursts, joint limits, counters and throughput."""
 
 import json
 import os
@@ -15,7 +15,7 @@ from model.io.words import to_words
 from tb.axi.bench import ARM, BURSTS, BYTES, CHANNELS, LAYOUT, Bench, bench_test, started
 
 JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))
-"""Random jobs: half of them without pauses, half with pauses on all channels, and a twentieth more per channel."""
+"""Random jobs: half without pauses, half with pauses on all channels; JOBS // 20 more for each memory channel alone."""
 
 BASE = 0x40000 - 512
 """Base address of the areas; the smallest tested instance has an address space of 1 MiB."""
@@ -23,14 +23,14 @@ BASE = 0x40000 - 512
 QUICKEST = 2  # clocks from AR accepted to the first R beat for a memory without added latency
 
 LATENCIES = tuple(QUICKEST + more for more in (0, 16, 32, 64, 128))
-"""Memory latencies in clocks; B is delayed by the same additional clocks as R."""
+"""Memory latencies in clocks, from AR accepted to the first R beat. B has the same additional delay as R."""
 
 BATCH, LONG = 100, 600
-"""Targets of a job: `reach` once, and `reach` repeated."""
+"""Targets of the timed jobs. The trajectory `reach` has 100 targets; the long job repeats it."""
 
 
 def bursts(address: int, count: int, bench: Bench) -> list[tuple[int, int]]:
-    """Return the expected bursts of an area as (address, beats)."""
+    """Return the expected bursts of ``count`` records from ``address`` on, each as (address, beats)."""
     expected = []
     while count:
         size = min(count, bench.per_burst - address // BYTES % bench.per_burst)
@@ -41,14 +41,13 @@ def bursts(address: int, count: int, bench: Bench) -> list[tuple[int, int]]:
 
 @bench_test()
 async def one_record(bench):
-    """One target gives one result."""
     await bench.solve(BASE, BASE + 0x2000, 1)
     await bench.solve(BASE + BYTES, BASE, 1, first=1)
 
 
 @bench_test()
 async def edges_of_bursts(bench):
-    """Jobs that start and end at, before and after a burst boundary, with another alignment at the destination."""
+    """Run jobs that start and end at, before and after a burst boundary, with various alignments of the destination."""
     whole = bench.per_burst
     for k, skip in enumerate((0, 1, whole - 1)):
         for count in (1, 2, whole - 1, whole, whole + 1, 2 * whole + 1):
@@ -61,14 +60,14 @@ async def edges_of_bursts(bench):
 
 @bench_test()
 async def pages(bench):
-    """Areas that cross several 4 KiB boundaries, starting just below one."""
+    """Run a job whose areas start just below a 4 KiB boundary and cross several more."""
     await bench.solve(0x10000 - BYTES, 0x20000 - 3 * BYTES, 300)
     assert len(bench.monitor.bursts["ar"]) >= 300 // bench.per_burst
 
 
 @bench_test()
 async def neighbours(bench):
-    """Destination directly after and directly before the source, at both ends of the address space."""
+    """Run jobs on adjacent areas, in either order, and on areas at opposite ends of the address space."""
     count, end = 2 * bench.per_burst + 3, 1 << bench.addr_width
     size = count * BYTES
     for source, destination in ((0x3000, 0x3000 + size), (0x3000 + size, 0x3000), (0, end - size), (end - size, 0)):
@@ -78,9 +77,9 @@ async def neighbours(bench):
 @cocotb.test()
 @cocotb.parametrize(stalled=["none", "all", *CHANNELS[:-1]])
 async def many_jobs(dut, stalled):
-    """Random jobs, mostly small, on disjoint areas, with pauses on no, all or one channel of the memory.
+    """Run random jobs, mostly small, on disjoint areas, with pauses on no channel, all channels or one memory channel.
 
-    Appends the numbers of jobs and records to the file IK_AXI_DONE.
+    Append the numbers of jobs and records to the file named by IK_AXI_DONE.
     """
     bench = await started(dut, seed=2, latency=len(stalled) % 3 * 7)
     jobs, solved = JOBS // 2, 0
@@ -109,7 +108,7 @@ async def many_jobs(dut, stalled):
 
 
 async def limits(dut):
-    """over_limit follows the limit registers, in all bits of the core's word length."""
+    """over_limit obeys the W high bits of the limit registers; the other bits are random."""
     bench = await started(dut, seed=11)
     numbers, low = bench.random, 32 - bench.width
     half = 1 << bench.width - 1
@@ -125,14 +124,14 @@ async def limits(dut):
     bench.check()
 
 
-if ARM and os.environ.get("IK_AXI_CORE") != "echo":  # a filter of tests would also run a skipped one
+if ARM and os.environ.get("IK_AXI_CORE") != "echo":  # COCOTB_TEST_FILTER runs skipped tests as well
     limits = cocotb.test()(limits)
 
 
 @cocotb.parametrize(blocked=["r", "aw", "w", "b"])
 @bench_test()
 async def blocked_channel(bench, blocked):
-    """Block one channel: requests stay within FIFO slots and burst limit; after release every result is right."""
+    """Block one channel: requests stay within FIFO slots and burst limit. After release, all results are right."""
     count = bench.places + 12 * bench.per_burst
     source, destination = 0x40000, 0x80000
     bench.place(source, 0, count)
@@ -159,7 +158,7 @@ async def blocked_channel(bench, blocked):
 
 @bench_test(latency=20)
 async def counters(bench):
-    """CLOCKS counts busy clocks; the stall counters count clocks in which a due beat does not move."""
+    """CLOCKS counts busy clocks; the stall counters count clocks in which a beat is due but not transferred."""
     await bench.solve(0x4000, 0x8000, 20)
     assert await bench.read("READ_STALLS") >= 20 and await bench.read("WRITE_STALLS") == 0
     bench.stall("w", share=0.8)
@@ -181,7 +180,7 @@ async def counters(bench):
 @cocotb.test()
 @cocotb.parametrize(latency=LATENCIES)
 async def rates(dut, latency):
-    """Require 95 % use of the read bus without added latency; append a row to the file IK_AXI_RATES."""
+    """Require 95 % use of the read bus without added latency. Append a row to the file named by IK_AXI_RATES."""
     words = None if ARM else to_words(make("reach"), 32)[0]
     bench = await started(dut, latency=latency - QUICKEST, words=words)
     assert ARM or bench.pool == BATCH

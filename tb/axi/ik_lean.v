@@ -1,7 +1,7 @@
-// Exact: the target's words rotated by one; flags are the low bits of x. A stand-in for ik_lean at a quarter of its cost.
+// Exact: returns the target's words, rotated by one; flags are the low bits of x. A quarter of the run time of ik_lean.
 // SPDX-License-Identifier: Apache-2.0
 //
-// For tests of the logic around the core: every target bit reaches the result, and the latency equals ik_lean's.
+// For tests of the logic around the core: every bit of a target reaches the result, and the latency equals ik_lean's.
 // Latency: datapath_latency clocks.
 `default_nettype none
 

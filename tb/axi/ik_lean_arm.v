@@ -1,7 +1,7 @@
-// Exact: the words of the hand pose, then again; flags are the low bits of x and the branch. A stand-in for ik_lean_arm.
+// Exact: returns the 11 words of the hand pose, then the first 6 again; flags are the low bits of x XOR the branch.
 // SPDX-License-Identifier: Apache-2.0
 //
-// For tests of the logic around the core, as ik_lean.v; the limits are ignored.
+// Replaces ik_lean_arm in tests of the logic around the core, like ik_lean.v. The limits are ignored.
 // Latency: T_OUT clocks.
 `default_nettype none
 

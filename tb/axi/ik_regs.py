@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The registers of ik_axi, from rtl/axi/ik_axi.rdl."""
+"""Registers of ``ik_axi``, read from rtl/axi/ik_axi.rdl."""
 
 from typing import NamedTuple
 
@@ -10,12 +10,12 @@ from tb.sim.env import ROOT
 
 
 class Field(NamedTuple):
-    """Bits high to low of a register. access: as :func:`access`."""
+    """Register field: bits high to low. :func:`access` lists the values of ``access``."""
 
     high: int
     low: int
     access: str
-    reset: int | None  # None: as the parameters of the instance are
+    reset: int | None  # None: depends on the parameters of the instance
 
 
 def access(field: FieldNode) -> str:
@@ -36,7 +36,7 @@ LISTED = [
     for of in REGISTERS
     for k in range(of.array_dimensions[0] if of.is_array else 1)
 ]
-"""Name, offset and description of each register; registers of an array are numbered from 1."""
+"""(name, offset in bytes, RDL node) of each register. Registers of an array are numbered from 1."""
 
 OFFSETS = {name: offset for name, offset, _ in LISTED}  # register -> its offset in bytes
 
@@ -44,7 +44,7 @@ FIELDS = {
     name: {f.inst_name: Field(f.msb, f.lsb, access(f), f.get_property("reset")) for f in of.fields()}
     for name, _, of in LISTED
 }
-"""Register -> field -> where it is."""
+"""Register name -> field name -> `Field`."""
 
 ENCODED = [code for of in REGISTERS for field in of.fields() for code in field.get_property("encode") or ()]
 CODES = {code.name: code.value for code in ENCODED}  # values of STATUS.code

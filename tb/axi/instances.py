@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameter sets of ``ik_axi`` for the tests and ``make soak-memory``, and a runner in a separate process.
 
-Most jobs run on an echo instead of the datapath (tb/axi/ik_lean.v, ik_lean_arm.v), in a quarter of the time. The logic
-around the datapath is unchanged.
+Most jobs run with an echo in place of the datapath (tb/axi/ik_lean.v, ik_lean_arm.v), in a quarter of the time. The
+logic around the datapath is unchanged.
 """
 
 import shutil
@@ -15,7 +15,7 @@ from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import SimulationError, reason
 from tb.sim.subprocesses import started
 
-ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # Verilator takes minutes to compile it
+ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # Verilator needs minutes to compile DIGIT = 1
 CORE = ({}, {"W": 18, "DATA_W": 128}, {"W": 18, "DATAPATH": 0, **ROWS}, {"W": 18, "DATA_W": 128, "ARM": 1}, {"ARM": 1})
 """Parameter sets for the real datapaths."""
 
@@ -37,8 +37,8 @@ def named(parameters: dict[str, int]) -> str:
 
 
 def echoing(place: Path, bug: Bug | None = None) -> dict:
-    """Copy rtl/ to `place`, with an echo instead of ik_lean or ik_lean_arm; return the options of `simulate` for this
-    copy."""
+    """Copy rtl/ to ``place``, with ``bug`` if given, and replace ik_lean and ik_lean_arm by echoes. Return the options
+    of `simulate` for this copy."""
     copy_rtl(place, bug)
     for name in ("ik_lean.v", "ik_lean_arm.v"):
         shutil.copy2(Path(__file__).with_name(name), place / "rtl" / "lean" / name)
@@ -48,7 +48,7 @@ def echoing(place: Path, bug: Bug | None = None) -> dict:
 def run_in_process(modules: str, sim: str, env: dict[str, str], root: Path = ROOT, **options) -> None:
     """Run cocotb tests in a separate process, because cocotb-test changes signal handlers and logging.
 
-    Raises SimulationError.
+    Raise SimulationError if a test fails.
     """
     with tempfile.TemporaryDirectory(prefix="ik_") as folder, open(Path(folder) / "log", "w+") as log:
         words = command("ik_axi", modules, sim=sim, env=env, root=root, **options)

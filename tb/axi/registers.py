@@ -20,7 +20,7 @@ def masks(register: str, access: str) -> int:
 
 
 def after_reset(bench: Bench) -> dict[str, int]:
-    """Return a dict: register -> value after reset; parameter-dependent fields come from the instance."""
+    """Return register name -> value after a reset. Values that depend on parameters come from the instance."""
     parameters = {
         "width": bench.width,
         "data_width": bench.data_width,
@@ -39,7 +39,7 @@ def after_reset(bench: Bench) -> dict[str, int]:
 
 
 async def raw(bench: Bench, address: int, data: int, strobes: int, data_first: int = 0) -> AxiResp:
-    """Write with any strobes; data leads the address by ``data_first`` clocks, or follows it if negative."""
+    """Write with any strobes. Send the data ``data_first`` clocks before the address, or after it if negative."""
     bus = bench.lite.write_if
     if data_first < 0:
         await bus.aw_channel.send(AxiLiteAWTransaction(awaddr=address, awprot=0))
@@ -60,9 +60,9 @@ async def after_a_reset(bench):
 
 @bench_test()
 async def every_field(bench):
-    """Write all ones, all zeros and a random word to each register.
+    """Write all ones, all zeros and a random word to each register except CONTROL.
 
-    Only its writable bits change, and no other register. Read-only registers return SLVERR.
+    Only the writable bits of this register change. A write to a read-only register returns SLVERR.
     """
     values = after_reset(bench)
     for register in bench.registers:
@@ -81,7 +81,7 @@ async def every_field(bench):
 
 @bench_test()
 async def pulses(bench):
-    """Each write-1-to-clear bit alone, after a job that sets it; CONTROL reads as 0 and ignores zeros."""
+    """Clear IRQ_STATUS.done and .error, each alone, after a job that sets it. CONTROL reads as 0 and ignores zeros."""
     await bench.write("CONTROL", 0)
     await bench.write("CONTROL", ALL & ~masks("CONTROL", "w1"))
     assert await bench.read("CONTROL") == 0 and await bench.read("STATUS") == 0
@@ -106,7 +106,7 @@ async def pulses(bench):
 
 @bench_test()
 async def strobes(bench):
-    """Every strobe pattern on every writable register, with address and data in any order."""
+    """Write with every strobe pattern to every read/write register, with address and data in any order."""
     for register in bench.registers:
         offset = OFFSETS[register]
         keeps = masks(register, "rw")
@@ -127,7 +127,7 @@ async def strobes(bench):
 
 @bench_test()
 async def unmapped_address(bench):
-    """An unmapped address returns SLVERR, reads as 0 and changes nothing."""
+    """An access to an unmapped address returns SLVERR; a read returns 0, a write changes no register."""
     bench.stall("lite")
     last = max(OFFSETS[register] for register in bench.registers)
     before = [await bench.read(register) for register in bench.registers]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the C driver: by itself on a register model, and on ``ik_axi``, mostly with an echo as the datapath."""
+"""Tests of the C driver: on a register model, and on a simulated ``ik_axi``, mostly with an echo as datapath."""
 
 import ctypes
 import errno
@@ -22,7 +22,7 @@ from tb.axi.instances import echoing, named
 from tb.sim.env import simulator
 from tb.sim.runner import simulate
 
-COUNT = 400  # capacity of each buffer in records of 32 bytes; less than the longest call
+COUNT = 400  # capacity of each buffer in records of 32 bytes; the longest call has more targets
 
 BYTES = RECORDS.size
 
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.needs("cc")
 
 
 class RegisterModel:
-    """Registers of a core whose jobs end at once with random words."""
+    """Model of a core's registers. Each job ends at once, with random result words."""
 
     def __init__(self, width: int = 32, identity: int = 0x494B0100, arm: int = 0) -> None:
         config = 0x01204000 | width | arm << 26
@@ -67,7 +67,7 @@ class RegisterModel:
 
 
 def random_targets(random: np.random.Generator, count: int, decades: int) -> dict[str, np.ndarray]:
-    """Return lengths in any unit, coordinates up to and beyond the scaling limit, and phi of any size."""
+    """Return targets: lengths in any unit, coordinates up to and beyond the scaling limit, and phi of any size."""
     unit = 10.0 ** random.uniform(-decades, decades)
     spread = 10.0 ** random.uniform(-3, 1.3)
     columns = dict(zip("xyz", unit * spread * random.normal(0, 1, (3, count)), strict=True))
@@ -78,7 +78,7 @@ def random_targets(random: np.random.Generator, count: int, decades: int) -> dic
 
 
 def corners() -> list[dict[str, np.ndarray]]:
-    """Return ties, both ends of the format, the largest and smallest double, whole and half turns."""
+    """Return sets of targets: ties, both ends of the format, the largest and smallest double, whole and half turns."""
     ulp = 2.0**-30
     fractions = np.array([0.5, 1.5, 2.5, 0.5 - 2**-20, 0.5 + 2**-20, 1 - 2**-22]) * ulp
     lengths = np.concatenate([fractions, -fractions, [0, -0.0, -2, 2 - ulp, 2 - ulp / 2, 2 - ulp / 4, 1, -1, 1e-310]])
@@ -102,7 +102,7 @@ def corners() -> list[dict[str, np.ndarray]]:
 
 
 def check(driver: Driver, core: RegisterModel, columns: dict, tags: np.ndarray) -> str:
-    """Solve and compare every bit with the model; return the code's name."""
+    """Solve targets, compare every bit with the model and return the code's name."""
     core.jobs.clear(), core.words.clear()
     columns = {name: np.broadcast_to(np.asarray(values), len(tags)) for name, values in columns.items()}
     targets = driver.targets(columns, tags)
@@ -146,7 +146,7 @@ def test_compiles_freestanding_without_warnings(compiler, real, tmp_path):
 
 @pytest.mark.parametrize("real", ["double", "float"])
 def test_numbers(real, tmp_path, capfd):
-    """120 sets of 1000 random targets, and the corners, without undefined behaviour."""
+    """Solve 120 sets of 1000 random targets, and for double the corners, without undefined behaviour."""
     core = RegisterModel()
     library = compiled(tmp_path, f"-DIK_REAL={real}", "-fsanitize=undefined")
     driver = Driver(library, core, *core.areas, COUNT, real=real, polls=3)
@@ -164,7 +164,7 @@ def test_numbers(real, tmp_path, capfd):
 
 
 def test_bad_targets_are_refused(library):
-    """Bad targets are refused before any job starts, and the first bad target is named."""
+    """A bad target is refused before any job starts; ``bad`` is its index."""
     core = RegisterModel(width=18)
     driver = Driver(library, core, *core.areas, COUNT)
     good = {name: np.full(9, 0.25) for name in FIELDS}
@@ -174,7 +174,7 @@ def test_bad_targets_are_refused(library):
     cases = [(name, value, "not_finite") for name in FIELDS for value in (np.nan, np.inf, -np.inf)]
     cases += [(name, value, "not_an_arm") for name in ("d1", "d2") for value in (0.0, -0.25, -5e-324)]
     cases += [(name, value, "too_far_out") for name in "xyz" for value in (16.0, -16.1)]
-    cases += [(name, 0.5 * 2.0**-18, "too_short") for name in ("d1", "d2")]  # for words of 18 bits
+    cases += [(name, 0.5 * 2.0**-18, "too_short") for name in ("d1", "d2")]  # at W = 18
     for k, (name, value, code) in enumerate(cases):
         bad = {**good, name: np.where(np.arange(9) == k % 9, value, good[name])}
         assert driver.solve(driver.targets(bad, tags))[0] == code, f"{name} {value}"
@@ -184,12 +184,12 @@ def test_bad_targets_are_refused(library):
         assert driver.call("ik_solve", *arguments, ctypes.c_size_t(9)) == CODES["null"]
     assert driver.linked.ik_solve(None, tags.ctypes, tags.ctypes, ctypes.c_size_t(9)) == CODES["null"]
     assert not core.jobs
-    bad = {**good, "d1": np.full(9, 2.0**-19)}  # half a word of 18 bits; the core rounds it up
+    bad = {**good, "d1": np.full(9, 2.0**-19)}  # half an ulp at W = 18; the core rounds it up
     assert driver.solve(driver.targets(bad, tags))[0] == "none" and len(core.jobs) == 1
 
 
 def test_bad_hands_are_refused(library):
-    """Each wrong part of a pose has its code; both kinds of calls refuse the other core."""
+    """Each wrong field of a hand pose returns its code; each solve function refuses the core of the other."""
     core, wrists = RegisterModel(arm=1), RegisterModel()
     driver, other = (Driver(library, one, *one.areas, COUNT // 2, arm=one is core) for one in (core, wrists))
     good = dict.fromkeys((*FIELDS, "tool"), np.full(9, 0.25)) | {"hand": np.tile([1.0, 0, 0, 0], (9, 1))}
@@ -216,7 +216,7 @@ def test_bad_hands_are_refused(library):
 
 @pytest.mark.parametrize("width", [18, 32])
 def test_joint_limits(library, width):
-    """ik_limits rounds inward to words of the core, as `model.motion.hands.limit_words`; bad limits change nothing."""
+    """ik_limits rounds inward to core words, like `model.motion.hands.limit_words`. Bad limits change no register."""
     core, random = RegisterModel(width, arm=1), np.random.default_rng(3)
     driver = Driver(library, core, *core.areas, COUNT, arm=True)
     assert driver.start_up() == "none"
@@ -225,7 +225,7 @@ def test_joint_limits(library, width):
     high[2], low[4] = low[2] + 2 * np.pi, -np.inf
     words = np.array(limit_words(np.column_stack([low, high]), width)).T % (1 << width)
     reals = [(ctypes.c_double * 7)(*ends) for ends in (low, high)]
-    for wrong in (None, np.nan, low[3] - 1, low[3] + 2.0**-60):  # no word is between the last two
+    for wrong in (None, np.nan, low[3] - 1, low[3] + 2.0**-60):  # no word is between low[3] and the last value
         if wrong is not None:
             reals[1][3] = wrong
         code = driver.call("ik_limits", *reals)
@@ -255,7 +255,7 @@ def test_start_up(library):
 
 
 def test_missing_result(library):
-    """A job reports done, but the core did not write the buffer."""
+    """A job that reports done but has not written the result buffer returns the code ``lost``."""
     core = RegisterModel()
     elsewhere = ctypes.create_string_buffer(COUNT * BYTES)
     source, (_, address) = core.areas
@@ -266,7 +266,7 @@ def test_missing_result(library):
 
 
 def test_texts(library):
-    """Each code has its own text; unknown codes share another."""
+    """Each code has its own text; all unknown codes have the same text."""
     driver = Driver(library, RegisterModel(), *RegisterModel().areas, COUNT)
     texts = [driver.text(code) for code in (*CODES.values(), -1, 10, 15, max(CODES.values()) + 1)]
     assert len(set(texts)) == len(CODES) + 1 and len(set(texts[-4:])) == 1
@@ -298,7 +298,7 @@ BAD += [("map1/offset", "0x42"), ("uio0", "fifo"), *((name, None) for name in ("
 
 @pytest.mark.parametrize(("name", "text"), BAD)
 def test_uio_reports_what_is_missing(library, tmp_path, name, text):
-    """A missing file, one that cannot be mapped, a bad description: an error each; nothing stays open or mapped."""
+    """A missing file, an unmappable file and a bad description each return an error; nothing stays open or mapped."""
     uio, paths = Uio(), uio_device(tmp_path, *BUFFER)
     (tmp_path / name).unlink()
     if text == "fifo":
@@ -317,7 +317,7 @@ ENDS = {"arrives": None, "silent": 0, "gone": errno.EIO, "signal": errno.EINTR}
 
 @pytest.mark.parametrize("error", ENDS.values(), ids=ENDS)
 def test_uio_wait_ends(library, tmp_path, error):
-    """A wait ends at an interrupt, which is then unmasked, without one, after the device has gone, and on an abort."""
+    """A wait ends at an interrupt, which it unmasks, at its time limit, when the device is gone, and at an abort."""
     core, uio = RegisterModel(), Uio()
     if error is not None:
         core.run = lambda count: None  # no job ends
@@ -360,7 +360,6 @@ INSTANCES = [SMALL] if ICARUS else [SMALL, {"W": 18, "DATA_W": 128, "ADDR_W": 64
 
 
 def run(library, tests: str, parameters: dict[str, int], env: dict[str, str], **options) -> None:
-    """Run tests of tb/axi/driver.py."""
     env = {"IK_DRIVER": str(library), "COCOTB_TEST_FILTER": tests, **env}
     simulate("ik_axi", "tb.axi.driver", parameters=parameters, env=env, seed=1, **options)
 

@@ -11,13 +11,13 @@ MODULES = "tb.axi.ik_axi,tb.axi.faults,tb.axi.registers"
 FEW = "one_record|limits|stalled=(none|all)"
 ICARUS = simulator() == "icarus"
 LONG = "pages|rates|stalled=(ar|r|aw|w|b)$"
-"""Tests with many records, which Verilator runs ten times faster; Icarus covers X in the others."""
+"""Tests with many records. Icarus leaves them out, as Verilator is ten times faster; in the others, Icarus covers X."""
 SAME = "every_field|pulses|strobes|unmapped_address|rates/latency=(18|66|130)"
-"""Tests that no parameter affects; an instance for wrists and one for hand poses run them."""
+"""Tests that do not depend on parameters: only one instance for wrist targets and one for hand poses run them."""
 
 
 def run(modules: str, parameters: dict[str, int], jobs: int, tests: str = "", **options) -> None:
-    """Run cocotb tests of modules on an instance, ``jobs`` random jobs at most; Icarus, which is slow, runs fewer."""
+    """Run cocotb tests on an instance, with ``jobs`` random jobs; Icarus, which is slow, runs at most 10."""
     jobs, faults = (min(jobs, 10), 3) if ICARUS else (jobs, max(8, jobs // 20))
     env = {"IK_AXI_JOBS": str(jobs), "IK_AXI_FAULTS": str(faults), **options.pop("env", {})}
     if tests:
@@ -33,7 +33,7 @@ def run(modules: str, parameters: dict[str, int], jobs: int, tests: str = "", **
     ids=named,
 )
 def test_around_the_core(tmp_path, parameters):
-    """Tests with the datapath replaced by an echo; Icarus runs only the short tests, on one instance."""
+    """Run tests with an echo in place of the datapath; Icarus runs only the short ones, on one instance."""
     left_out = LONG if ICARUS else SAME if parameters not in (ECHO[0], ECHO[3]) else ""
     tests = f"^(?!.*({left_out}))" if left_out else ""
     jobs = 80 if parameters == ECHO[0] else 30
@@ -46,6 +46,6 @@ def test_around_the_core(tmp_path, parameters):
     "parameters", [CORE[0], *(pytest.param(one, marks=pytest.mark.slow) for one in CORE[1:])], ids=named
 )
 def test_with_the_core(parameters):
-    """A few tests with the real datapaths; Icarus would take minutes for the whole arm at 32 bits."""
+    """Run a few tests with the real datapaths. Icarus runs fewer: it would take minutes for ARM = 1 at W = 32."""
     few = "one_record|limits" if parameters == CORE[-1] else FEW
     run("tb.axi.ik_axi", parameters, 20, few if ICARUS else f"{FEW}|latency=2$")

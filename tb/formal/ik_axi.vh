@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi: the engines' assumptions about each other hold, so their separate proofs apply to the whole; and
-// a job ends if the memory responds.
+// Appended to ik_axi: the engines' assumptions about each other hold, so their separate proofs apply to the whole.
+// A job ends if the memory responds.
 //
-// Assumed of the memory: data come only if requested (f_data of ik_axi_read.vh), a response only for a burst accepted
-// with all its data (f_answered). f_length restricts nothing: it binds the free job length of ik_axi_write.vh.
+// Assumptions about the memory: data come only if requested (f_data of ik_axi_read.vh), a response only for a burst
+// accepted with all its data (f_answered). f_length restricts nothing: it binds the free job length of ik_axi_write.vh.
 // The other assumptions of the engines are assertions here (chformal -assume2assert).
 // Wires \u_*.* are signals of the engines, connected by name when the hierarchy is flattened.
 
@@ -58,13 +58,13 @@ ik_bursts #(.N(LOG2_BURST + 1), .S(8), .WHOLE(1 << LOG2_BURST)) f_bus (
         \u_records.u_result.beat == F_LAST), .drop(1'b0),
     .n(f_open), .oldest(f_oldest), .newest(f_newest), .sum(), .middle()
 );
-wire f_owes_answer = \u_write.f_waits - m_axi_awvalid > f_open;  // a burst accepted with all its data
+wire f_owes_answer = \u_write.f_waits - m_axi_awvalid > f_open;  // a burst was accepted with all its data
 always @* begin
   f_answered : assume (!m_axi_bvalid || f_owes_answer);
   f_length : assume (\u_write.f_next_count == job_count);
 end
 
-// ---- whose turn it is ----
+// ---- which side has to act ----
 
 wire f_event = \u_read.ask || (m_axi_arvalid && m_axi_arready) || m_axi_rvalid || record_valid ||
     \u_records.target_valid || \u_write.issue ||

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi_job: a job starts only if its areas are disjoint, aligned and inside the address space, ends when
-// the engines are idle, and reports its outcome once. No assumptions.
+// Appended to ik_axi_job: a job starts only if its areas are disjoint, aligned and inside the address space. It ends
+// when the engines are idle, and it reports its outcome once. No assumptions.
 
 reg f_on = 1'b0;  // there was a reset
 reg f_reset;

@@ -2,8 +2,8 @@
 // Appended to ik_axi_read: requests are inside the source, within 4 KiB and within the limit of bursts, and are stable
 // until accepted, for any timing and responses of the memory.
 //
-// Assumed of inputs: a job starts when nothing is under way and `stop` is high, in an area inside the address space
-// (f_go, f_area: ik_axi_job); a place is returned only for a record that was passed on (f_leave); data come only if
+// Assumptions about inputs: a job starts when no burst is open and `stop` is high, in an area inside the address space
+// (f_go, f_area: ik_axi_job). A place is returned only for a record that was passed on (f_leave). Data come only if
 // requested (f_data: AXI4).
 
 localparam integer R = ADDR_W - LOG2_RECORD;  // width of a record's address
@@ -39,7 +39,7 @@ always @(posedge clk) begin
   f_core <= (rst || go) ? {P{1'b0}} : f_core + got - leave;
 end
 
-// records that may come: all except the records of a burst still offered
+// records that may arrive: all requested records except those of a burst still offered
 wire [7:0] f_due = f_sum - (m_axi_arvalid ? {{(8 - N) {1'b0}}, f_newest} : 8'd0);
 wire [P:0] f_inside = {1'b0, f_core} + due;  // requested, results not yet left
 

@@ -3,10 +3,10 @@
 // their targets have been read, and they are stable until accepted; W ends with each burst; a response counts for its
 // burst.
 //
-// Assumed of inputs: a job starts when nothing is under way, in an area inside the address space (f_go, f_area:
-// ik_axi_job); no more targets are read than the job has, and none after the last (f_got_some, f_ended: ik_axi_read); a
-// record leaves only if allowed (f_leave: ik_axi_result); a response belongs to a burst whose records have left
-// (f_answer: AXI4).
+// Assumptions about inputs: a job starts when no burst is open, in an area inside the address space (f_go, f_area:
+// ik_axi_job). At most the job's targets are read, and none after the end (f_got_some, f_ended: ik_axi_read). A record
+// leaves only if allowed (f_leave: ik_axi_result). A response belongs to a burst whose records have left (f_answer:
+// AXI4).
 
 localparam integer R = ADDR_W - LOG2_RECORD;  // width of a record's address
 localparam [P-1:0] PLACES = {1'b1, {LOG2_PLACES{1'b0}}};

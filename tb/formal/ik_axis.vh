@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axis or ik_arm, with the real credits and FIFO and the abstract pipeline of ik_core.v: results leave in the order of the
-// targets, each once, for any sender, receiver and reset. No assumptions: every input is free in every clock, and so is
-// the state before the first reset.
+// Appended to ik_axis or ik_arm, with real credits and FIFO and the abstract pipeline of ik_core.v: results leave in
+// the order of the targets, each once, for any sender, receiver and reset. No assumptions: every input is free in every
+// clock, and the state before the first reset is free.
 //
 // Counts are modulo 2 PLACES: A targets admitted, D results that left the pipeline, L results that left the core.
 
@@ -109,7 +109,7 @@ end
 
 // ---- properties ----
 
-// inside: in the pipeline, by its rows (rows_counts, last_row), in the FIFO's memory, by its pointers, and offered
+// targets inside: in the pipeline (by rows_counts, last_row), in the FIFO's memory (by its pointers), and offered
 wire [K-1:0] f_flight = f_A - f_D;
 wire [K-1:0] f_in_mem = f_wr_ptr - f_rd_ptr;
 wire [K+1:0] f_inside = {2'b00, f_flight} + {2'b00, f_in_mem} + {{(K + 1) {1'b0}}, m_axis_tvalid};

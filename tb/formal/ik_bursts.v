@@ -1,8 +1,8 @@
-// Ghost of a queue of bursts on one channel: the number of open bursts, and the records of the oldest and the newest.
+// Ghost of the queue of open bursts on one channel: number of bursts, and records of the oldest and of the newest.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Exact as long as `middle` holds: a burst with others before and behind it is whole. `pop` removes a record of the
-// oldest burst, `drop` the rest of it.
+// Exact as long as `middle` holds: every burst between the oldest and the newest is whole. `pop` removes a record of
+// the oldest burst, `drop` removes the rest of this burst.
 `default_nettype none
 
 module ik_bursts #(

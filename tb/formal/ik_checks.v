@@ -1,4 +1,4 @@
-// Assertions of one row of a divider or root, in a module so that each has its own name.
+// Assertions of one row of a divider or root. As a module, each row has its own instance name.
 // SPDX-License-Identifier: Apache-2.0
 module ik_checks (
     input wire on,

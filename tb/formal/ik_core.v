@@ -1,17 +1,17 @@
-// Abstract pipeline that replaces `IK_CORE (ik_lean, ik_paper or ik_lean_arm): any function of a target, with the real latency.
+// Abstract pipeline that replaces `IK_CORE (ik_lean, ik_paper or ik_lean_arm): arbitrary results, real latency.
 // SPDX-License-Identifier: Apache-2.0
 //
-// ik_axis and ik_arm do not depend on results, so they are arbitrary, except for one arbitrary followed target: its result is
-// the arbitrary constant f_result, with the target's tag. ik_valid.vh proves the latency of valid and tag in
-// the real modules.
+// ik_axis and ik_arm do not depend on results, so results are arbitrary. The result of one target, chosen by f_pick and
+// followed, is the arbitrary constant f_result with the target's tag. ik_valid.vh proves the latency of valid and tag
+// in the real modules.
 // Latency: datapath_latency clocks.
 `default_nettype none
 
 module `IK_CORE #(
     parameter integer W     = 32,
     parameter integer TAG_W = 8,
-    parameter integer DIGIT = 0,  // of ik_paper only
-    parameter integer TILE  = 18  // of ik_lean and ik_lean_arm only
+    parameter integer DIGIT = 0,  // ik_paper only
+    parameter integer TILE  = 18  // ik_lean and ik_lean_arm only
 ) (
     input  wire                 clk,
     input  wire                 rst,
@@ -70,7 +70,7 @@ module `IK_CORE #(
 
 endmodule
 
-// Assertions of one slice of the pipeline's rows, see ik_axis.vh.
+// Assertions of one slice of the rows in ik_axis.vh.
 module ik_rows (
     input wire on,
     input wire counts,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Appended to ik_fold or, with IK_ARM, to ik_fold_arm, whose multiplier, memory, sum, counts, flags, angles and limits
-// are left out: laps, steps and results, with the real program. Words are arbitrary; the program's checker shows that it
-// computes the dataflow.
+// are left out: properties of laps, steps and results, with the real program. Words are arbitrary; the checker of the
+// program shows that it computes the dataflow.
 //
 // One assumption, the stream's rule: the sender offers a target until it is taken (f_sender). The state before the
 // first reset is arbitrary, and a reset may occur at any time.
@@ -70,9 +70,9 @@ always @* f_sender : assume (!f_on || !f_waits || s_axis_tvalid);
 
 wire [PERIOD-1:0] f_takes, f_holds, f_begins, f_ends;
 wire [CLOCK_W*PERIOD-1:0] f_take_at, f_first_at, f_end_at;  // sums of the clocks so far
-// words of an answer before a clock: of those written in one lap, then also of those of the lap before
+// words of an answer that are written before a clock: in this lap; in this lap and the lap before
 wire [WORDS*(PERIOD+1)-1:0] f_in_lap, f_so_far;
-wire [7*PERIOD-1:0] f_angles;  // the first seven words: those of each clock
+wire [7*PERIOD-1:0] f_angles;  // which of the first seven words each clock writes
 assign f_in_lap[WORDS-1:0] = {WORDS{1'b0}};
 assign f_so_far[WORDS-1:0] = f_in_lap[WORDS*PERIOD+:WORDS];
 genvar gi;
@@ -202,7 +202,7 @@ end
 // ---- ghost: clocks waited ----
 
 reg [9:0] f_quiet;  // a target was inside and no answer offered
-reg [9:0] f_shut;   // a target was offered and not taken, and the receiver was ready
+reg [9:0] f_shut;   // a target was offered but not taken, and the receiver was ready
 reg [9:0] f_since;  // since the last target was taken
 reg f_steady;       // since then, the next one has been offered and the receiver ready
 always @(posedge clk) begin

@@ -1,9 +1,9 @@
-// Abstract core that replaces ik_axis: counts targets inside, answers at any time; results are arbitrary.
+// Abstract core that replaces ik_axis: counts the targets inside, and offers arbitrary results at any time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Has exactly the properties of ik_axis that ik_axis.vh proves: the same number of places, ready while one is free, no
-// offer while empty, an offer is stable until taken. The written argument also uses the bound of T+1 clocks from
-// target to offer.
+// Has only properties of ik_axis that ik_axis.vh proves: the same number of places, ready while one is free, no offer
+// while empty, an offer is stable until accepted. The written argument also uses the bound of T+1 clocks from target to
+// offer.
 // Latency: any.
 `default_nettype none
 

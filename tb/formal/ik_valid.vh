@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_lean, ik_paper or ik_lean_arm, whose other instances are left out: valid and tag take the clocks of the
-// abstract pipeline of ik_core.v. The tag of ik_lean_arm passes rings and is followed in the netlist by a test. No
+// Appended to ik_lean, ik_paper or ik_lean_arm, whose other instances are left out: valid and tag have the latency of
+// the abstract pipeline of ik_core.v. The tag of ik_lean_arm passes through rings; a test follows it in the netlist. No
 // assumptions.
 
 `ifdef IK_ARM

@@ -1,4 +1,4 @@
-// iCE40 PLL, reduced to what the example uses: the bench drives its pin at the output frequency.
+// Model of the iCE40 PLL. The bench drives PACKAGEPIN at the output frequency; LOCK rises after 63 clocks.
 // SPDX-License-Identifier: Apache-2.0
 `default_nettype none
 

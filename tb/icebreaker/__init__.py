@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulation of examples/icebreaker at its pins: a UART model from a cocotb extension, and the host script itself."""
+"""Simulation of examples/icebreaker at its pins, with the UART model of cocotbext-uart and with host programs."""

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of examples/icebreaker at its pins: every answer equals the bit-true model's; invalid frames get none, and
-a program can talk to the board."""
+"""Tests of examples/icebreaker at its pins. Answers equal the bit-true model's, invalid frames get no answer, and a
+host program works with the board."""
 
 import binascii
 import json
@@ -34,7 +34,7 @@ FOLDER = ROOT / "examples" / "icebreaker"
 PLL = Path(__file__).with_name("SB_PLL40_PAD.v")
 
 LIMITS = "{7{24'h7FFFFF, 24'h800000}}", f"336'h{limits_port(arm_limits(WIDTH), WIDTH):x}"
-"""Default of the top's limits, and limits for the tests."""
+"""Verilog text of the top's default joint limits, and of the limits that replace it in tests."""
 
 ARM = bool(getattr(getattr(getattr(cocotb, "top", None), "ARM", None), "value", 0))  # the board solves hand poses
 TARGET_BYTES, ANSWER_BYTES = (38, protocol.ARM_ANSWER_BYTES) if ARM else (22, protocol.ANSWER_BYTES)
@@ -42,7 +42,7 @@ TARGETS = 4 if ARM else 10
 
 
 def run(tests: str, arm: int = 0, **env: str) -> None:
-    """Run some of these tests on the example with a model of its PLL. Raises SystemExit if one fails."""
+    """Run the tests that match ``tests`` on the example with a model of its PLL. Raise SystemExit if one fails."""
     top = "".join(path.read_text(encoding="utf-8") for path in [*sorted(FOLDER.glob("*.v")), PLL])
     if arm:
         top = top.replace(*LIMITS)
@@ -51,7 +51,7 @@ def run(tests: str, arm: int = 0, **env: str) -> None:
 
 
 class Board:
-    """Pins of the board. stop_bits: of bytes sent to the board; skew: relative error of the sender's clock."""
+    """Pins of the board. The sender uses ``stop_bits`` stop bits; its baud rate has the relative error ``skew``."""
 
     def __init__(self, dut, stop_bits: int = 2, skew: float = 0.0):
         for name in ("RX", "TX"):
@@ -80,7 +80,7 @@ class Board:
         await self.clocks(2)
 
     async def heard(self, count: int, most: int = 0) -> list[tuple[int, int, list[int]]]:
-        """Return received answers: until ``count`` have arrived, with a time limit, or for ``most`` clocks."""
+        """Return the answers within ``most`` clocks. If it is 0, return after ``count`` answers or a time limit."""
         answers: list = []
         for _ in range((most or (count + 1) * (ANSWER_BYTES + 3) * BYTE) // BYTE):
             await self.clocks(BYTE)
@@ -100,7 +100,7 @@ class Board:
 
 
 def targets(count: int, seed: int = 1) -> tuple[list[bytes], list[tuple[int, int, list[int]]]]:
-    """Return frames of targets of all kinds, and their answers, with tags that count from 7 and wrap after 255."""
+    """Return frames of targets of all kinds, and the expected answers. Tags count from 7 and wrap after 255."""
     words = (arm_targets if ARM else mixed)(count, WIDTH, seed)
     model = answer(words, WIDTH, "fold_arm16" if ARM else "fold16")
     tags = [(k + 7) % 256 for k in range(count)]
@@ -140,7 +140,7 @@ async def out_of_reset(dut):
 @cocotb.test()
 @cocotb.parametrize(skew=(-0.03, 0.0, 0.03))
 async def every_bit(dut, skew):
-    """Targets without a pause, at two stop bits, from a sender with clock skew; answers of hand poses take longer."""
+    """Send targets with two stop bits and clock skew. Hand poses have longer answers, so a pause follows each."""
     at = await board(dut, skew=skew)
     sent, expected = targets(TARGETS, seed=int(100 * skew) + 3)
     for target in sent:
@@ -169,8 +169,8 @@ async def answer_at_once(dut):
 
 @cocotb.test()
 async def wrong_bits(dut):
-    """A wrong bit in any byte gives no answer and lights the red LED, except in the first byte, which then starts no
-    frame. A CRC with one matching half is rejected as well."""
+    """A frame with a wrong bit gets no answer and lights the red LED. A wrong first byte starts no frame: the LED stays
+    off. A frame is rejected if only one byte of its CRC matches."""
     at = await board(dut)
     sent, _ = targets(22, seed=9)
     wrong = [bytes(byte ^ (at == k) << k % 8 for at, byte in enumerate(one)) for k, one in enumerate(sent)]
@@ -229,7 +229,7 @@ async def noise(dut):
 
 @cocotb.test()
 async def no_stop_bit(dut):
-    """A byte without a stop bit ends its frame at once and starts none."""
+    """A byte without a stop bit ends its frame at once. As the first byte, it starts no frame."""
     at = await board(dut)
     (sent,), expected = targets(1, seed=13)
 
@@ -254,7 +254,7 @@ async def no_stop_bit(dut):
 
 @cocotb.test()
 async def button(dut):
-    """The button aborts everything: a frame being received, a target in the core, an answer being sent, the red LED."""
+    """The button aborts a frame being received, a target in the core and an answer being sent; the red LED goes off."""
     at = await board(dut)
     (first, second), _ = targets(2, seed=14)
     for pause in (0, 40, 6 * BYTE):  # target in the core, answer being sent
@@ -282,8 +282,7 @@ async def lights(led) -> None:
 
 @cocotb.test()
 async def more_than_it_can_take(dut):
-    """Targets sent with one stop bit arrive faster than answers leave: frames without room are dropped whole, and all
-    answers are right."""
+    """Targets with one stop bit arrive faster than answers leave. Whole frames are dropped; all answers are right."""
     at = await board(dut, stop_bits=1)
     sent, expected = targets(50, seed=15)
     at.source.write_nowait(b"".join(sent))
@@ -301,10 +300,10 @@ def kept(some: bytes, before: int, lost: list[int]) -> bytes:
 
 @cocotb.test()
 async def program(dut):
-    """A program that is connected to the board exits with status 0: a pseudo-terminal replaces the serial line.
+    """A host program that uses the board through a pseudo-terminal exits with status 0.
 
-    ``IK_PROGRAM`` is its command line as JSON, where PORT is replaced by the port's name; ``IK_SAID`` a file for its
-    output; ``IK_LOST`` two JSON lists of the bytes to drop, by index: to the board and from the board.
+    IK_PROGRAM is its command line as a JSON list, in which the word PORT stands for the terminal. IK_SAID is the file
+    for its output. IK_LOST is a JSON list of two lists: indices of bytes to drop, to the board and from the board.
     """
     ours, theirs = pty.openpty()
     tty.setraw(theirs)
@@ -313,7 +312,7 @@ async def program(dut):
     lost_to, lost_from = json.loads(os.environ["IK_LOST"])
     words = [os.ttyname(theirs) if word == "PORT" else word for word in json.loads(os.environ["IK_PROGRAM"])]
     there = back = 0
-    # Without the variables that the simulator sets for its embedded Python.
+    # leave out variables that the simulator sets for its embedded Python
     env = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "COCOTB", "GPI"))}
     with (
         open(os.environ["IK_SAID"], "wb") as said,

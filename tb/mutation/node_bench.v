@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bench of a netlist for tb/mutation/node_bench.py, which writes values.vh, compared.vh and the data. Every node of every target
-// is compared: without stalls, with stalls on both sides, with a full FIFO, after a reset.
+// Bench of a netlist. tb/mutation/node_bench.py writes values.vh, compared.vh and the data. Compares each node of every
+// target: without stalls, with stalls on both sides, with a full FIFO, and after a reset.
 
 `timescale 1ns / 1ps
 module node_bench;
@@ -42,7 +42,7 @@ module node_bench;
       forever #1000;
     end
   endtask
-  // the target admitted `ago` clocks ago, and its words
+  // sets `target` to the target admitted `ago` clocks ago, or -1, and `want` to its words
   task find(input integer ago);
     begin
       target = ran >= ago ? ring[(ran - ago) % RING] : -1;

@@ -1,4 +1,4 @@
-// Writes a VCD of the core and its sections, without the insides of delay lines, if the simulation gets +waves=FILE.
+// With +waves=FILE, writes a VCD of the core and its sections, without the contents of delay lines.
 // SPDX-License-Identifier: Apache-2.0
 module ik_waves;
   reg [8*1024-1:0] file;

@@ -3,15 +3,15 @@
 //
 //     Vtop RESULTS < STREAM
 //
-// Built around the wrapper from native_run.py: `nodes` holds every node, aligned to 32 bits. The stream consists of 64-bit
-// little-endian words: the word length, the numbers of input words, result words and nodes, and clock and width of each
-// node. Then frames follow: a count n, and columns of n words each: input words, result words, flags, and the nodes, one
-// column per 64 bits. A frame of 0 targets ends the stream. RESULTS receives columns of each frame: result words
-// (unsigned) and flags.
+// The top is the wrapper of native_run.py; its port `nodes` holds each node, aligned to 32 bits. STREAM and RESULTS are
+// 64-bit little-endian words. STREAM begins with the word length, the numbers of input words, result words and nodes,
+// and clock and width of each node. Frames follow: a count n, then columns of n words for input words, result words,
+// flags and nodes. A node has a column per 64 bits. A frame with n = 0 ends STREAM. RESULTS gets the columns of each
+// frame's result words (unsigned) and flags.
 //
-// Prints "done TARGETS LATENCY CLOCKS BITS": clocks from first in to first out, from first in to last out, differing bits;
-// and for the first differences "differs NODE TARGET CLOCK RTL MODEL" with hexadecimal words. A broken stream prints a line
-// on stderr and exits with status 1; bad input exits with 2.
+// Prints "done TARGETS LATENCY CLOCKS BITS": LATENCY from first target in to first result out, CLOCKS to the last one,
+// BITS that differ. Prints "differs NODE TARGET CLOCK RTL MODEL", words in hexadecimal, for the first 1000 differences.
+// Exits with 1 if the stream of results is wrong, with 2 on bad input; the reason is on stderr.
 #include <bit>
 #include <cstdint>
 #include <cstdio>
@@ -45,9 +45,9 @@ uint64_t read_word() {
 
 uint64_t ones(unsigned width) { return width >= 64 ? ~uint64_t{0} : (uint64_t{1} << width) - 1; }
 
-// Up to 64 bits of a node's word.
+// Up to 64 bits of a node's word, compared with one column.
 struct Limb {
-  unsigned node, time, word;  // word: index of the port's 32-bit word
+  unsigned node, time, word;  // word: index of the 32-bit word in the port `nodes`
   bool wide;                  // more than 32 bits
   uint64_t mask;
   size_t column;
@@ -65,7 +65,7 @@ struct Frame {
   uint64_t at(size_t column, uint64_t row) const { return words[column * count + row]; }
 };
 
-// A target in flight; without a frame, no target was admitted in this clock.
+// Target in flight. frame is null if no target was admitted in this clock.
 struct Flying {
   Frame* frame = nullptr;
   uint64_t row = 0, clock = 0;

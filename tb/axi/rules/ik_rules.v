@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // IHI 0022E is AXI4 and AXI4-Lite, IHI 0051A is AXI4-Stream. Signals are sampled at rising edges, as by the receiver.
-// Rules apply from the first reset after time 0: Verilator starts a module's copy of the clock at random, and for a copy that
-// starts at 1, time 0 is an edge. $time is read only until that reset: once a bench has failed, Icarus stops a process at its
-// next system call, and a rule broken at the same edge would not be printed.
+// Rules apply from the first reset after time 0: Verilator starts a module's copy of the clock at random, and a copy
+// that starts at 1 has an edge at time 0. $time is read only until that reset: once a bench has failed, Icarus stops a
+// process at its next system call, and a rule broken at the same edge would not be printed.
 `default_nettype none
 
 // Action on a broken rule: set its bit in `broken`; with STOP, print it and end the simulation.
@@ -313,7 +313,7 @@ module ik_rules_write #(
 
   reg [6:0] broken = 7'd0;
 
-  // Bursts are numbered from the reset. Counts: offered on AW, accepted on AW, all data sent, both, answered on B.
+  // Bursts since the reset: offered on AW, accepted on AW, with all data sent, accepted with all data, answered on B.
   reg [7:0] addressed, taken, ended, joined, answered;
   reg seen;  // the offered burst has been counted
   reg [ID_W-1:0] ids[0:255];
@@ -323,9 +323,9 @@ module ik_rules_write #(
   reg [1:0] bursts[0:255];
   reg [8:0] lengths[0:255];  // data beats of a burst
   reg [8:0] beat;  // beats of the current W burst already sent
-  reg [7:0] due[0:(1<<ID_W)-1];  // responses that may come
+  reg [7:0] due[0:(1<<ID_W)-1];  // ID -> responses that are due
 
-  // lanes that a beat may use (A3.4.3, A9.3: from its address to the next multiple of its size)
+  // byte lanes that a beat may use: from its address to the next multiple of its size (A3.4.3, A9.3)
   reg [11:0] at, base;
   reg [LANES-1:0] allowed;
   integer k;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""cocotb side of ``test_rules.py``: traces for the monitors, and drivers that break a rule of a running core."""
+"""cocotb tests for ``test_rules.py``: traces for the monitors, and drivers that break a rule while a core runs."""
 
 import os
 
@@ -25,8 +25,6 @@ FOUR_STATE = cocotb.SIM_NAME.startswith("Icarus")
 
 
 class Port:
-    """One monitored port."""
-
     def __init__(self, top, name: str) -> None:
         self.shell = getattr(top, name)
         self.monitors = [
@@ -39,7 +37,7 @@ class Port:
         Clock(self.shell.clk, 10, unit="ns").start(start_high=False)
 
     async def broken(self, trace: Trace) -> set[str]:
-        """Return the rules that a trace breaks."""
+        """Drive a trace and return the names of the rules that it breaks."""
         for _, monitor, _ in self.monitors:
             monitor.broken.value = 0
         for clock in range(max(trace) + 1):
@@ -60,7 +58,6 @@ class Port:
 
 @cocotb.test()
 async def legal_traces(top):
-    """Legal traces break no rule."""
     for name, base in BASES.items():
         port = Port(top, name)
         for over_it in LEGAL if name == "axi4" else [{}]:
@@ -93,10 +90,10 @@ async def each_rule(top):
 
 
 async def force(dut) -> None:
-    """Override the bench in every second clock, which must end the simulation.
+    """Override signals of the bench in every second clock. A monitor must then end the simulation.
 
-    IK_FORCE is a comma-separated list of signal=value. IK_WHEN is signal=value: forcing starts in the clock after this
-    first holds following the reset.
+    IK_FORCE is a comma-separated list of signal=value. IK_WHEN is a condition signal=value: the override starts one
+    clock after it first holds. Unless the signal is rst, the first 12 clocks, with the reset, are skipped.
     """
     forced = [item.split("=") for item in os.environ["IK_FORCE"].split(",")]
     when, at = os.environ["IK_WHEN"].split("=")
@@ -115,7 +112,7 @@ async def force(dut) -> None:
 
 @cocotb.test()
 async def stream(dut):
-    """More targets than slots, while no result is accepted."""
+    """Send more targets than the core has slots, while no result is accepted."""
     bench = Pipeline(dut)
     cocotb.start_soon(force(dut))
     await bench.reset()
@@ -126,7 +123,6 @@ async def stream(dut):
 
 @cocotb.test()
 async def memory(dut):
-    """A job with pauses on all channels."""
     cocotb.start_soon(force(dut))
     bench = await started(dut, latency=9)
     bench.stall(*AXI_CHANNELS)

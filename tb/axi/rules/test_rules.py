@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the AXI monitors: a trace per rule, a seeded bug per stream or AXI property, a fault per driver rule.
+"""Tests of the AXI monitors: traces that break each rule, seeded bugs in the RTL, and drivers that break a rule.
 
-A bug in the RTL or in its driver must fail a bench, through the named rule and port or the bench's own comparison.
+A bug must fail the bench: by the named rule at the named port or, if no rule is named, by the bench's own checks.
 """
 
 import re
@@ -30,7 +30,7 @@ KIND = "m_axi_arprot} = {1'b0, SIZE, 2'b01, 4'b0011, 3'b000}"
 
 
 def ar(size: str = "SIZE", burst: str = "2'b01", cache: str = "4'b0011") -> tuple[str, str]:
-    """Return the original constants of the read address channel, and the wrong ones."""
+    """Return the text of the constants on the read address channel, and the text with wrong constants."""
     return KIND, f"m_axi_arprot}} = {{1'b0, {size}, {burst}, {cache}, 3'b000}}"
 
 
@@ -70,7 +70,7 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
 
 R = "m_axi_rdata=0,m_axi_rid=0,m_axi_rresp=0,m_axi_rlast=0,m_axi_rvalid=1"
 B = "m_axi_bid=0,m_axi_bresp=0,m_axi_bvalid=1"
-NOBODY = "s_axi_awready=1"  # nothing was written yet
+NOBODY = "s_axi_awready=1"  # holds before the first write
 FORCED = [  # port and rule, test, wrong drive, start condition
     ("s_axis LOW_AFTER_RESET", "stream", "s_axis_tvalid=1", "rst=1"),
     ("s_axis VALID_STAYS", "stream", "s_axis_tvalid=0", "s_axis_tready=0"),
@@ -90,7 +90,7 @@ QUICK = ("m_axis PAYLOAD_STAYS", "m_axi.aw VALID_STAYS", "m_axi.write BID")
 
 
 def cases(rows):
-    """Mark cases: QUICK ones run always, other rules are slow, and cases without a rule run for a release only."""
+    """Return marked cases: QUICK ones always run, other rules are slow, cases without a rule run for releases only."""
     slow = [pytest.mark.slow, pytest.mark.cost(4)]
     return [
         pytest.param(
@@ -104,12 +104,12 @@ def cases(rows):
 
 @pytest.fixture(scope="module")
 def echo(tmp_path_factory):
-    """Return the options of an unchanged copy with the echo, which all wrong drivers share."""
+    """Return the options of `simulate` for a copy with the echo and no bug. All tests of drivers share this copy."""
     return echoing(tmp_path_factory.mktemp("echo"))
 
 
 def ends_with(finding: str, text: str) -> None:
-    """Check that the first broken rule in the text is the expected one, with its port and a time."""
+    """Check that the first broken rule in ``text`` has the port and rule of ``finding``, and a time."""
     port, rule = finding.split()
     line = re.search(r"error: rule (\w+) \([^)]+\) is broken at (\S+), \d+ ns", text)
     assert line, text[-3000:]

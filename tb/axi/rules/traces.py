@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Port traces: legal ones, and for each AXI rule at least one that breaks only this rule.
+"""Traces of ports: legal traces, and for each AXI rule at least one trace that breaks only this rule.
 
-A trace lists differences from an idle port: clock -> signal -> value; reset is in clocks 0 and 1. A trace that breaks a
-rule usually overlays a legal one; it ends in the last clock of the overlay.
+A trace is a dict clock -> signal -> value; all other signals are 0. Reset is active in clocks 0 and 1. A trace that
+breaks a rule is usually laid over a legal trace, which then ends in the last clock of the overlay.
 """
 
 import re
@@ -29,7 +29,7 @@ def over(*traces: Trace) -> Trace:
     return {clock: {k: v for trace in traces for k, v in trace.get(clock, {}).items()} for clock in clocks}
 
 
-WRITES = {  # ID 0, each channel stalled once; ID 1, data before the address
+WRITES = {  # burst with ID 0: each channel stalls once; burst with ID 1: data before the address
     4: AW,
     5: {**AW, **W, "awready": 1},
     6: {**W, "wready": 1},
@@ -72,12 +72,12 @@ LEGAL = [
     {8: {"rresp": 3, "bresp": 3}, 9: {"bresp": 3}},
     {12: {"bready": 1, "rready": 1, "wready": 1}},
 ]
-"""Overlays of :data:`AXI4`."""
+"""Overlays of :data:`AXI4` that break no rule."""
 
 
 @dataclass(frozen=True)
 class Break:
-    """A trace of ``port`` that breaks ``rules``; ``base``: overlay it on the legal trace."""
+    """Trace of ``port`` that breaks exactly ``rules``. If ``base``, it is laid over the legal trace of the port."""
 
     port: str
     rules: set[str]
@@ -86,7 +86,7 @@ class Break:
 
 
 ADDRESS = {"addr": 0x1008, "len": 2, "size": 2, "burst": 2, "cache": 2, "prot": 1, "id": 1}
-CHANNELS = {  # port, channel -> clock of its stall, payload -> another value
+CHANNELS = {  # (port, channel) -> clock in which it stalls, and payload signal -> changed value
     ("stream", ""): (4, {"payload": 6}),
     ("lite", "aw"): (4, {"addr": 4, "prot": 1}),
     ("lite", "w"): (4, {"data": 4, "strb": 7}),
@@ -100,12 +100,12 @@ CHANNELS = {  # port, channel -> clock of its stall, payload -> another value
     ("axi4", "r"): (9, {"data": 8, "resp": 2, "last": 1, "id": 1}),
 }
 ALSO = {"wlast": "write.WLAST", "rlast": "read.RLAST", "rid": "read.RID", "bid": "write.BID"}
-"""Burst rule that a change of this payload also breaks. None for AW, which is recorded when first offered, and none for
-AR, as the trace ends before its data."""
+"""Payload signal -> burst rule that a change of it also breaks. AW has none: the monitor records its payload when first
+offered. AR has none: the trace ends before its data."""
 
 
 def of_channel(port: str, name: str) -> list[Break]:
-    """Return breaks of all rules of a channel; payload rules are broken once for each part of the payload."""
+    """Return traces that break the rules of a channel: payload rules once per payload signal, each other rule once."""
     stall, payload = CHANNELS[port, name]
     rule, valid, ready = f"{name}." if name else "", f"{name}valid", f"{name}ready"
     breaks = [
@@ -123,7 +123,7 @@ def of_channel(port: str, name: str) -> list[Break]:
 
 
 def of_address(a: str) -> list[Break]:
-    """Return breaks of the rules of AW or AR."""
+    """Return traces that break the burst rules of AW or AR."""
     wrong = [
         ("BURST_TYPE", {"burst": 3}),
         ("BURST_SIZE", {"size": 4}),
@@ -180,7 +180,7 @@ BREAKS = [
 
 
 def names(module: str) -> dict[int, str]:
-    """Return a dict: number -> name of the rules in a module."""
+    """Return number -> name of each rule in a module of ik_rules.v."""
     text = (RULES / "ik_rules.v").read_text(encoding="utf-8")
     text = text.partition(f"module {module} ")[2].partition("endmodule")[0]
     return {int(k): name for k, name in re.findall(r'`IK_RULE\((\d), [^"]*"(\w+)", "', text)}
