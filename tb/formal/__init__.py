@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proofs: properties of the streams, dividers and roots, ranges of the lean dataflow, and their solvers."""
+"""Proofs of streams, dividers, roots, AXI engines, and of the ranges and errors of the lean dataflow."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proofs by z3 about numbers: named questions, and one with a seeded bug that must have a counterexample.
+"""Runner of the proofs by z3 about numbers. A proof is a list of named questions, each with a claim.
 
-Each question's assumptions are checked to be satisfiable.
+A proof passes if z3 proves all claims, can satisfy their assumptions, and finds a counterexample to a false claim.
 """
 
 import time
@@ -18,18 +18,18 @@ def _number(value: int) -> str:
 
 
 def inside(name: str, low: int, high: int) -> str:
-    """Return low <= name <= high."""
+    """Return the SMT-LIB condition low <= name <= high."""
     return f"(<= {_number(low)} {name} {_number(high)})"
 
 
 def word(name: str, width: int) -> str:
-    """Return the condition that an integer fits a signed word of ``width`` bits."""
+    """Return the SMT-LIB condition that the integer ``name`` fits a signed word of ``width`` bits."""
     return inside(name, -(1 << (width - 1)), (1 << (width - 1)) - 1)
 
 
 @dataclass(frozen=True)
 class Question:
-    """A question: ``ask`` decides whether the claim holds, ``meet`` whether its assumptions are satisfiable."""
+    """Question to z3. ``ask`` returns "unsat" if the claim holds, ``meet`` "sat" if its assumptions are satisfiable."""
 
     name: str
     says: str
@@ -38,7 +38,7 @@ class Question:
 
 
 def answer(question: Question) -> tuple[float, str]:
-    """Decide a question; return the seconds, and the problem if it is not proved."""
+    """Ask a question; return the seconds for its claim and the problem, an empty text if the claim is proved."""
     claim = question.ask()
     problem = "" if claim.said == "unsat" else {"sat": "counterexample"}.get(claim.said, claim.said)
     if not problem and question.meet and (met := question.meet().said) != "sat":
@@ -47,7 +47,7 @@ def answer(question: Question) -> tuple[float, str]:
 
 
 def run(questions: Iterable[Question], wrong: Iterable[Question], pool: Executor, say: Say) -> Outcome:
-    """Decide all questions of a proof; one of ``wrong``, which have a seeded bug, must have a counterexample."""
+    """Ask all questions of a proof; at least one of ``wrong``, which have a seeded bug, must have a counterexample."""
     start, asked = time.monotonic(), list(questions)
     outcome = Outcome(f"{len(asked)} questions", table=[["question", "meaning", "seconds"]])
     for question, (seconds, problem) in zip(asked, pool.map(answer, asked), strict=True):

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Seeded bugs: each proof must fail on its own.
+"""Seeded bugs: a proof must fail on the bug seeded for it.
 
-Keys are proofs, or the first words of their names; ``fails`` is the property or question with a counterexample.
+A key is the name of a proof or its first words; the longest key that fits applies. ``Bug.fails`` is the property or
+question that must have a counterexample; proofs about gates ignore it.
 """
 
 from tb.sim.seeded_bugs import Bug

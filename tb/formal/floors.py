@@ -2,10 +2,10 @@
 """Proof by z3 over the integers that divider and root return the floor, given the properties in ik_div_digit.vh and
 ik_root_digit.vh.
 
-Those files prove one linear relation per row with bit vectors: P + R, or S + R, equals the operand's bits so far,
-modulo a power of two. The questions here add the products P = Q d and S = Q^2; after the last row, Q is the floor. Row
-equations are read from the .vh (:func:`integer`), so changing one changes the question. Widths appear only in the
-integers D = 2^(DW-1), X = 2^XW >= 2 D and B = 2^ROWS, at least 8 for roots, so a proof holds at all widths.
+These files prove a linear relation for each row, on bit vectors: P + R (divider) or S + R (root) equals the operand's
+bits so far, modulo a power of two. The questions here prove P = Q d and S = Q^2, so Q is the floor after the last row.
+The row equations are read from the .vh files (:func:`integer`): a change there changes the questions. Widths appear
+only in D = 2^(DW-1), X = 2^XW >= 2 D and B = 2^ROWS (at least 8 for roots), so the proof holds at all widths.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ ROOT_DIGIT = "tb/formal/ik_root_digit.vh"
 
 PYTHON = {
     r"\{[^{}]*\{1'b0\}\}": "0",
-    r"\{(\w+)\[\w+-2:0\], (\w+)\}": r"(2 * \1 + \2)",  # a bit appended
+    r"\{(\w+)\[\w+-2:0\], (\w+)\}": r"(2 * \1 + \2)",  # append a bit
     r"\{(\w+), 1'b0\}": r"(2 * \1)",
     r"1'b([01])": r"\1",
     r"\|\|": " or ",
-    r"\?": " if ",  # the condition comes first, as in Verilog: :func:`integer` exchanges the two
+    r"\?": " if ",  # c ? a : b gives c if a else b; :func:`integer` exchanges c and a
     r":": " else ",
 }
-"""Replacements that turn a Verilog expression into one that Python can parse; both have the same precedences."""
+"""Pattern in a Verilog expression -> Python. The operators used here have the same precedence in both languages."""
 
 
 def integer(text: str, names: dict[str, str]) -> str:
-    """Return a Verilog expression as an SMT term over integers, ignoring overflow; ``names`` maps identifiers.  Raises
-    SyntaxError or KeyError for other expressions."""
+    """Return a Verilog expression as an SMT term over integers, without overflow; ``names`` maps identifiers to terms.
+    Raises SyntaxError for an unsupported expression, KeyError for an unknown identifier or comparison."""
     for verilog, replacement in PYTHON.items():
         text = re.sub(verilog, replacement, text)
     tree = ast.parse(text.strip(), mode="eval").body
@@ -49,7 +49,7 @@ def integer(text: str, names: dict[str, str]) -> str:
 
 
 def _read(text: str, pattern: str, names: dict[str, str]) -> str:
-    """Return the term of the expression that a pattern's only match has as its group."""
+    """Return the SMT term of a pattern's group in a text. Raises LookupError unless the pattern matches once."""
     expressions = re.findall(pattern, text)
     if len(expressions) != 1:
         raise LookupError(f"not exactly one {pattern!r}")
@@ -124,7 +124,7 @@ def _root(text: str) -> Iterator[Question]:
 
 
 def floors(bug: Bug | None = None) -> Iterator[Question]:
-    """Yield all questions, for the files unchanged or with a bug in one."""
+    """Yield all questions about both property files; a bug is seeded in one of them."""
     for file, questions in ((DIV, _divider), (ROOT_DIGIT, _root)):
         text = (ROOT / file).read_text()
         yield from questions(bug.seeded(text) if bug and bug.file == file else text)

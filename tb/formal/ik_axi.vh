@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi: the engines' assumptions about each other hold, so their separate proofs apply to the whole.
-// A job ends if the memory responds.
+// Appended to ik_axi. The engines' assumptions about each other hold, so their separate proofs apply to the whole. A
+// job is never stuck; docs/verification.md derives from this that it ends if the memory responds.
 //
-// Assumptions about the memory: data come only if requested (f_data of ik_axi_read.vh), a response only for a burst
-// accepted with all its data (f_answered). f_length restricts nothing: it binds the free job length of ik_axi_write.vh.
-// The other assumptions of the engines are assertions here (chformal -assume2assert).
+// Assumptions about the memory: it sends data only if they were requested (f_data of ik_axi_read.vh), and a response
+// only for a burst of which it has accepted the address and all data (f_answered). f_length restricts nothing: it sets
+// the free job length of ik_axi_write.vh. All other assumptions of the engines are asserted (chformal -assume2assert).
 // Wires \u_*.* are signals of the engines, connected by name when the hierarchy is flattened.
 
 (* hierconn *) wire [9:0] \u_records.g_axis.u_axis.inside ;
@@ -48,7 +48,7 @@ localparam [2:0] F_ENDS = 3'd1, F_DECIDE = 3'd3, F_RUN = 3'd4, F_FINISH = 3'd5;
 localparam [2:0] F_LAST = 256 / DATA_W - 1;
 wire f_running = \u_job.state == F_RUN;
 
-// ---- ghost: bursts on W as seen on the bus, by beat ----
+// ---- ghost: bursts on the bus that still have beats to send on W ----
 
 wire f_gone = m_axi_wvalid && m_axi_wready;
 wire [7:0] f_open;
@@ -58,21 +58,21 @@ ik_bursts #(.N(LOG2_BURST + 1), .S(8), .WHOLE(1 << LOG2_BURST)) f_bus (
         \u_records.u_result.beat == F_LAST), .drop(1'b0),
     .n(f_open), .oldest(f_oldest), .newest(f_newest), .sum(), .middle()
 );
-wire f_owes_answer = \u_write.f_waits - m_axi_awvalid > f_open;  // a burst was accepted with all its data
+wire f_owes_answer = \u_write.f_waits - m_axi_awvalid > f_open;  // a burst accepted as a whole has no response yet
 always @* begin
   f_answered : assume (!m_axi_bvalid || f_owes_answer);
   f_length : assume (\u_write.f_next_count == job_count);
 end
 
-// ---- which side has to act ----
+// ---- ghost: events of a job, and whether the memory or ik_axis has to act ----
 
 wire f_event = \u_read.ask || (m_axi_arvalid && m_axi_arready) || m_axi_rvalid || record_valid ||
     \u_records.target_valid || \u_write.issue ||
     (m_axi_awvalid && m_axi_awready) || leave || f_gone || m_axi_bvalid;
-// the memory or ik_axis has to act
+// the memory or ik_axis has to act next
 wire f_owed = m_axi_arvalid || \u_read.due != 0 || m_axi_awvalid || m_axi_wvalid || f_owes_answer ||
     (\u_records.g_axis.u_axis.inside != 0 && !\u_records.result_valid );
-reg [1:0] f_still;  // clocks of a job in which neither side has to act
+reg [1:0] f_still;  // clocks of a job in a row with neither f_event nor f_owed
 always @(posedge clk) begin
   f_still <= (rst || !f_running || f_event || f_owed) ? 2'd0 : f_still + (f_still != 3);
 end
@@ -94,7 +94,7 @@ always @* if (\u_job.f_on ) begin
   quiet : assert (f_running || (!m_axi_arvalid && \u_read.f_open == 0 && !m_axi_awvalid && !m_axi_wvalid &&
       \u_write.f_waits == 0 && \u_write.f_open == 0));
   some_in_each_burst : assert ((!\u_read.ask || \u_read.size != 0) && (!\u_write.issue || \u_write.size != 0));
-  // at most one clock of a job passes in which neither memory nor ik_axis has to act
+  // a job never has two clocks in a row without an event in which neither the memory nor ik_axis has to act
   never_stuck : assert (!f_running || f_still < 2);
 end
 

@@ -2,7 +2,7 @@
 // Appended to ik_axi_job: a job starts only if its areas are disjoint, aligned and inside the address space. It ends
 // when the engines are idle, and it reports its outcome once. No assumptions.
 
-reg f_on = 1'b0;  // there was a reset
+reg f_on = 1'b0;  // since the first reset
 reg f_reset;
 always @(posedge clk) begin
   if (rst) f_on <= 1'b1;
@@ -18,7 +18,7 @@ always @(posedge clk) begin
   f_go    <= go && !rst;
 end
 
-// ---- ghost: the registers at the start, and their areas ----
+// ---- ghost: the registers when the job started, and the areas that they give ----
 
 reg [63:0] f_source, f_destination;
 reg [31:0] f_count;
@@ -30,7 +30,7 @@ wire [65:0] f_source_end = {2'b00, f_source} + f_size;
 wire [65:0] f_destination_end = {2'b00, f_destination} + f_size;
 wire [65:0] f_limit = 66'd1 << ADDR_W;
 wire f_apart = f_source_end <= f_destination || f_destination_end <= f_source;
-wire f_low = f_source < f_limit && f_destination < f_limit;  // first bytes are inside
+wire f_low = f_source < f_limit && f_destination < f_limit;  // both areas begin inside the address space
 
 always @* if (f_on) begin
   areas_apart : assert (!go || f_apart);

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi_read: requests are inside the source, within 4 KiB and within the limit of bursts, and are stable
-// until accepted, for any timing and responses of the memory.
+// Appended to ik_axi_read: requests are inside the source, cross no 4 KiB boundary, do not exceed the permitted number
+// of bursts, and are stable until accepted, for any timing and responses of the memory.
 //
-// Assumptions about inputs: a job starts when no burst is open and `stop` is high, in an area inside the address space
-// (f_go, f_area: ik_axi_job). A place is returned only for a record that was passed on (f_leave). Data come only if
-// requested (f_data: AXI4).
+// Assumptions about inputs: a job starts only if nothing is outstanding and `stop` is high (f_go), in an area inside
+// the address space (f_area); ik_axi_job ensures both. A slot is freed only for a record that was delivered (f_leave).
+// Data come only if they were requested (f_data), a rule of AXI4.
 
 localparam integer R = ADDR_W - LOG2_RECORD;  // width of a record's address
 localparam [P-1:0] PLACES = {1'b1, {LOG2_PLACES{1'b0}}};
 
-reg f_on = 1'b0;  // there was a reset
+reg f_on = 1'b0;  // since the first reset
 reg f_reset;
 always @(posedge clk) begin
   if (rst) f_on <= 1'b1;
   f_reset <= rst;
 end
 
-// ---- ghost: the job, the bursts that are open, records in the core ----
+// ---- ghost: the job, outstanding bursts, records in the core ----
 
 reg [R-1:0] f_base;
 reg [31:0] f_count;
-reg [P-1:0] f_core;  // passed on, results not yet left
+reg [P-1:0] f_core;  // records delivered whose results have not left
 reg [7:0] f_taken;   // beats of bursts accepted by the memory, which it may send
 wire [N-1:0] f_size = {1'b0, m_axi_arlen} / BEATS + 1'b1;
 wire [7:0] f_open;
@@ -39,9 +39,9 @@ always @(posedge clk) begin
   f_core <= (rst || go) ? {P{1'b0}} : f_core + got - leave;
 end
 
-// records that may arrive: all requested records except those of a burst still offered
+// records that the memory may send: those of all bursts except one that is still offered
 wire [7:0] f_due = f_sum - (m_axi_arvalid ? {{(8 - N) {1'b0}}, f_newest} : 8'd0);
-wire [P:0] f_inside = {1'b0, f_core} + due;  // requested, results not yet left
+wire [P:0] f_inside = {1'b0, f_core} + due;  // records requested whose results have not left
 
 always @* if (f_on) begin
   f_go : assume (!go || (stop && !m_axi_arvalid && f_open == 0));
@@ -54,8 +54,8 @@ end
 
 reg f_stall;
 reg [ADDR_W+7:0] f_held;
-reg f_may;            // in the previous clock, a burst could be requested
-reg [1:0] f_waited;   // clocks with nothing under way and records left to request
+reg f_may;            // in the previous clock, a burst was offered or could be requested
+reg [1:0] f_waited;   // clocks in a row with records left to request and none outstanding or in the core
 always @(posedge clk) begin
   f_stall <= m_axi_arvalid && !m_axi_arready && !rst;
   f_held <= {m_axi_araddr, m_axi_arlen};
@@ -78,13 +78,13 @@ always @* if (f_on) begin
   within_promise : assert (f_open <= (1 << LOG2_BURSTS));
   place_for_every_record : assert (f_inside <= PLACES);
   none_when_stopped : assert (!m_axi_arvalid || f_may);
-  // with nothing under way, all places free and records left, a burst is offered two clocks later
+  // if records are left to request, and none is outstanding or in the core, a burst is offered two clocks later
   asked_in_time : assert (f_waited < 2 || m_axi_arvalid);
 end
 
 // ---- helping invariants, asserted as well ----
 
-wire [R-1:0] f_done = f_count[R-1:0] - left[R-1:0];  // requested
+wire [R-1:0] f_done = f_count[R-1:0] - left[R-1:0];  // records requested
 wire [N-1:0] f_low = {1'b0, next[LOG2_BURST-1:0]};
 wire [LOG2_BURST-1:0] f_next_due = coming + due[LOG2_BURST-1:0];
 always @* if (f_on) begin

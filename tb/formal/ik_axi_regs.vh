@@ -2,7 +2,7 @@
 // Appended to ik_axi_regs: each access gets one response, stable until accepted, and no other responses occur; only
 // writes change parameters; reported events stay in IRQ_STATUS until cleared. No assumptions.
 
-reg f_on = 1'b0;  // there was a reset
+reg f_on = 1'b0;  // since the first reset
 reg f_reset;
 always @(posedge clk) begin
   if (rst) f_on <= 1'b1;
@@ -11,7 +11,7 @@ end
 
 // ---- ghost: accesses that wait for a response ----
 
-reg [1:0] f_addresses, f_words, f_reads;  // accepted, response not yet accepted
+reg [1:0] f_addresses, f_words, f_reads;  // accepted accesses whose response is not accepted yet
 wire f_answered = s_axi_bvalid && s_axi_bready;
 always @(posedge clk) begin
   f_addresses <= rst ? 2'd0 : f_addresses + (s_axi_awvalid && s_axi_awready) - f_answered;

@@ -2,7 +2,7 @@
 // Appended to ik_axi_result: beats are stable until accepted, and the beats of a record are its words, in order, once
 // each. No assumptions.
 
-reg f_on = 1'b0;  // there was a reset
+reg f_on = 1'b0;  // since the first reset
 reg f_reset;
 always @(posedge clk) begin
   if (rst) f_on <= 1'b1;

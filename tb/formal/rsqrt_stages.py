@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proof by z3 that ik_rsqrt equals its model, register by register, for every mantissa.
 
-The model's side: :func:`place` and :func:`polynomial` of :mod:`model.dataflow.quadratic`, called with z3 terms of
-:data:`WIDE` bits, enough never to overflow. The Verilog's side: Yosys' formula of ik_rsqrt with its ik_quadratic,
-unrolled over the latency from any state. The formula is cut at the register of each product. Separate questions prove
-that the register holds the product of its operands, that the operands equal the model's, and that the product fits. The
-questions use one arbitrary table word; each word of the table is compared with the model.
+The model is :func:`place` and :func:`polynomial` of :mod:`model.dataflow.quadratic`, called with z3 terms of
+:data:`WIDE` bits, which never overflow. The Verilog is Yosys' formula of ik_rsqrt with its ik_quadratic, unrolled over
+the latency from any state. The formula is cut at the register of each product. Separate questions prove that the
+register holds the product of its factors, that the factors equal the model's, and that the product fits. These
+questions read an arbitrary table word; a further check compares each word of the table with the model's.
 """
 
 import re
@@ -34,19 +34,19 @@ TABLE = "rtl/include/ik_rsqrt_table.vh"
 
 
 HELD = re.compile(r"\(= \(bvand \(select \(\|\S+\| state\) #b([01]+)\) #b1+\) #b([01]+)\)")
-"""Initial value of a word of the table."""
+"""Address and initial value of a table word in Yosys' formula."""
 
 MULTIPLIED = re.compile(r"^\(define-fun (\|\S+\|) \(\(state (\|\S+\|)\)\) (\(_ BitVec \d+\)) \(bvmul .*$", re.M)
-"""A product, which is an arbitrary word except in the question about it."""
+"""Product in Yosys' formula, replaced with an arbitrary word except in questions about products."""
 
 
 @dataclass(frozen=True)
 class Term:
-    """A model integer as a bit vector; a comparison is decided beforehand, a product is the next register."""
+    """Model integer as a z3 bit vector. Every comparison returns ``lower``; a product returns the next register."""
 
     text: str
     lower: bool = False
-    products: tuple[list, list] | None = None  # the registers, and the factors found
+    products: tuple[list, list] | None = None  # registers of the products, and the factors multiplied so far
 
     def _with(self, operator: str, other) -> "Term":
         return replace(self, text=f"({operator} {self.text} {_text(other)})")
@@ -89,8 +89,8 @@ def _number(value: int, width: int) -> str:
 
 
 def model(form: Form, frac: int, row, m):
-    """Return the model's row, u and undoubled result of a mantissa of at least 1/4, as numbers or terms; c0 includes
-    the rounding constant."""
+    """Return row number, u and undoubled result of the model for a mantissa ``m`` >= 1/4, as numbers or terms. ``row``
+    holds the coefficients c0, with the rounding constant, c1 and c2."""
     number, u = place(form, m, frac)
     y = polynomial(form, row, u, rises=False, bends_up=False)
     return number, u, y >> form.sum_frac - frac
@@ -98,7 +98,7 @@ def model(form: Form, frac: int, row, m):
 
 @dataclass(frozen=True)
 class Product:
-    """A product's register, its factors in the clock before, and the clock of the register."""
+    """Product of two Verilog words: its register in ``clock``, and its factors in the clock before."""
 
     name: str
     register: str
@@ -107,7 +107,7 @@ class Product:
 
 
 class Stages:
-    """The questions at one number of fraction bits and one tile size."""
+    """Questions about one number of fraction bits and one tile size."""
 
     def __init__(self, frac: int, tile: int = TILE, bug: Bug | None = None) -> None:
         self.frac, self.tile, self.form = frac, tile, INVERSE_ROOT.form(frac, tile)
@@ -124,29 +124,29 @@ class Stages:
             raise RuntimeError(wrong)
         text = (place / "formula.smt2").read_text()
         self.rom = {int(address, 2): int(held, 2) for address, held in HELD.findall(text)}
-        text = HELD.sub("true", text)  # any table will do unless the question is about its words
+        text = HELD.sub("true", text)  # the table is arbitrary; `words` checks its contents
         self.whole, self.unrolled = Unrolled(text), Unrolled(MULTIPLIED.sub(r"(declare-fun \1 (\2) \3)", text))
         self.clocks = INVERSE_ROOT.clocks(frac, tile) + 1
 
     def at(self, name: str, clock: int, signed: bool = True) -> str:
-        """Return a Verilog word extended to the :data:`WIDE` bits of the model."""
+        """Return a Verilog word in a clock, extended to the :data:`WIDE` bits of the model."""
         width = self.unrolled.widths[name]
         return f"((_ {'sign' if signed else 'zero'}_extend {WIDE - width}) {self.unrolled.at(name, clock)})"
 
     def field(self, low: int, width: int) -> str:
-        """Return bits of the table's word."""
+        """Return ``width`` bits of the table's word, from bit ``low`` upwards."""
         held = f"|{self.unrolled.top}_m:R0D rom@0|"
         return f"((_ zero_extend {WIDE - width}) ((_ extract {low + width - 1} {low}) {held}))"
 
     @property
     def fields(self) -> list[tuple[int, int]]:
-        """Return lowest bit and width of c0 (without its leading one), c1 and c2 in a word of the table."""
+        """Lowest bit and width of c0 (without its leading one), c1 and c2 in a word of the table."""
         widths = self.form.c_bits
         return [(sum(widths[i + 1 :]), width) for i, width in enumerate(widths)]
 
     @property
     def row(self) -> tuple[str, ...]:
-        """Return c0 aligned to the sum, with the rounding constant, c1 and c2, from the table's word."""
+        """Coefficients from the table's word: c0, aligned to the sum and with the rounding constant, then c1 and c2."""
         spare = self.form.sum_frac - self.form.c_frac[0]
         lowest = rounding(self.form, self.frac) & (1 << spare) - 1
         c0, *others = (self.field(*field) for field in self.fields)
@@ -155,7 +155,7 @@ class Stages:
         return whole, *others
 
     def words(self) -> Answer:
-        """Check that every word of the table is the model's, and that slopes fit and are not negative."""
+        """Check that every word of the table equals the model's, and that every slope fits and is not negative."""
         form, spare = self.form, self.form.sum_frac - self.form.c_frac[0]
         slope_bits = form.c_bits[1] + form.slope_frac - form.c_frac[1] + 1
         wrong = [] if len(self.rom) == form.rows else ["length"]
@@ -175,7 +175,7 @@ class Stages:
 
     @property
     def products(self) -> list[Product]:
-        """Return the products in the order of the model."""
+        """Products in the order in which the model computes them."""
         after = 7 if self.bent else 4
         products = [Product("hh", "hh_2", ("slope_hi_1", "u_hi_1"), after)]
         if self.bent:
@@ -191,15 +191,14 @@ class Stages:
         return ask("\n".join(lines), SOLVER)
 
     def questions(self) -> Iterator[Question]:
-        """Yield all questions."""
-        label = "" if (self.frac, self.tile) == (FULL, TILE) else f", F={self.frac}, TILE={self.tile}"  # W < 32
+        label = "" if (self.frac, self.tile) == (FULL, TILE) else f", F={self.frac}, TILE={self.tile}"
         yield Question(f"table{label}", "all words are the model's", self.words)
         yield Question(f"products fit{label}", "in their registers", self._fit)
         for name, says, claim in self._claims():
             yield Question(f"{name}{label}", says, partial(self._cases, claim), partial(self._cases, None))
 
     def _fit(self) -> Answer:
-        """Check that each product fits for all factors of its widths; the first (c2, part of a slope) is >= 0."""
+        """Check that each product fits for all factors of their widths; the first (c2 or part of a slope) is >= 0."""
         widths = self.unrolled.widths
         for product in self.products:
             a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)
@@ -210,7 +209,7 @@ class Stages:
         return answer
 
     def _run(self, lower: bool, below: bool):
-        """Run the model on the terms of the Verilog; return row, u, result and the products' factors."""
+        """Run the model on terms of the Verilog; return row number, u, result, and the factors of the products."""
         factors: list = []
         registers = [self.at(f"u_quadratic.{p.register}", p.clock) for p in self.products]
         text = self.at("m_next", 0, signed=False)
@@ -221,7 +220,7 @@ class Stages:
         return (*model(form, self.frac, (c0, *others), Term(text, lower, (registers, factors))), factors)
 
     def _cases(self, claim) -> Answer:
-        """Check a claim for mantissas below 1/4, below 1/2 and above; without one, that such mantissas exist."""
+        """Check a claim for mantissas below 1/4, in [1/4, 1/2) and above; without it, check that they exist."""
         m, seconds = self.unrolled.at("m_next", 0), 0.0
         half, quarter = (_number(1 << self.frac + bits, self.frac + 3) for bits in (2, 1))
         for lower, below in ((True, True), (True, False), (False, False)):
@@ -235,18 +234,18 @@ class Stages:
         return Answer(answer.said, seconds)
 
     def _slope(self, factors) -> str:
-        """Return the fact that the high part of a slope fits and is not negative, as checked for the table."""
+        """Return the fact, which `words` checks, that the high part of a slope fits and is not negative."""
         high, bits = factors[int(self.bent)][0].text, self.unrolled.widths["u_quadratic.slope_hi_1"] - 1
         return f"(and (bvsle {_number(0, WIDE)} {high}) (bvslt {high} {_number(1 << bits, WIDE)}))"
 
     def _factors(self, number: int, product: Product, row, u, y, factors) -> str:
-        """Return the claim that the words before a product are the model's factors."""
+        """Return the claim that the factors in the clock before a product equal the model's."""
         words = (self.at(f"u_quadratic.{name}", product.clock - 1) for name in product.factors)
         equal = (f"(= {word} {_text(factor)})" for word, factor in zip(words, factors[number], strict=True))
         return f"(and {' '.join(equal)})"
 
     def _multiplied(self, product: Product, row, u, y, factors) -> str:
-        """Return the claim that a register holds the product of the words before it."""
+        """Return the claim that a register holds the product of its factors in the clock before."""
         at, widths = self.unrolled.at, self.unrolled.widths
         names, register = [f"u_quadratic.{name}" for name in product.factors], f"u_quadratic.{product.register}"
         terms = (f"((_ sign_extend {widths[register] - widths[name]}) {at(name, product.clock - 1)})" for name in names)
@@ -271,7 +270,7 @@ class Stages:
 
 
 def forms() -> list[tuple[int, int]]:
-    """Return fraction bits and tile size at every width, and of the small tables."""
+    """Return (fraction bits, tile size) for every word length, and for the small tables."""
     full = {(root_frac(width), TILE) for width in WIDTHS}
     return sorted(full | {(root_frac(width), 16) for width in WIDTHS if width <= 24}, reverse=True)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Formulas in SMT-LIB: from Python's expressions, and with their declarations."""
+"""SMT-LIB formulas: translated from Python expressions, and with declarations of their names."""
 
 import ast
 import re
@@ -13,7 +13,7 @@ COMPARISONS = {ast.Lt: "<", ast.LtE: "<=", ast.GtE: ">=", ast.Eq: "="}
 
 
 def formula(facts: Sequence[str], goal: str, sort: Callable[[str], str] = lambda name: "Int") -> str:
-    """Return the formula "the facts hold and the goal does not", with a declaration of each name."""
+    """Return the formula "all facts hold and the goal does not"; each name is declared with its ``sort``."""
     names = sorted({name for text in (goal, *facts) for name in re.findall(r"[A-Za-z]\w*", text)} - WORDS)
     lines = [f"(declare-const {name} {sort(name)})" for name in names]
     return "\n".join([*lines, *(f"(assert {fact})" for fact in facts), f"(assert (not {goal}))"])
@@ -22,8 +22,8 @@ def formula(facts: Sequence[str], goal: str, sort: Callable[[str], str] = lambda
 def smt(
     tree: str | ast.AST, constant: Callable[[Fraction], str] = number, name: Callable[[str], str] = lambda text: text
 ) -> str:
-    """Return an expression in SMT-LIB: Python's arithmetic, comparisons and logic, and ``implies(a, b)``; ``constant``
-    writes numbers, ``name`` the names.  Raises SyntaxError for other expressions."""
+    """Return a Python expression in SMT-LIB: arithmetic, comparisons, logic, ``implies(a, b)``. ``constant``
+    formats numbers, ``name`` names. Raises SyntaxError, or KeyError for an unsupported comparison."""
 
     def term(tree: ast.AST) -> str:
         match tree:
@@ -37,7 +37,7 @@ def smt(
                 return f"(* {term(base)} {term(base)})"
             case ast.BinOp(base, ast.LShift(), ast.Constant(places)):
                 return f"(* {term(base)} {constant(Fraction(1 << places))})"
-            case ast.BinOp(base, ast.LShift(), ast.Name() as power):  # by n bits, where the name stands for 2^n
+            case ast.BinOp(base, ast.LShift(), ast.Name() as power):  # base << n, where the term of n is 2^n
                 return f"(* {term(base)} {term(power)})"
             case ast.BinOp(_, ast.Add() | ast.Mult() as kind, _):
                 operands = " ".join(map(term, _operands(tree, type(kind))))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A row of docs/generated/proofs.md: one proof, its runner, and the digest of the proved code."""
+"""Proof for `make formal` and docs/generated/proofs.md: its runner, and the digest of the proved code."""
 
 import hashlib
 from collections.abc import Callable, Iterable
@@ -11,12 +11,12 @@ Say = Callable[[str], None]
 
 
 def digest_of(*texts: str) -> str:
-    """Return a short digest of texts."""
+    """Return the first 16 hex digits of the SHA-256 of texts."""
     return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:16]
 
 
 def no_circle(rests: dict[str, Iterable[str]]) -> None:
-    """Raise RuntimeError if claims rest on each other; ``rests`` maps a claim to those on which it rests."""
+    """Raise RuntimeError if claims use each other in a circle; ``rests`` maps a claim to the claims that it uses."""
     try:
         tuple(TopologicalSorter(rests).static_order())
     except CycleError as error:
@@ -25,7 +25,7 @@ def no_circle(rests: dict[str, Iterable[str]]) -> None:
 
 @dataclass
 class Outcome:
-    """Result of a proof: ``result`` for the page, one line for each failure, and a full table for build/."""
+    """Result of a proof: ``result`` for the page, ``failed`` with a line per failure, the full ``table`` for build/."""
 
     result: str = ""
     seconds: float = 0.0
@@ -35,7 +35,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Task:
-    """A proof: ``digest`` covers everything that it proves and assumes, not the code that runs it."""
+    """Proof to run; ``digest`` covers everything that it proves and assumes, but not the code that runs it."""
 
     name: str
     what: str

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Programs used by proofs, from the environment that `make formal` sets up; an interrupt ends them all."""
+"""Calls of Yosys and z3, from the environment that `make formal` sets up; :func:`stop` ends all of them."""
 
 import subprocess
 import sys
@@ -16,7 +16,7 @@ _running: set[subprocess.Popen] = set()
 
 
 def program(name: str) -> Path:
-    """Return the path of a program of this environment."""
+    """Return the path of a program in the environment of this Python."""
     return Path(sys.executable).parent / name
 
 
@@ -26,14 +26,14 @@ def missing() -> list[str]:
 
 
 def versions() -> str:
-    """Return the packages behind the proofs and their versions."""
+    """Return the names and versions of :data:`PACKAGES` in one line."""
     return ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
 
 
 def call(command: list, given: str | None = None, seconds: float | None = None) -> tuple[int, str]:
-    """Run a program under nice in the checkout with the input `given`; return status and output.
+    """Run a program in the checkout, at low priority, with the input ``given``; return exit status and output.
 
-    A program that exceeds its time limit is ended.
+    A program that runs longer than ``seconds`` is ended; an error message then replaces its output.
     """
     words = ["nice", str(program(command[0])), *map(str, command[1:])]
     streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
@@ -48,13 +48,13 @@ def call(command: list, given: str | None = None, seconds: float | None = None) 
 
 
 def stop() -> None:
-    """End all programs and their children."""
+    """End all programs that are running, and their children."""
     for process in list(_running):
         end_group(process)
 
 
 def yosys(folder: Path, name: str, lines: list[str], seconds: float | None = None) -> str:
-    """Run a Yosys script, kept as folder/name.ys; return its first error, empty if there is none."""
+    """Write a Yosys script to folder/name.ys and run it; return its last error, or an empty text if it succeeds."""
     here = folder.relative_to(ROOT)  # Yosys runs as WebAssembly and cannot open every absolute path
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{name}.ys").write_text("\n".join(lines) + "\n")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A Yosys formula (`write_smt2`) unrolled over several clocks, with a constant for each signal in each clock.
+"""Formula from Yosys (`write_smt2`), unrolled over several clocks: each signal is a constant in each clock.
 
-With constants instead of functions of a state, z3 recognizes equal expressions without reasoning about multiplication.
+Yosys writes functions of a state. With constants, z3 recognizes equal expressions without reasoning about products.
 """
 
 import re
@@ -16,7 +16,7 @@ LIMIT = 120  # seconds for one question
 
 @dataclass(frozen=True)
 class Answer:
-    """z3's answer, "unsat", "sat" or an error, and the time it took."""
+    """Answer of z3: ``said`` is "unsat", "sat", "timeout", "unknown" or an error message."""
 
     said: str
     seconds: float
@@ -24,7 +24,7 @@ class Answer:
 
 @lru_cache(maxsize=4096)
 def ask_each(texts: tuple[str, ...], check: str = "(check-sat)", limit: int = LIMIT) -> list[Answer]:
-    """Send formulas without their final commands to one z3, limited to ``limit`` seconds; answers are cached."""
+    """Append ``check`` to each text, run one z3 on all for at most ``limit`` seconds, and return its answers."""
     start = time.monotonic()
     status, said = call(["z3", "-in", f"-T:{limit}"], "(reset)\n".join(f"{text}\n{check}\n" for text in texts))
     lines = said.split("\n")[: len(texts)]
@@ -35,12 +35,12 @@ def ask_each(texts: tuple[str, ...], check: str = "(check-sat)", limit: int = LI
 
 
 def ask(text: str, check: str = "(check-sat)", limit: int = LIMIT) -> Answer:
-    """Send one formula to z3."""
+    """Append ``check`` to a text and return z3's answer."""
     return ask_each((text,), check, limit)[0]
 
 
 class Unrolled:
-    """The SMT formula of a module: `at(signal, clock)` names a signal, `clocks(n)` is the text of n steps."""
+    """Unrolled formula of a module: ``clocks(n)`` returns the text for clocks 0 to n."""
 
     def __init__(self, text: str) -> None:
         self.top = re.search(r"^; yosys-smt2-topmod (\S+)", text, re.M)[1]
@@ -64,15 +64,15 @@ class Unrolled:
         return re.sub(r"\(define-fun \|[^|]+\| \(\(state \|[^|]+\|\) \(next_state \|[^|]+\|\)\) Bool", "(assert", text)
 
     def _clocks(self, steps: int) -> str:
-        """Return the formula of clocks 0 to `steps`, from any state."""
+        """Return the formula of clocks 0 to ``steps``; the state in clock 0 is arbitrary."""
         parts = [self._one(clock) for clock in range(steps + 1)]
         parts += [f"(assert |{self.top}_h@{c}|)\n(assert |{self.top}_u@{c}|)" for c in range(steps + 1)]
         return "\n".join(parts + [self._next(clock) for clock in range(steps)])
 
     def at(self, signal: str, clock: int) -> str:
-        """Return a signal of the module in a clock."""
+        """Return the SMT name of a signal of the module in a clock."""
         return f"|{self.top}_n {signal}@{clock}|"
 
     def holds(self, name: str, clock: int) -> str:
-        """Return an assertion of the module in a clock."""
+        """Return the SMT name of an assertion of the module in a clock."""
         return f"|{self.top}_a {self.number[name]}@{clock}|"

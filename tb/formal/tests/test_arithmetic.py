@@ -29,7 +29,7 @@ tools = pytest.mark.needs("fpga")
 
 @pytest.mark.parametrize("width", [16, 17, 32])
 def test_every_range_is_asked_for(width):
-    """Every claimed range and every error has a question, except for CORDICs and words without a limit."""
+    """Check that every claimed range and every error has a question, except for CORDICs and unlimited words."""
     exact = Exact(width)
     asked, rounded, nodes = Rules(exact).names(), set(Rounded(exact).names()), exact.nodes
     fractions = {name for name, node in nodes.items() if node.frac and node.kind != "input"}
@@ -43,7 +43,7 @@ def test_every_range_is_asked_for(width):
 
 
 def test_questions_rest_on_what_is_asked():
-    """Every name is a node, a lemma or a defined value; no lemma shares a node's name."""
+    """Check that each fact that a question uses exists, and that a lemma does not share its name with a node."""
     asked = Rules(Exact(FULL))
     exact, lemmas, defined = asked.exact, asked.exact.lemmas, asked.exact.flow.definitions
     assert not set(lemmas) & set(exact.claimed) and not set(defined) & set(exact.nodes)
@@ -64,7 +64,7 @@ def test_circle_is_named(monkeypatch):
 
 
 def test_power_of_two_and_word():
-    """The only lemma about integers: 1/e_far, if at least one ulp, is not between d1 and the next word."""
+    """Check the only lemma about integers: if 1/e_far is at least one ulp, it is not between d1 and the next word."""
     (claim, _), ulp = Exact(FULL).flow.lemmas["e_far of d1"], 2.0**-6
     for e_far in (2.0**k for k in range(8)):
         for d1 in (j * ulp for j in range(1, 128)):
@@ -86,7 +86,7 @@ OPERATORS["or"] = lambda *v: np.any(np.broadcast_arrays(*v), axis=0)
 
 
 def truth_of(formula: str, values: dict, close: float) -> np.ndarray:
-    """Return whether a formula holds for arrays of values, within a relative tolerance ``close``."""
+    """Return where a formula holds for arrays of values, with the relative tolerance ``close``."""
     relations = {"<": lambda a, b: a < b, "<=": lambda a, b: a <= b + close}
     operators = OPERATORS | relations | {"=": lambda a, b: np.isclose(1.0 * a, 1.0 * b, rtol=close, atol=close * 1e-6)}
     stack: list[list] = [[]]
@@ -103,7 +103,7 @@ def truth_of(formula: str, values: dict, close: float) -> np.ndarray:
 
 
 def test_formulas_hold_for_real_numbers():
-    """The formulas of every node, evaluated in double precision on reachable targets with good hands."""
+    """Check each node's formulas in double precision on reachable targets with good hands."""
     exact, words = Exact(24), np.concatenate([region(name, 100, 24, 3) for name in REGIONS])
     bits = fixed.run(hand_poses(words, 24, 3), 24, "arm").bits
     real = Real(bits, {})
@@ -125,7 +125,7 @@ def test_formulas_hold_for_real_numbers():
 
 @pytest.mark.parametrize("width", [16, 24, 31, 32])
 def test_rounding_is_within_its_bounds(width):
-    """Words minus the value of the operation, in ulps, stay within the rounding that the questions assume."""
+    """Check that words differ from their exact operation by no more than the rounding that questions assume."""
     rounded, off = Rounded(Exact(width)), {}
     words = np.concatenate([region(name, 1000, width, 3) for name in REGIONS])
     nodes = fixed.run(words, width, "lean").bits.nodes
@@ -147,7 +147,7 @@ def test_rounding_is_within_its_bounds(width):
 @tools
 @pytest.mark.parametrize("kind", [Rules, Rounded])
 def test_rules_and_errors(kind):
-    """All questions at one width hold, and a claim that is too narrow does not."""
+    """Check that all claims at one word length are proved, and that a claim that is too narrow is not."""
     with ThreadPoolExecutor(2) as pool:
         asked = lean_proofs.questions(kind, (24,))
         assert arithmetic.run(asked, lean_proofs.too_narrow(kind), pool, print).failed == []
@@ -163,14 +163,14 @@ def test_floors_fail_on_a_bug():
 
 @tools
 def test_reciprocal_root_of_short_words():
-    """Check the form with one tile."""
+    """Prove the short form of the table, which has one tile."""
     for question in Stages(22).questions():
         assert arithmetic.answer(question)[1] == "", question.name
 
 
 @pytest.mark.parametrize(("frac", "tile"), forms())
 def test_terms_are_those_of_the_model(frac, tile):
-    """The function used on terms equals the model's root."""
+    """Check that `model`, which the proof runs on terms, equals `quadratic.rsqrt`."""
     form, random = quadratic.INVERSE_ROOT.form(frac, tile), np.random.default_rng(1)
     rows, added = quadratic.table_rows(quadratic.INVERSE_ROOT, form), quadratic.rounding(form, frac)
     whole = Form(**{**form.__dict__, "c_frac": (form.sum_frac, *form.c_frac[1:])})
@@ -182,8 +182,6 @@ def test_terms_are_those_of_the_model(frac, tile):
 
 
 def test_problems_are_reported():
-    """Reports: a counterexample, no answer, unsatisfiable assumptions, a bug without a counterexample."""
-
     def problem(answer, met="sat"):
         return arithmetic.answer(Question("q", "", lambda: Answer(answer, 0.1), lambda: Answer(met, 0.1)))[1]
 
@@ -196,8 +194,7 @@ def test_problems_are_reported():
 
 
 def test_expressions_are_read():
-    """Python: sums, products, logic, a choice. Verilog: precedence, shifts by a number or a name, a conditional, a
-    constant of zeros, an appended bit."""
+    """Translate Python (first list) and Verilog (second list) to SMT-LIB; refuse everything else."""
     for text, term in (
         ("2*a*b**2 + c <= 1/4", "(<= (+ (* 2.0 a (* b b)) c) (/ 1.0 4.0))"),
         ("implies(a == 0 and 0 < b, not c)", "(=> (and (= a 0.0) (< 0.0 b)) (not c))"),
@@ -230,6 +227,6 @@ def test_expressions_are_read():
     ],
 )
 def test_words_are_as_long_as_the_floors_take_them_for(file, line):
-    """The floor proofs assume these word lengths in the RTL: 2^XW >= 2^(DW + 1), and 2 ROWS bits of radicand."""
+    """Check widths that the floor proofs assume: XW >= DW in the divider, 2 ROWS bits of the radicand."""
     assert line in (ROOT / "rtl" / "lib" / f"{file}.v").read_text()
     assert "localparam integer MW = 2 * ROWS;" in (ROOT / ROOT_DIGIT).read_text()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests that every bit of data, flags and tag leaves a pipeline in the same clock as its valid bit.
 
-Bits are traced in a netlist that Yosys has flattened, from outputs through registers and delays to nodes; the proofs
-`valid_*` prove the latency of valid.
+In a netlist that Yosys has flattened, each output bit is traced back through registers and delays to its origin. The
+proofs `valid_*` prove the latency of valid.
 """
 
 import json
@@ -29,16 +29,16 @@ RING = "ik_ring"  # module whose q is d delayed by N clocks, in a memory
 
 @dataclass(frozen=True)
 class Bit:
-    """Origin of a bit: `constant` 0 or 1, a bit of a `node`, of a `cell`'s output or of an input `port`."""
+    """Origin of a bit: `kind` is "constant", "node", "cell" (an output of a cell) or "port" (an input)."""
 
     kind: str
-    name: str = ""  # of the node, the cell or the port
-    index: int = 0  # the constant's value, else the number of the bit
-    clocks: int = 0  # of the delays on the way
+    name: str = ""  # name of the node, cell or port
+    index: int = 0  # value of the constant, else number of the bit in the node, cell output or port
+    clocks: int = 0  # delay from the origin to the traced bit
 
 
 class Netlist:
-    """The module `top` in a file of `write_json`; `nodes` maps a node to its signal and width."""
+    """Netlist of module `top` from a `write_json` file; `nodes` maps a node to its signal and its width in bits."""
 
     def __init__(self, path: Path, top: str, nodes: dict[str, tuple[str, int]]) -> None:
         self.modules = json.loads(path.read_text())["modules"]
@@ -51,7 +51,7 @@ class Netlist:
             for index, bit in enumerate(port["bits"])
             if port["direction"] == "input"
         }
-        for name, (signal, width) in reversed(nodes.items()):  # a wire may be two nodes: keep the first
+        for name, (signal, width) in reversed(nodes.items()):  # two nodes may share a wire: keep the first
             bits = self.wires[signal]
             if len(bits) != width:
                 raise ValueError(f"{name}: {len(bits)} bits in the netlist, {width} in the model")
@@ -65,7 +65,7 @@ class Netlist:
         }
 
     def _delay(self, cell: dict) -> tuple[int, str]:
-        """Return the clocks of a register or delay, 0 for any other cell, and its input."""
+        """Return the clocks by which a cell delays, 0 unless it is a register or ring, and the name of its input."""
         if cell["type"] == "$dff":
             return 1, "D"
         module = self.modules.get(cell["type"], {})
@@ -73,7 +73,7 @@ class Netlist:
         return int(module["parameter_default_values"]["N"], 2) if is_ring else 0, "d"
 
     def origin(self, bit: int | str) -> Bit:
-        """Return the origin of a bit."""
+        """Return the origin of a bit, found by tracing it back through registers and rings."""
         clocks = 0
         while not isinstance(bit, str):
             if bit in self.origins:
@@ -92,7 +92,7 @@ class Netlist:
 
 
 def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
-    """Return a line for each bit that is wrong or does not leave with its valid bit."""
+    """Return a line for each output bit with a wrong origin, or that does not leave in the clock of its valid bit."""
     path = MODELS[name]
     top = path.entity
     place = ROOT / "build" / "formal_exits" / f"{name}{width}{'-bug' if bug else ''}"
@@ -100,7 +100,7 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
     copy_rtl(place, bug)
     files = [file for file in closure(top, place) if file.suffix == ".v"]
     for file in files:
-        if file.parent.name == "lib" and file.stem != "ik_delay":  # an operator is a cell, whose body is not needed
+        if file.parent.name == "lib" and file.stem != "ik_delay":  # keep operators as cells without bodies
             text = file.read_text() if file.stem == RING else header(file.read_text())
             file.write_text(text.replace("\nmodule ", "\n(* keep_hierarchy *)\nmodule ", 1))
     here = place.relative_to(ROOT)
@@ -153,7 +153,7 @@ EARLY = {
     "paper": Bug("", "rtl/paper/ik_paper.v", ".N(T_OUT-T_QE_I)", ".N(T_OUT-T_QE_I-1)", "out_data[90]"),
     "arm": Bug("", "rtl/lean/ik_lean_arm.v", ".N(T_X)) u_at_x", ".N(T_X-1)) u_at_x", "out_tag[0]"),
 }
-"""Datapath -> a word or tag that leaves a clock early."""
+"""Datapath -> seeded bug by which a word or the tag leaves a clock early."""
 
 
 @pytest.mark.parametrize("name", EARLY)

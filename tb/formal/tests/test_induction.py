@@ -21,7 +21,7 @@ PROOF = {proof.name: proof for proof in PROOFS}
 
 @pytest.mark.parametrize("proof", PROOFS, ids=PROOF)
 def test_definition(proof):
-    """Properties on which others rest exist; the bug can be seeded and breaks one."""
+    """Check that all properties exist that the proof or its bug names, and that the bug can be seeded."""
     labels = set(re.findall(r"(\w+) : (?:assert|assume)", "".join(path.read_text() for path in proof.files)))
     named = {name for names in (*proof.uses.values(), *proof.after.values()) for name in names.split()}
     named = {name.rstrip("*$") for name in named | proof.uses.keys() | proof.after.keys()}
@@ -31,7 +31,7 @@ def test_definition(proof):
 
 
 def test_assumptions_are_on_inputs():
-    """Proofs (not covers) have only these assumptions, all on inputs of ik_fifo, ik_fold and ik_axi's engines."""
+    """Check that proofs, unlike covers, have only the assumptions listed here, which are about inputs."""
     labels = {}
     for path in FORMAL.glob("*.v*"):
         proved = re.sub(r"`ifdef IK_COVER.*?`(else|endif)", "", path.read_text(), flags=re.S)
@@ -63,7 +63,7 @@ def test_every_divider_and_root_of_the_model_is_proved(op):
 
 
 def test_every_number_of_places_is_proved():
-    """The FIFO's places follow from the latency, see tb/core/test_elaboration.py."""
+    """Check that each FIFO depth has a proof. The depth follows from the latency, see tb/core/test_elaboration.py."""
     text = (ROOT / "rtl" / "include" / "ik_latency.vh").read_text()
     latencies = re.findall(r"(\d+): datapath_latency = (\d+);", text)
     places = {int(key): 1 << (int(clocks) + 2).bit_length() for key, clocks in latencies}
@@ -105,7 +105,7 @@ def test_smallest_proof_and_its_bug():
     ],
 )
 def test_harmless_change_survives(name, bug):
-    """A change without effect does not count as a bug found."""
+    """Check that a change without effect does not count as a detected bug."""
     assert "survives" in induction.survives(replace(PROOF[name], name="harmless"), bug)
 
 
