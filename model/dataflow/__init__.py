@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dataflows, node by node, and their evaluation: in integers, as a table of formats and clocks."""
+"""Dataflows defined node by node, their evaluation in integers, and the formats and clocks of the nodes."""

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Angle and length of a vector of two words: the vectoring CORDIC of ``ik_vector`` and ``ik_fold_angle``.
 
-Words have W bits and W-2 fraction bits.  Inside, the components have ``GUARD`` more bits; an angle has W + ``ANGLE``
-bits, one turn = 2^(W+ANGLE).  Rotation i turns by atan(2^-i); y is held as Y = 2^i y, so that no bit of it is lost:
+Words have W bits and W-2 fraction bits.  Internally, the components have ``GUARD`` more bits; an angle has W +
+``ANGLE`` bits, one turn = 2^(W+ANGLE).  Iteration i turns by atan(2^-i); y is held as Y = 2^i y, so that it loses no
+bit:
 
-    X += |Y| / 4^i   (i < M: afterwards X changes by less than its last bits)
+    X += |Y| / 4^i   (only for i < M: later changes are too small to matter)
     Y = 2 (Y - X) or, below the x axis, 2 (Y + X)
 
-The computed length is K = 1.6468 times the true one, for every vector.
+The computed length of every vector is K = 1.6468 times its true length.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ GUARD = 3  # bits of X and Y below a word's LSB
 ANGLE = 4  # bits of an angle below the LSB of a word of one turn
 
 LONGEST = 2.4
-"""Length up to which X and Y fit; a unit quaternion's lengths are at most 1, and K in :func:`iterate`."""
+"""Longest vector for which X and Y fit.  A vector of parts of a unit quaternion is at most 1 long, a vector of two such
+lengths, each times K, at most K."""
 
 
 TABLE_BITS = 48
@@ -45,29 +47,32 @@ def atan_table() -> tuple[int, ...]:
 
 
 def iterations(width: int) -> tuple[int, int]:
-    """Return (M, N): iterations in which X changes, and all."""
+    """Return (M, N): the number of iterations that change X, and the number of all iterations."""
     head = (width + 1) // 2 - 1
     return head, min(width + 1, head + 16)
 
 
 @cache
 def table(width: int) -> tuple[int, ...]:
-    """Return the angle words of the N iterations: rounded up to the M-th, which each further iteration halves."""
+    """Return the angle words of the N iterations.  Word i is rounded for i <= M; later words are word M / 2^(i - M)."""
     head, last = iterations(width)
     words = [round_shift(atan, TABLE_BITS + 1 - width - ANGLE) for atan in atan_table()[: head + 1]]
     return (*words, *(words[head] >> i for i in range(1, last - head)))
 
 
 def vector(x, y, width: int):
-    """Return (length, angle) of vectors of words: W+1 fraction bits; W + ``ANGLE`` bits, signed."""
+    """Return (length, angle) of vectors whose components are words.
+
+    A length is K times the true length and has W+1 fraction bits.  An angle is signed and has W + ``ANGLE`` bits.
+    """
     return iterate(x << GUARD, y << GUARD, width)
 
 
 def iterate(x, y, width: int):
-    """Return (length, angle) as :func:`vector`, of vectors that have ``GUARD`` more bits: two lengths, for example.
+    """Return (length, angle) like :func:`vector`, of vectors with ``GUARD`` more bits, for example of two lengths.
 
     A vector to the left of the y axis is first turned by half a turn; its X is a one's complement.  A vector on the
-    x axis has exactly the angle 0 or half a turn: no angle of a quaternion is a last bit below 0.
+    x axis has exactly the angle 0 or half a turn, so rounding never makes such an angle negative.
     """
     head, _ = iterations(width)
     left, flat = x < 0, y == 0
@@ -84,17 +89,17 @@ def iterate(x, y, width: int):
 
 
 def gain(width: int) -> float:
-    """Return K, by which :func:`vector` stretches a length."""
+    """Return K, the factor by which :func:`vector` stretches lengths."""
     return math.prod(math.sqrt(1 + 4.0**-i) for i in range(iterations(width)[0]))
 
 
 def _head(width: int, length: float) -> tuple[float, float, float]:
-    """Return bounds after the first M iterations: the angle lost to roundings, the angle left, the length lost.
+    """Return bounds after the first M iterations: angle lost to rounding (rad), angle left (rad), length lost.
 
-    In units g of X's LSB.  A rounding shortens X by at most 1 g: the one's complement of X at the start, and each
-    |Y| / 4^i, which is a one's complement where Y < 0 and loses the bits below.  By the law of sines, it turns a vector
-    of length l that is psi from the x axis by at most asin(sin(psi) / l), where l is the shortened length.  The angle
-    left after iteration i is at most a_i = atan(2^-i), or what was left before less a_i, plus this turn.
+    Lengths are in units of X's LSB.  Each rounding shortens X by at most 1: the one's complement of X at the start, and
+    each truncated |Y| / 4^i, where a negative Y has its one's complement.  By the law of sines, the rounding turns a
+    vector of shortened length l, at an angle psi from the x axis, by at most asin(sin(psi) / l).  The angle left after
+    iteration i is at most this turn plus the larger of a_i = atan(2^-i) and the angle left before minus a_i.
     """
     long = length * 2.0 ** (width - 2 + GUARD)
     short, left = long - 1, math.pi / 2
@@ -110,9 +115,9 @@ def _head(width: int, length: float) -> tuple[float, float, float]:
 
 
 def length_bound(width: int, length: float = 1.0) -> float:
-    """Return the largest error of a length in its ulps, 2^-(W+1); it is never too long.
+    """Return the largest error of a computed length in its ulps, 2^-(W+1).  A computed length is never too large.
 
-    X is K times the length, less the roundings of :func:`_head`, times the cosine of the angle left.
+    X is K times the length, minus the rounding of :func:`_head`, times the cosine of the angle left.
     """
     return _head(width, length)[2]
 
@@ -120,11 +125,11 @@ def length_bound(width: int, length: float = 1.0) -> float:
 def error_bound(width: int, length: float = 1.0) -> float:
     """Return the largest error of the angle of a vector of at least ``length`` in radians.
 
-    * lost and left: the roundings of the first M iterations and the angle left after them (:func:`_head`);
-    * table: the rounding of each of these M angles, at most half an ulp;
-    * in the other iterations X stays, so that they change the tangent t of the angle left by 2^-i each: the angle's
-      words sum t instead of atan(t), a difference below t^3 / 3; each word differs from 2^-i;
-    * the tangent left at last: at most 2^-(N-1), or what was left before less 2^-i.
+    * ``lost``: the angle lost to rounding in the first M iterations (:func:`_head`)
+    * ``words``: the error of each word of the table: in the first M iterations relative to atan(2^-i), later to 2^-i
+    * ``cubed``: in the later iterations X is constant, so each changes the tangent t of the angle left by 2^-i.  The
+      words then add up to t instead of atan(t), a difference below t^3 / 3.
+    * ``tangent``: the tangent of the angle left at the end, at most 2^-(N-1) or the previous tangent minus 2^-(N-1)
     """
     head, last = iterations(width)
     radians = [word * 2 * math.pi / 2.0 ** (width + ANGLE) for word in table(width)]
@@ -145,14 +150,14 @@ class Angle(Operation):
 
     kind, latency, free = "vector", "vector", True
 
-    length: Node | None = None  # node of the gained length, if it has one
+    length: Node | None = None  # node of the vector's length times K, if there is one
 
     def __init__(self, x: Node, y: Node, sign: int = 1) -> None:
         super().__init__(x, y)
         self.x, self.y, self.sign = x, y, sign
 
     def pair(self, node, values):
-        """Return length and angle."""
+        """Return the words of the vector's length, times K, and of its angle."""
         if self not in values:
             width = node.flow.width
             of = vector if self.x.frac == width - 2 else iterate  # words, or lengths
@@ -166,7 +171,7 @@ class Angle(Operation):
         return np.arctan2(self.sign * self.y.words(values), self.x.words(values)) / (np.pi * node.format.ulp)
 
     def growth(self, node, bounds):
-        # The error has no bound but half a turn: it grows as the vector gets shorter.
+        # The error grows as the vector gets shorter, up to half a turn: there is no useful bound.
         return 0.0
 
     def text(self, level=0):

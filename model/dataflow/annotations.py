@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Annotations of a node beyond its computation, stated where the node is created.
+"""Annotations of nodes: ranges, error growth, intended saturation.  They are stated where the node is created.
 
-Ranges of the paper datapath hold case by case: :mod:`model.bounds.ranges` runs the dataflow on parts of the input
-words (:func:`cases`), each with geometric bounds on lengths; a node's range is their union:
+:func:`cases` divides the inputs of the paper datapath into parts, with geometric bounds on lengths in each part.
+:mod:`model.bounds.ranges` runs the dataflow on every part; a node's range is the union of the results.  Three cases:
 
-* ``exact``: in reach, and the arms leave room for a shift: halving loses no bit of their words;
-* ``long``: in reach, d1 + d2 >= 2: halving rounds odd lengths, so d1 + d2 is off by ulps (d1 - d2 stays exact);
-* ``clamped``: everything else; computed as an arm d1 = d2 = 1/4 (see :func:`model.dataflow.paper.guard`).
+* ``exact``: the target is in reach, and d1 + d2 < 2: scaling loses no bit of d1 and d2.
+* ``long``: the target is in reach, and d1 + d2 >= 2: scaling rounds odd lengths, so d1 + d2 is off by ulps.
+* ``clamped``: any other target, computed with d1 = d2 = 1/4 (see :func:`model.dataflow.paper.guard`).
 """
 
 import itertools
@@ -18,13 +18,13 @@ SQRT2, SQRT3 = math.sqrt(2), math.sqrt(3)
 
 
 class RangeError(Exception):
-    """Range or format that does not fit the node; the text names the node."""
+    """Range or format that does not fit the node; the message names the node."""
 
 
 @dataclass(frozen=True)
 class Bound:
-    """Exact arithmetic gives [low, high]; the word is within ``error`` of it and within [floor, ceiling], the
-    operation's range on its operands' words."""
+    """Bounds of a node.  Its value in exact arithmetic lies in [low, high].  Its word differs from this value by at
+    most ``error``, and lies in [floor, ceiling], the range of the operation on its operands' words."""
 
     low: float
     high: float
@@ -45,63 +45,63 @@ class Bound:
 
 @dataclass(frozen=True)
 class Case:
-    """Part of the input domain: bounds of d1 and d2, of j in its unit, and of |p_w| and |b|."""
+    """Part of the input domain: bounds of d1 and d2, of the exponent j in p_w = 2^j p_a, and of |p_w| and |b|."""
 
     name: str
     clamped: bool
-    d_high: float  # of d1 and d2
+    d_high: float  # upper bound of d1 and d2
     j: tuple[int, int]
-    long: bool = False  # halving may round d1 and d2
+    long: bool = False  # scaling may round d1 and d2
     p: tuple[float, float] = (0.5, SQRT3)
     b: tuple[float, float] = (0.5, SQRT2)
-    ulp: float = 0.0  # of d1 and d2
-    elbow: float = 0.0  # an ulp of p_e
-    tilt: float = 0.0  # sine of the angle between p_w and the plane of the words pi_swivel
-    straight: float = 0.0  # distance of the words of p_e from a + t m of the words (model.dataflow.paper.off_length)
-    square: float = 0.0  # distance of the words' |p_e|^2 from exact arithmetic
+    ulp: float = 0.0  # ulp of d1 and d2
+    elbow: float = 0.0  # ulp of p_e
+    tilt: float = 0.0  # sine of the angle between p_w and the plane that the words pi_swivel define
+    straight: float = 0.0  # error of the vector p_e relative to a + t m (model.dataflow.paper.off_length)
+    square: float = 0.0  # error of |p_e|^2 computed from the words p_e
 
     def tilted(self, error: float) -> "Case":
-        """Return the case with the words pi_swivel, which have an error of ``error``, taken as exact."""
+        """Return the case in which the words pi_swivel, whose error is at most ``error``, count as exact."""
         b = self.b[0] - error, self.b[1] + error
         return replace(self, b=b, tilt=error / b[0])
 
     @property
     def excess(self) -> float:
-        """Increase of |k_e| by rounded lengths: the rounding of d1 + d2, times |d1 - d2|."""
+        """Largest increase of |k_e| due to rounded lengths: the rounding error of d1 + d2, times |d1 - d2|."""
         return 4 * self.ulp if self.long else 0.0
 
     @property
     def k_e(self) -> float:
-        """|k_e| <= 2 d1 |p_w|, and <= s_j + (d1 + d2) |d_dif_j| where d1 and d2 are rounded."""
+        """Upper bound of |k_e|: 2 d1 |p_w|; where d1 and d2 are rounded, also s_j + (d1 + d2) |d_dif_j|."""
         limit = 2 * self.d_high * self.p[1] + self.excess
         return min(limit, self.p[1] ** 2 * 2.0 ** -self.j[0] + 2) if self.long else limit
 
     @property
     def p_e(self) -> float:
-        """|p_e| = max(d1, |k_e| / 2|p_w|), the latter over the cosine of the tilt."""
+        """Upper bound of |p_e| = max(d1, |k_e| / (2 |p_w|)), divided by the cosine of the tilt."""
         return (self.d_high + self.excess / (2 * self.p[0])) / math.sqrt(1 - self.tilt**2)
 
     @property
     def pp(self) -> tuple[float, float]:
-        """|PP^-| = 2 |p_w| |pi_swivel|."""
+        """Range of |PP^-| = 2 |p_w| |pi_swivel|; the tilt reduces the lower end."""
         return 2 * self.p[0] * self.b[0] * math.sqrt(1 - self.tilt**2), 2 * self.p[1] * self.b[1]
 
     @property
     def tmp1(self) -> tuple[float, float]:
-        """(d1 sin a)^2 |PP^-|^2: |pi|^2 ((2 d1 |p_w|)^2 - k_e^2), where d1 and d2 are rounded."""
+        """Range of (d1 sin a)^2 |PP^-|^2; where d1 and d2 are rounded, of |pi_swivel|^2 ((2 d1 |p_w|)^2 - k_e^2)."""
         most = (min(self.d_high, 0.5) * self.pp[1]) ** 2
         tilted = (self.pp[1] * self.p_e * self.tilt) ** 2
         if not self.long:
             return -tilted, most
         # from |k_e| <= 2 d1 |p_w| + excess, or from |k_e| alone
         near = 4 * self.d_high * self.p[1] * self.excess + self.excess**2
-        # Where j >= 2, |d1 - d2| <= |p_a| + ulps leaves d1 >= 1/8.
+        # Where j >= 3, |d1 - d2| <= |p_a| + ulps leaves d1 >= 1/8.
         least = (self.p[0] / 4) ** 2 if self.j[0] >= 3 else 0.0
         return -(self.b[1] ** 2) * min(near, self.k_e**2 - least) - tilted, most
 
     @property
     def t_e(self) -> tuple[float, float]:
-        """p_e (p_e - p_w): d1 d2 times a cosine."""
+        """Range of p_e (p_e - p_w), which is d1 d2 times a cosine."""
         if self.clamped:
             return 0.0, 0.75
         most = (self.p_e + self.elbow) ** 2 if self.long else 0.25 + (self.p_e * self.tilt) ** 2
@@ -109,17 +109,17 @@ class Case:
 
     @property
     def p_e_words(self) -> float:
-        """Largest |p_e|, computed from the rounded words of p_e."""
+        """Upper bound of |p_e| computed from the rounded words p_e."""
         return math.sqrt(self.p_e**2 + self.square)
 
 
 EDGES_P = (0.5, math.sqrt(0.5), 1.0, SQRT2, SQRT3)
 EDGES_B = (0.5, math.sqrt(0.5), 1.0, SQRT2)
-"""Boundaries of the lengths of the two mantissa vectors: within a part, numerators and divisors are correlated."""
+"""Boundaries that divide the ranges of |p_w| and |b| into parts; quotients have tighter bounds in a narrow part."""
 
 
 def cases(width: int) -> list[Case]:
-    """Return the parts of the input domain; together they contain every input word."""
+    """Return the parts of the input domain; together they contain every target."""
     ulp = 2.0 ** (1 - width)
     last = 1 - 2 * ulp  # d1 + d2 <= 1 - ulp, d2 >= ulp
     whole = [
@@ -137,9 +137,9 @@ ANYTHING = -math.inf, math.inf
 
 @dataclass(frozen=True)
 class Within:
-    """Exact range of a node from geometry, [low, high], and the reason for it (``why``).
+    """Range [low, high] of a node in exact arithmetic, from geometry; ``why`` is the reason.
 
-    ``below``: high is not reached, and the word is exact or truncated, never rounded up to it.
+    ``below``: the value stays below ``high``, and so does its word, which is exact or truncated.
     """
 
     low: float
@@ -150,8 +150,8 @@ class Within:
 
 @dataclass(frozen=True)
 class Rule:
-    """Range of a paper-datapath node, case by case, and the reason (``why``): ``limit`` narrows the result of the
-    operands' ranges, ``word`` is the range of the rounded word, ``error`` limits the result of the operands' errors."""
+    """Range of a node of the paper datapath in each case; ``why`` is the reason.  ``limit`` narrows the range computed
+    from the operands, ``word`` is the range of the rounded word, ``error`` limits the error computed from operands."""
 
     why: str
     limit: Callable[[Case], Limits]
@@ -160,14 +160,15 @@ class Rule:
 
 
 class Given(Rule):
-    """Range of an exact word that its operands' ranges do not bound, a count or a word that wraps where it is unused:
-    the part of its format permitted by ``limit``."""
+    """Range of an exact word that its operands' ranges do not bound: a count, or a word that wraps where it is unused.
+    ``limit`` is the permitted part of the word's format."""
 
 
 @dataclass(frozen=True)
 class Growth:
-    """Error growth of an operation: the largest operand error times ``gains`` (default: 1), or the sum if ``added``;
-    plus an ulp, unless the operation is ``exact``.  Masks and counts have no error and no gain."""
+    """Error growth of an operation: the largest of the operands' errors, or their sum if ``added``.  Each error is
+    multiplied by its gain (default 1).  Unless ``exact``, rounding adds an ulp.  Masks and counts have no error and no
+    entry in ``gains``."""
 
     gains: tuple[float, ...] = ()
     added: bool = False
@@ -181,7 +182,7 @@ class Growth:
 
 @dataclass(frozen=True)
 class Limited:
-    """Intended saturation at the end of the range, and the reason (``why``); ``clamped``: for clamped targets only."""
+    """Intended saturation at the end of the format; ``why`` is the reason.  ``clamped``: only for clamped targets."""
 
     why: str
     clamped: bool = False
@@ -195,12 +196,12 @@ SUM = Growth(added=True, exact=True)
 
 
 def upto(size: Callable[[Case], float]) -> Callable[[Case], Limits]:
-    """Return the range [-size, size]."""
+    """Return a function: case -> range [-size, size]."""
     return lambda c: (-size(c), size(c))
 
 
 def used(limit: Callable[[Case], Limits]) -> Callable[[Case], Limits]:
-    """Return the range ``limit``, but any value for clamped targets: there the word is unused and may wrap."""
+    """Return the function ``limit``, but without a range for clamped targets: their word is unused and may wrap."""
     return lambda c: ANYTHING if c.clamped else limit(c)
 
 

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dataflow of the whole arm around the lean one: hand pose to seven joint angles.
+"""Dataflow of the whole arm, from a hand pose to seven joint angles; it contains the lean dataflow.
 
-The input words are the hand's point, its quaternion Qh and the tool's length; the core's target is the wrist:
+The hand pose is the hand's point, its quaternion Qh and the tool's length.  The lean dataflow's target is the wrist:
 
     |Qh|^2 = hand_sq                               bad_hand: |Qh| outside [1 - 2^-8, 1 + 2^-8)
     h = Qh, or 1 for a bad hand                    tool_h = tool, or 0 for a bad hand
     r_x = ik + wj    r_y = jk - wi    r_z = 1/2 - ii - jj      half the third column of Qh's rotation
     (x, y, z) = hand - 2 tool_h r                  saturated
 
-The wrist's orientation and all angles are computed from the words Qs and Qe that leave, so roundings of Qs and Qe do
+The wrist's quaternion Qw and all angles are computed from the result words Qs and Qe, so the rounding of Qs and Qe does
 not turn the hand:
 
     G = Qs~ h                                      Qw = (-qe_i + qe_w i)~ G = (Qs Rx(th4))~ Qh
@@ -16,10 +16,10 @@ not turn the hand:
     d = atan2(j, i), K |(i, j)|    s = atan2(k, w), K |(w, k)|      of Qs
     b = atan2(|(i, j)|, |(w, k)|)                  th1 = s + d, th2 = 2 b, th3 = s - d
     e = atan2(-qe_w, qe_i)                         th4 = 2 e
-    the same of Qw: th5, th6, th7
+    likewise from Qw: th5, th6, th7
 
-K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  Bits of the branch turn joints by half a
-turn or negate them, as in :mod:`model.reference.joints`.  over_k: th_k is outside its limits, exactly.
+K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  The branch bits add half a turn to joints or
+negate them, as in :mod:`model.reference.joints`.  The flag over_k is set if and only if th_k is outside its limits.
 """
 
 from ..io.words import JOINTS, RESULT_FIELDS
@@ -55,7 +55,7 @@ MOST_H = "66049/65536"
 """Largest squared length of a good hand: (1 + 2^-8)^2."""
 
 WORST_ERROR = {"qs": 0.004, "qe": 0.0001, "qw": 0.0001}
-"""Largest error of a word at any word length."""
+"""Quaternion -> largest error of its words at any word length."""
 
 
 def arm(d: Dataflow, target: dict[str, Node]) -> None:
@@ -75,7 +75,7 @@ def parts(before: str, after: str = "", of: str = "wijk") -> tuple[str, ...]:
 
 
 def hand(d: Dataflow, target: dict[str, Node]) -> None:
-    """Build the wrist's point, the words of Qh that the wrist's orientation uses, and their flags."""
+    """Build the wrist point (x, y, z), the quaternion h, which is Qh or, for a bad hand, 1, and the flags of both."""
     f = Lean(d.width)
     d.at("hand")
     good = ("=qh_len", "good hand", "|Qh|")
@@ -100,7 +100,7 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
     tool_h = d.node("tool_h", replaced(target["tool"], bad_hand, 0), f.result, **facts)
     d.definitions["qh_len"] = norm(*parts("qh_"))
     d.definitions["h_len"] = norm(*parts("h_"))
-    d.lemma("good hand", "not bad_hand")  # by assumption, of the hand's products only
+    d.lemma("good hand", "not bad_hand")  # assumption, used only for the hand's products
     d.lemma("|Qh|", f"implies(not bad_hand, qh_len <= {MOST_H})", "=qh_len", *sums)
     d.lemma("|h|", f"0 <= h_len and h_len <= {MOST_H}", "=h_len", "=qh_len", "|Qh|", *equations(*parts("h_")))
 
@@ -126,11 +126,11 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
 
 
 PRODUCTS = {"w": "ww+ ii+ jj+ kk+", "i": "wi+ iw- jk- kj+", "j": "wj+ jw- ki- ik+", "k": "wk+ kw- ij- ji+"}
-"""Part of G = Qs~ h -> its products, each a part of Qs times a part of h, with their signs."""
+"""Part of G = Qs~ h -> its products, each written as part of Qs, part of h, sign."""
 
 
 def frame(d: Dataflow) -> None:
-    """Build Qw."""
+    """Build the wrist's quaternion Qw."""
     f, n = Lean(d.width), d.nodes
     d.at("frame")
     for c, row in PRODUCTS.items():
@@ -155,7 +155,7 @@ def frame(d: Dataflow) -> None:
 
 
 def frame_lemmas(d: Dataflow, turned: list[str]) -> None:
-    """State the lemmas on the lengths of words of Qs, Qe and Qw, and of their products."""
+    """State the lemmas on the lengths of Qs, Qe, G and Qw, in exact arithmetic and as words."""
     uses: tuple[str, ...] = equations("w_q", "i_q", "j_q", "k_q", "wi_1_len", "kj_1_len")
     d.lemma("|w_q|", f"{norm('w_q', 'i_q', 'j_q', 'k_q')} <= 1", *uses, "q_1", "1/|q|", "length_sq")
     d.lemma("|Qs|", f"{norm(*parts('qs_'))} <= 1", "|w_q|", *equations(*parts("qs_")))
@@ -185,7 +185,7 @@ def frame_lemmas(d: Dataflow, turned: list[str]) -> None:
 
 
 def joints(d: Dataflow) -> None:
-    """Build the seven angles and, for each, the mask of targets outside its joint's limits."""
+    """Build the seven joint angles and, for each joint, the mask of targets whose angle is outside its limits."""
     d.at("joints")
     _ball(d, "qs", JOINTS[:3])
     _twice(d, "th4", angle(d, "qe_e", Angle(d.nodes["qe_i"], d.nodes["qe_w"], -1)))
@@ -218,7 +218,7 @@ def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
 
 
 def angle(d: Dataflow, name: str, of: Angle) -> Node:
-    """Build an angle, with its length if it has one."""
+    """Build the node of an angle.  If the vector's length is a node, the angle waits for it."""
     bits = d.width + 4
     latency = "vector_y" if of.length else "vector"
     return d.node(name, of, Format(bits, bits - 1, "W + 3"), latency, after=of.length, within=TURN)

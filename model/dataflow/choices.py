@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Selections, sign changes and sums of the lean dataflow and the whole arm; the folded program has steps for them.
 
-The quaternion h(c, s) is along half the angle with cosine c and sine s, but not normalized: (1 + c, s)/2, or
-(s, 1 - c)/2 where c < 0.  The larger of its parts, (1 + |c|)/2, is its squared length.
+The quaternion h(c, s) turns by the angle whose cosine is c and whose sine is s.  It is not normalized: (1 + c, s)/2, or
+(s, 1 - c)/2 where c < 0.  The larger of its two parts, (1 + |c|)/2, is also its squared length.
 """
 
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from .expressions import ANY, CHOICE, Constant, Floor, Logic, Operation, Scaled,
 
 
 class Choice(Unary):
-    """An expression with steps of its own in the folded program, which ``lower(to, node)`` adds."""
+    """Expression for which ``lower(to, node)`` adds special steps to the folded program."""
 
     def __init__(self, expression: Term, lower: Callable, operands: tuple = ()) -> None:
         super().__init__(expression)
@@ -23,25 +23,25 @@ class Choice(Unary):
 
 
 class Free(Choice):
-    """A choice whose words saturate or wrap by design."""
+    """Choice that saturates or wraps by design, so proofs have no formula for it."""
 
     free = True
 
 
 class AtMost(Choice):
-    """A term limited to the largest word of the node's format; exact values stay below the limit."""
+    """Term that the node limits to the largest word of the format; only ``text`` shows the limit."""
 
     def text(self, level=0):
         return f"min({self.term.text(CHOICE + 1)}, most)"
 
 
 def limited(raw: Term) -> AtMost:
-    """Return a word limited to its format."""
+    """Return a word limited to the format of its node."""
     return AtMost(raw, lambda to, node: to.limit(node, raw))
 
 
 def mantissa(value: Term, low: Term) -> AtMost:
-    """Return a word, times 4 where the mask is set, limited to its format."""
+    """Return a word, times 4 where the mask ``low`` is set, limited to the format of its node."""
     return AtMost(Select(low, 4 * value, value), lambda to, node: to.mantissa(node, value, low))
 
 
@@ -51,7 +51,7 @@ def signed(value: Term, negative: Term) -> Choice:
 
 
 def elbow(value: Term, sign: int, clamp: Term, closed: Term, ends: tuple[int, int]) -> Choice:
-    """Return a word times a sign; for a clamped target, the first of ``ends`` if the arm is closed, else the second."""
+    """Return a word times ``sign``; for a clamped target, ``ends[0]`` if the arm is closed, else ``ends[1]``."""
     part = Select(clamp, Select(closed, *ends), value if sign > 0 else -value)
     return Choice(part, lambda to, node: to.elbow(node, value, sign))
 
@@ -69,7 +69,7 @@ def _halved(s: Term, none: Term | None = None) -> Term:
 
 
 def half_length(c: Term, unit: Term | None = None) -> Choice:
-    """Return the squared length (1 + |c|)/2; 1 where the mask is set."""
+    """Return the squared length (1 + |c|)/2; 1 where the mask ``unit`` is set."""
     length = Select(unit, 1, _half_length(c)) if unit else _half_length(c)
     return Choice(length, lambda to, node: to.half_length(node, c, unit))
 
@@ -77,20 +77,20 @@ def half_length(c: Term, unit: Term | None = None) -> Choice:
 def half_part(c: Term, s: Term, large: Term, length: Term | None = None, none: Term | None = None) -> Choice:
     """Return a part of h: the squared length where ``large`` holds, else half the sine, or 0 where ``none`` is set.
 
-    Without ``length`` the part does not wait for the squared length.
+    Without the node ``length`` the part computes the squared length itself.
     """
     part = Select(large, length or _half_length(c), _halved(s, none))
     return Choice(part, lambda to, node: to.half_part(node, c, s, large, none))
 
 
 def half_sum(length: Term, s: Term, none: Term, sign: int) -> Choice:
-    """Return the squared length plus or minus half the sine, or plus 0 where the mask is set."""
+    """Return the squared length plus or minus half the sine, or without the sine where the mask ``none`` is set."""
     total = Sum((1, length), (sign, _halved(s, none)))
     return Choice(total, lambda to, node: to.half_sum(node, length, s, sign))
 
 
 def add_sub(whole: Term, part: Term, add: Term) -> Choice:
-    """Return the first term minus the second; their sum where the mask is set."""
+    """Return ``whole`` minus ``part``; their sum where the mask ``add`` is set."""
     total = Select(add, whole + part, whole - part)
     return Choice(total, lambda to, node: to.add_sub(node, whole, part, add))
 
@@ -115,22 +115,22 @@ class WrappedSum(Sum):
 
 
 def replaced(word: Term, mask: Term, constant: int) -> Choice:
-    """Return a word; where the mask is set, a constant, 0 or 1."""
+    """Return a word, or the constant 0 or 1 where the mask is set."""
     return Choice(Select(mask, constant, word), lambda to, node: to.replaced(node, word, mask, constant))
 
 
 def wrist(point: Term, off: Term) -> Free:
-    """Return a coordinate of the wrist, saturated: the hand point's, minus twice ``off``, half of the tool's offset."""
+    """Return a coordinate of the wrist, saturated: ``point`` of the hand minus the tool's offset, 2 ``off``."""
     return Free(point - 2 * off, lambda to, node: to.wrist(node, point, off))
 
 
 def rounded_sum(a: Term, b: Term, sign: int) -> Choice:
-    """Return a result -a + b or -a - b, where a and b are products."""
+    """Return a result of the whole arm: -a + b or -a - b, where a and b are products."""
     return Choice(Sum((sign, b), (-1, a)), lambda to, node: to.rounded_sum(node, a, b, sign), operands=(a, b))
 
 
 def joint(s: Term, d: Term, sign: int, turned: tuple[Term, ...]) -> Free:
-    """Return the sum or difference of two angles; add half a turn where an odd number of the masks is set."""
+    """Return s + d or s - d, two angles, plus half a turn where an odd number of the masks ``turned`` is set."""
     total = Sum((1, s), (sign, d), (1, Select(Logic("xor", ANY, *turned), Constant(-1), 0)))
     return Free(total, lambda to, node: to.joint(node, s, d, sign, turned))
 
@@ -142,13 +142,13 @@ def twice(half: Term, negated: Term) -> Free:
 
 
 def outside(angle, low: int, high: int, width: int):
-    """Return whether angles, as words of one turn, lie off the arc from ``low`` to ``high``."""
+    """Return a mask of the angles, words with one turn = 2^width, that lie outside the arc from ``low`` to ``high``."""
     turn = (1 << width) - 1
     return (angle - low & turn) > (high - low & turn)
 
 
 class Outside(Unary):
-    """Mask of angles off the arc from ``low`` to ``high``."""
+    """Mask of angles outside the arc from ``low`` to ``high``."""
 
     free = True
 
@@ -167,7 +167,7 @@ class Outside(Unary):
 
 
 class OutsideFormat(Operation):
-    """Mask of wrists with a coordinate that does not fit the format of its node."""
+    """Mask of wrists that have a coordinate outside the format of its node."""
 
     free = True
 

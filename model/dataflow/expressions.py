@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Expressions over nodes: sums, powers of two, choices and decisions, each with all its readings.
+"""Expressions over nodes: sums, powers of two, selections and comparisons.
 
 A term is a node, a constant or an expression of terms; its value is a number with ``frac`` fraction bits, or a mask.
-Python's operators build expressions: ``cc - ss``, ``(d1 <= 0) | (d2 <= 0)``.  The readings of a term:
+Python's operators build expressions: ``cc - ss``, ``(d1 <= 0) | (d2 <= 0)``.  A term can be read in three ways:
 
-* ``words(values)``: in units of 2^-frac, from its operands' words by name; integers are exact, and real numbers, which
-  have no last bit, are not rounded;
-* ``formula(domain)``: SMT-LIB over the reals, in a domain of :mod:`tb.formal.lean_exact`; raises :class:`FreeError`;
-* ``text(level)``: the equation's right side, in parentheses if the context binds more tightly than ``level``.
+* ``words(values)`` is its value in units of 2^-frac.  ``values`` maps node names to integers, which give the RTL's
+  words, or to real numbers, which are never rounded.
+* ``formula(domain)`` is SMT-LIB over the reals, in a domain of :mod:`tb.formal.lean_exact`; raises :class:`FreeError`.
+* ``text(level)`` is an equation's right side, in parentheses if the binding strength of its context, ``level``, is
+  above its own.
 """
 
 from __future__ import annotations
@@ -21,21 +22,21 @@ import numpy as np
 if TYPE_CHECKING:
     from .nodes import Node
 
-Values = Mapping[str, Any]  # by a node's name: an array over targets
+Values = Mapping[str, Any]  # node name -> array over targets
 
 CHOICE, ANY, ALL, COMPARED, ADDED, SCALED, ATOM = range(7)
-"""How tightly the operators of a text bind."""
+"""Binding strength of the operators in a text, weakest first."""
 
 EXACT = (0.0, 0.0)
 HALF_UP = (-0.5, 0.5)
 FLOOR = (-1.0, 0.0)
 JAM = (-1.0, 1.0)
-"""Error range of each rounding rule, in ulps of the result.  JAM sets the last bit where bits are dropped: no length
-becomes 0."""
+"""Error range (low, high) of each rounding rule, in ulps of the result.  JAM sets the last bit if any dropped bit is
+set, so no length becomes 0."""
 
 
 class FreeError(Exception):
-    """A decision on rounded words that no formula states."""
+    """Comparison for which proofs have no formula: of a rounded word, unless only its sign is needed."""
 
 
 def round_shift(words, shift: int):
@@ -58,7 +59,7 @@ def integral(words) -> bool:
 
 
 def magnitude(words):
-    """Return |c|, but for a negative integer its one's complement, |c| - 1."""
+    """Return |c|; for a negative integer c, its one's complement |c| - 1."""
     return np.where(words < 0, ~words, words) if integral(words) else np.abs(words)
 
 
@@ -68,7 +69,7 @@ def truth(mask):
 
 
 def number(value: float | Fraction) -> str:
-    """Return a number in SMT-LIB, exactly."""
+    """Return the exact number as SMT-LIB text."""
     exact = Fraction(value)
     size = f"{abs(exact.numerator)}.0"
     if exact.denominator > 1:
@@ -77,10 +78,10 @@ def number(value: float | Fraction) -> str:
 
 
 class Term:
-    """A node, a constant or an expression: the operators, and the readings' names."""
+    """Node, constant or expression, with Python's operators."""
 
     frac: int = 0
-    leaves: tuple[Node, ...] = ()  # in the order in which the term reads them
+    leaves: tuple[Node, ...] = ()  # nodes of the term, in the order in which it reads them
 
     words: Callable[[Values], Any]
     formula: Callable[[Any], str]
@@ -133,17 +134,17 @@ class Term:
 
 
 def as_term(value) -> Term:
-    """Return a term; a number becomes a constant."""
+    """Return a term unchanged, and a number as a constant."""
     return value if isinstance(value, Term) else Constant(value)
 
 
 def zero(term: Term) -> Compared:
-    """Return the decision that a term is 0."""
+    """Return the comparison ``term = 0``."""
     return Compared("=", term, Constant(0))
 
 
 def _power(factor: int) -> int:
-    """Return the power of two that a factor is. Raises ValueError for another factor."""
+    """Return the base-2 logarithm of a factor.  Raises ValueError if the factor is not a power of two."""
     if factor < 1 or factor & factor - 1:
         raise ValueError(f"{factor} is not a power of two")
     return factor.bit_length() - 1
@@ -154,27 +155,24 @@ def _signed(term: Term) -> tuple[tuple[int, Term], ...]:
 
 
 def _aligned(values: Values, *terms: Term) -> list:
-    """Return the words of terms, all with the fraction bits of the longest fraction."""
+    """Return the words of the terms, all aligned to the longest fraction."""
     frac = max(term.frac for term in terms)
     return [term.words(values) * (1 << frac - term.frac) if term.frac < frac else term.words(values) for term in terms]
 
 
 class Operation(Term):
-    """An operation of the dataflow.  ``parts``: the terms that it is made of.
+    """Operation of a dataflow on the terms ``parts``.
 
-    An operation has more readings than a term. They include the rounding and the format of its node:
-
-    * ``result(node, values)``: the node's words
-    * ``real_result(node, values)``: the node's value in ulps, not rounded
-    * ``facts(node, domain)``: formulas that the node's value meets
+    ``words``, ``formula`` and ``text`` read it as a term.  The methods with the argument ``node`` also use the rounding
+    and the format of the node that it computes.
     """
 
     level = ATOM
     kind = "choose"
     latency: str | None = "mux"  # key of :class:`.formats.Latency`
-    adds_rounding = False  # :meth:`growth` is without the operation's own rounding
-    rounds: tuple[float, float] | None = None  # error range of an operation with a rounding of its own, in ulps
-    free = False  # no formula for proofs
+    adds_rounding = False  # True: :meth:`growth` leaves out the rounding of this operation
+    rounds: tuple[float, float] | None = None  # error range in ulps, if the operation rounds by a rule of its own
+    free = False  # True: proofs have no formula for it
     parts: tuple[Any, ...]  # terms; some operations take nodes
 
     def __init__(self, *parts: Term) -> None:
@@ -182,7 +180,7 @@ class Operation(Term):
         self.operands = self.leaves = tuple(dict.fromkeys(node for part in parts for node in part.leaves))
 
     def error(self, node) -> tuple[float, float]:
-        """Return the range of the rounding that the operation adds, in ulps of the node."""
+        """Return the range (low, high) of the rounding error that the operation adds, in ulps of the node."""
         return self.rounds or node.rounding
 
     def result(self, node, values):
@@ -190,23 +188,23 @@ class Operation(Term):
         return node.narrowed(node.rounded(self.words(values)))
 
     def real_result(self, node, values):
-        """Return the node's value in ulps, not rounded, from real numbers."""
+        """Return the node's unrounded value in ulps, computed from real numbers."""
         return self.words(values) * 2.0 ** (node.frac - self.frac)
 
     def growth(self, node, bounds) -> float:
-        """Return the largest error of the node's word, from the bounds of its operands by name."""
+        """Return the largest error of the node's word.  ``bounds``: operand name -> :class:`.annotations.Bound`."""
         return node.grows([bounds[operand.name].error for operand in self.operands if operand.frac], node.format.ulp)
 
     def facts(self, node, domain) -> list[str]:
-        """Return formulas that the node's value meets."""
+        """Return the SMT-LIB formulas that the node's value satisfies."""
         return [] if self.free else [f"(= {node.name} {self.formula(domain)})"]
 
     def lower(self, to, node) -> None:
-        """Add the steps of a node of this operation to the folded program, a :class:`.fold.lowering.Lowering`."""
+        """Add the node's steps to the folded program ``to``, a :class:`.fold.lowering.Lowering`."""
         raise NotImplementedError(f"{node.name}: the folded program has no {type(self).__name__}")
 
     def mask_registers(self, to, node) -> set[str]:
-        """Return the registers of the folded datapath that a mask of this operation depends on."""
+        """Return the names of the folded datapath's registers on which the mask ``node`` depends."""
         return set().union(*(to.operand_registers(node, operand) for operand in self.operands))
 
     def enclosed(self, text: str, level: int) -> str:
@@ -214,7 +212,7 @@ class Operation(Term):
 
 
 class Constant(Term):
-    """An exact number, a multiple of a power of two."""
+    """Exact number whose denominator is a power of two."""
 
     def __init__(self, value: float | Fraction) -> None:
         self.value = Fraction(value)
@@ -232,7 +230,7 @@ class Constant(Term):
 
 
 class Sum(Operation):
-    """Sum of terms with signs."""
+    """Sum of signed terms."""
 
     level = ADDED
 
@@ -284,12 +282,11 @@ class Product(Operation):
 
 
 def square(a: Term) -> Product:
-    """Return a^2, exactly."""
     return Product(a, a)
 
 
 class Unary(Operation):
-    """An operation on one term, and by default that term."""
+    """Operation on one term.  By default its value is the term's value."""
 
     term: Any  # some operations take a node
 
@@ -308,7 +305,7 @@ class Unary(Operation):
 
 
 class Scaled(Unary):
-    """A term times 2^power."""
+    """Term times 2^power."""
 
     level = SCALED
 
@@ -326,7 +323,7 @@ class Scaled(Unary):
 
 
 class Magnitude(Unary):
-    """|c|, but for a negative word its one's complement, one ulp less."""
+    """|c|; for a negative word c, its one's complement, which is one ulp less than |c|."""
 
     def words(self, values):
         return magnitude(self.term.words(values))
@@ -347,7 +344,7 @@ class Absolute(Magnitude):
 
 
 class Clipped(Unary):
-    """A term, limited to 0 and 1."""
+    """Term limited to [0, 1]."""
 
     def words(self, values):
         return np.clip(self.term.words(values), 0, 1 << self.frac)
@@ -357,7 +354,7 @@ class Clipped(Unary):
 
 
 class Floor(Unary):
-    """A term with its bits below ``frac`` dropped."""
+    """Term truncated to ``frac`` fraction bits."""
 
     def __init__(self, term: Term, frac: int) -> None:
         super().__init__(term)
@@ -369,7 +366,7 @@ class Floor(Unary):
 
 
 class Select(Operation):
-    """The first term where the mask is set, else the second."""
+    """``yes`` where the mask is set, else ``no``."""
 
     level = CHOICE
 
@@ -409,7 +406,7 @@ class Compared(Operation):
 
     def text(self, level=0):
         left, right = (part.text(ADDED) for part in self.parts)
-        if isinstance(self.parts[0], Constant):  # 0 <= a, as it was written
+        if isinstance(self.parts[0], Constant):  # a >= 0 is stored as 0 <= a
             left, right = right, left
             return self.enclosed(f"{left} {self.relation.replace('<', '>')} {right}", level)
         return self.enclosed(f"{left} {self.relation} {right}", level)
@@ -434,8 +431,6 @@ class Logic(Operation):
 
 
 class Not(Unary):
-    """Set where the mask is not set."""
-
     def words(self, values):
         return ~truth(self.term.words(values))
 

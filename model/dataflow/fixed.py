@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Layer 4: bit-true fixed-point model of the RTL, every node, in integers.
+"""Layer 4 of the model: every node of the RTL in integers, bit for bit.  Layers 1 to 3 are :mod:`model.reference`.
 
 A node's value is an int64 array over targets (an object array of Python integers where it exceeds 64 bits).  No result
-depends on a float: products and sums are exact and rounded once, division and root take the floor.
+depends on floating point: products and sums are exact and rounded once, division and root are rounded down.
 """
 
 from collections.abc import Mapping
@@ -17,12 +17,12 @@ from .datapaths import DEFAULT, MODELS
 from .nodes import Dataflow, Limits, Node
 
 FIFO_CLOCKS = 2
-"""Clocks that the output FIFO of ``ik_axis`` adds to a datapath's latency: memory, output register."""
+"""Clocks that the output FIFO of ``ik_axis`` adds to the latency of a pipelined datapath: memory, output register."""
 
 
 @lru_cache(maxsize=64)
 def dataflow(datapath: str, width: int, limits: tuple[tuple[int, int], ...] | None = None) -> Dataflow:
-    """Return the dataflow of a datapath at a word length."""
+    """Return the dataflow of a datapath at a word length, for the whole arm with the joints' ``limits``."""
     path = MODELS[datapath]
     flow = Dataflow(width, path.widths, path.tile, limits)
     path.flow(flow, flow.inputs((*path.inputs, *path.side)))
@@ -32,7 +32,7 @@ def dataflow(datapath: str, width: int, limits: tuple[tuple[int, int], ...] | No
 
 
 class Bits:
-    """Run of a dataflow in integers: ``nodes`` with their words in ``value``."""
+    """Run of a dataflow in integers.  ``nodes``: name -> node, with its words in ``value``."""
 
     def __init__(self, flow: Dataflow, inputs: Mapping[str, np.ndarray]) -> None:
         values = dict(inputs)
@@ -44,8 +44,8 @@ class Bits:
 
 @dataclass(frozen=True)
 class Answer:
-    """Outputs of the datapath for N targets: ``results`` (N, 6) words in the order of the datapath's results,
-    ``flags`` (N,), and every node."""
+    """Outputs of a datapath for N targets: ``results``, words (N, 6) or, of the whole arm, (N, 17) in the order of
+    :attr:`.Datapath.results`; ``flags`` (N,); ``bits``, every node."""
 
     results: np.ndarray
     flags: np.ndarray
@@ -53,9 +53,10 @@ class Answer:
 
 
 def run(words: np.ndarray, width: int, datapath: str = DEFAULT, branch=0, limits: Limits | None = None) -> Answer:
-    """Run N targets, input words in the order of the datapath's inputs, through a datapath.
+    """Run N targets through a datapath.  ``words`` (N, 6), for the whole arm (N, 11), are in the order of its inputs.
 
-    For the whole arm: ``branch``, a number or (N,), and the joints' limits, seven pairs of words; none by default.
+    Only for the whole arm: ``branch`` is a number from 0 to 7 or an array (N,); ``limits`` are seven pairs of words
+    (low, high), by default none.  Raises ValueError if the datapath does not support ``width``.
     """
     path = MODELS[datapath]
     flow = dataflow(datapath, width, limits if limits is None else tuple((int(low), int(high)) for low, high in limits))
@@ -78,7 +79,7 @@ def latency(datapath: str, width: int) -> int:
 
 
 def of_hands(words: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the core's input words (N, 6) for hand poses, input words (N, 11) of the whole arm, and the flags (N,)
-    of the hand."""
+    """Return the core's input words (N, 6) and the hand's flags (N,) for hand poses, which are input words (N, 11) of
+    the whole arm."""
     answer = run(words, width, "arm")
     return np.stack([answer.bits.nodes[name].value for name in FIELDS], axis=1), answer.flags & (BAD_HAND | SATURATED)

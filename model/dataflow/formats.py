@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Word lengths, formats of nodes, and latencies of operations.
 
-A node is a two's complement word of ``W`` bits with ``i`` integer bits: range [-2^i, 2^i), ``W-1-i`` fraction bits.
-Products of the paper's datapath that feed a sum, and sums of such products that feed a root or a division, have
-``GUARD`` more fraction bits (``wide``).
+A two's complement word of ``W`` bits with ``i`` integer bits has the range [-2^i, 2^i) and ``W-1-i`` fraction bits.  In
+the paper's datapath, most products that feed a sum, and some sums of such products, have ``GUARD`` more (``wide``).
 """
 
 from dataclasses import dataclass
@@ -17,31 +16,31 @@ GUARD = 8  # extra fraction bits of a product that feeds a sum
 WIDTHS = range(16, 33)  # word lengths supported by the datapaths
 
 INNER_FRAC = 33
-"""Maximum fraction bits of an inner word of the lean datapath: with two integer bits it fits two tiles of 18 bits."""
+"""Maximum fraction bits of the lean datapath's inner words: with two integer bits, a word fits two tiles of 18 bits."""
 
 ROOT_FRACS = 22, 31
-"""Fraction bits of the lean roots: for words of up to 18 bits, where the short form suffices, and the maximum."""
+"""Fraction bits of the lean datapath's roots: up to W = 18, where the table's short form suffices; maximum above."""
 
 
 def effective_width(width: int) -> int:
-    """Return the word length that sets the lean formats: the shorter words of the exhaustive test use the minimum."""
+    """Return the word length that sets the lean formats: at least 16, also for the exhaustive test's shorter words."""
     return max(width, WIDTHS[0])
 
 
 def inner_frac(width: int) -> int:
-    """Return F, the fraction bits of an inner word of the lean datapath at word length ``width``."""
+    """Return F, the number of fraction bits of the lean datapath's inner words at word length ``width``."""
     return max(min(effective_width(width) + 5, INNER_FRAC), ROOT_FRACS[0])
 
 
 def root_frac(width: int) -> int:
-    """Return the fraction bits of the lean datapath's roots at word length ``width``."""
+    """Return the number of fraction bits of the lean datapath's roots at word length ``width``."""
     short, most = ROOT_FRACS
     return short if width <= 18 else min(inner_frac(width), most)
 
 
 @dataclass(frozen=True)
 class Latency:
-    """Clocks of each kind of operation at word length ``width``; the Verilog names are ``LAT_<KIND>``."""
+    """Latency of each kind of operation at word length ``width``, in clocks; the Verilog names are ``LAT_<KIND>``."""
 
     width: int
     tile: int = TILE
@@ -80,7 +79,7 @@ class Latency:
         "vector_y": "(W < 28) ? W / 2 + 2 : 16",
     }
 
-    # kind -> (fraction bits that select the form, table, further clocks)
+    # kind -> (Verilog name of the fraction bits that select the table's form, table, additional clocks)
     FORMS = {
         "rsqrt": ("ROOT_FRAC", INVERSE_ROOT, 0),
         "rsqrt_far": ("ROOT_FRAC", INVERSE_ROOT, 1),
@@ -101,7 +100,7 @@ class Latency:
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """Return the clocks as a Verilog expression; the small form takes as long as the long one."""
+        """Return the clocks of ``kind`` as a Verilog expression; a table's small form takes as many as the long one."""
         if kind in cls.FORMS:
             frac, table, more = cls.FORMS[kind]
             short, long = (table.clocks(table.short_frac + longer) + more for longer in (0, 1))
@@ -116,7 +115,7 @@ class Latency:
 class Format:
     """Fixed-point format: ``width`` bits of which ``frac`` are fraction bits.
 
-    ``frac_expr`` is the same fraction length as a Verilog expression of ``W`` (and ``GUARD``).
+    ``frac_expr`` is ``frac`` as a Verilog expression of ``W`` and of constants such as ``GUARD``.
     """
 
     width: int

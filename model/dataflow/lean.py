@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dataflow of ``rtl/lean``, written once: the paper's results from reciprocal square roots in two levels.
+"""Dataflow of ``rtl/lean``: the paper's results, computed from two levels of reciprocal square roots.
 
-docs/generated/lean.md derives it from (10)-(18).  Section "turn" is in :mod:`model.dataflow.lean_turn`.  For a target
-in reach, with s = |p|^2 and rho^2 = x^2 + y^2:
+docs/generated/lean.md derives the equations from (10)-(18).  Section "turn" is in :mod:`model.dataflow.lean_turn`.  For
+a target in reach, with s = |p|^2 and rho^2 = x^2 + y^2:
 
     A = (d1 + d2)^2 - s    B = s - (d1 - d2)^2    K = s + d1^2 - d2^2              a_far, b_near, k_law
     Qe = sqrt(A)/(2 sqrt(d1 d2)) - sqrt(B)/(2 sqrt(d1 d2)) i                       the paper's (14)
@@ -10,21 +10,21 @@ in reach, with s = |p|^2 and rho^2 = x^2 + y^2:
     cos a = K/(2 d1 |p|)    sin a = sqrt(A) sqrt(B)/(2 d1 |p|)
     Qs = Rz(azimuth + 90 deg) Rx(90 deg - elevation) Rz(phi) Rx(-a)                the paper's (18)
 
-Exact part.  Squares, their sums, A, B and K are integers of 2W + 2 bits; their signs are the flags.  Every root takes
-its argument normalized by an even shift, so its relative precision does not depend on the size of the argument: a root
-and its dependents hold the quantity in units of a power of two.
+Exact part.  Squares, their sums, A, B and K are integers of 2W + 2 bits; their signs decide the flags.  The argument of
+every root is normalized by an even shift, so the root's relative precision does not depend on the argument's size.  The
+root, and every node computed from it, then has a power of two as its unit.
 
 Formats.  An inner word has F = W + 5 fraction bits, but at least 22 and at most 33, and two integer bits: [-2, 2).  A
-root has at most 31 fraction bits, and 22 up to W = 18; its argument, a mantissa, has 3 more.  The root's result is
+root has 22 fraction bits up to W = 18, and at most 31; its argument, a mantissa m, has 3 more.  The root is
 1/(2 sqrt(m)), in (1/2, 1]; 1 where m = 0.
 
-Rounding.  ``Mul3`` omits the product of the two low parts and rounds half up.  Roots are faithful, shifts floor,
-the results are rounded half up to W - 2 fraction bits.
+Rounding.  ``Mul3`` omits or estimates the product of the two low parts and rounds half up.  Roots are faithful, shifts
+round down, results are rounded half up to W - 2 fraction bits.
 
-Proofs.  Each range has its reason and, as ``proof``, the facts from which z3 derives it (:mod:`tb.formal.lean_proofs`).
-``=node`` is a node's equation, ``node`` its range, ``~node`` that its word is within its error, ``#node`` that an exact
-word is 0, one ulp, or at least two.  Other names are lemmas, stated after the nodes that they are about.  Without
-``proof`` a range follows from the node's equation and its operands' ranges.
+Proofs.  Each range has its reason and, as ``proof``, the facts from which z3 derives it (:mod:`tb.formal.lean_proofs`):
+``=node`` is the node's equation, ``node`` its range; ``~node`` states that its word is within its error, ``#node`` that
+its word, which is exact, is 0, one ulp, or at least two.  Other names are lemmas, stated after their nodes.  A range
+without ``proof`` follows from the node's equation and its operands' ranges.
 """
 
 from . import choices
@@ -80,7 +80,7 @@ def not_negative(why: str) -> Within:
 
 
 WIDTHS = range(3, 33)
-"""Word lengths supported by the lean datapath: below 16 only so that all inputs can be tested."""
+"""Word lengths supported by the lean datapath; those below 16 serve only exhaustive tests."""
 
 
 class Lean:
@@ -116,17 +116,17 @@ def norm(*parts: str) -> str:
 
 
 def equations(*names: str) -> tuple[str, ...]:
-    """Return the equations of nodes, as facts."""
+    """Return the facts that are the equations of these nodes."""
     return tuple(f"={name}" for name in names)
 
 
 def mantissas(*names: str) -> tuple[str, ...]:
-    """Return the equations of mantissas and their counts, as facts."""
+    """Return the facts that are the equations of these mantissas and of their shift counts."""
     return tuple(f"={kind}_{name}" for name in names for kind in "me")
 
 
 def guard(d: Dataflow, target: dict[str, Node]) -> None:
-    """Build the exact integers of the input words, and the flags decided by them."""
+    """Build the exact integers, computed from the input words, and the flags that they decide."""
     f = Lean(d.width)
     x, y, z, d1, d2 = (target[k] for k in ("x", "y", "z", "d1", "d2"))
     d.at("guard")
@@ -167,7 +167,7 @@ def guard(d: Dataflow, target: dict[str, Node]) -> None:
 
     too_far = d.mask("too_far", (a_far < 0) & ~bad_length)
     too_near = d.mask("too_near", (b_near < 0) & ~bad_length)
-    # No elbow: the arm is straight or closed along the line to the target.
+    # A clamped arm is straight or closed along the line to the target.
     d.mask("clamp", too_far | too_near | at_shoulder | bad_length)
     d.mask("closed", (too_near | at_shoulder) & ~bad_length)
     d.mask("away", too_near & (d_dif < 0))
@@ -181,7 +181,7 @@ def direction(d: Dataflow, f: Lean) -> None:
     e_rho, m_rho, inv_rho = root(d, f, "rho", rho_sq, 2 * d.width)
     e_s, m_s, inv_s = root(d, f, "s", s, 2 * d.width)
 
-    # in the root's own unit: |x| <= rho, so no high bit is lost
+    # Build a coordinate in the unit of its root: |x| <= rho, so no high bit is lost.
     def unit(name: str, word: Node, count: Node, *proof: str) -> Node:
         return d.node(name, ShiftUp(word, count, -2), f.shifted, "shift", within=COORDINATE, proof=proof)
 
@@ -209,14 +209,14 @@ def direction(d: Dataflow, f: Lean) -> None:
     uses = equations("sin_el", "cos_el", "inv_s_el", "n_el")
     d.lemma("|el| = 1", f"{norm('sin_el', 'cos_el')} == 1", *uses, "rho in p's unit", "1/|p|")
 
-    # The first rotation turns by the azimuth and 90 degrees: cosine -u_y, sine u_x.  On the z axis, where both are 0,
-    # the azimuth is 0: (1, 1)/2.  Its parts do not wait for the squared length.
+    # The first rotation turns by the azimuth plus 90 degrees: cosine -u_y, sine u_x.  On the z axis both are 0, and the
+    # azimuth counts as 0: the parts are (1, 1)/2.  The parts do not wait for the squared length.
     squared_length(d, f, "az_sq", half_length(u_y))
     az: Record = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("az", "az_sq")}
     d.node("az_c", half_part(u_y, u_x, (u_y < 0) | n["on_axis"]), f.inner, **az)
     d.node("az_s", half_part(u_y, u_x, u_y >= 0), f.inner, **az)
-    # The second turns by the angle between p and the z axis.  At the shoulder, where both are 0, the direction is +z:
-    # (1, 0).
+    # The second rotation turns by the angle between p and the z axis.  A target at the shoulder, where cosine and sine
+    # are 0, counts as one on the +z axis: the parts are (1, 0).
     tilt_sq = squared_length(d, f, "tilt_sq", half_length(sin_el, n["at_shoulder"]), (*CASE, "=tilt_sq", "sin_el"))
     tilt: Record = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("tilt", "tilt_sq")}
     d.node("tilt_c", half_part(sin_el, cos_el, sin_el >= 0, tilt_sq), f.inner, **tilt)
@@ -242,7 +242,7 @@ def triangle(d: Dataflow, f: Lean) -> None:
         product = Mul3(inverse, mantissa, scale=1)
         roots[side] = d.node(f"root_{side}", product, f.inner, within=ROOT, proof=proof)
         d.lemma(f"root of m_{side}", f"root_{side}*root_{side} == m_{side}", f"=root_{side}", f"=inv_{side}")
-    # 1/(4 sqrt(m_1 m_2)), shifted to the unit of sqrt A: their product is at most 1, and root_far >= 1/2
+    # inv_12 = 1/(4 sqrt(m_1 m_2)) is shifted to the units of sqrt A and sqrt B below
     fine = Format(f.frac + 2, f.frac + 1, "FRAC + 1")
     d.node("inv_12_raw", Mul3(inv_1, inv_2), Format(f.frac + 3, f.frac + 1, "FRAC + 1"), within=INVERSES)
     inv_12 = limited(d, "inv_12", INVERSES, fine, ONE)
@@ -279,12 +279,12 @@ def triangle(d: Dataflow, f: Lean) -> None:
         d.node(f"qe_{half}", choices.elbow(elbow[half], sign, clamp, closed, ends), f.result, **facts)
     d.at()
 
-    # 1/(4 d1 |p|) in the units of d1 and |p|, and twice that: inv_law = 1/(4 m_1 sqrt(m_s))
+    # inv_law = 1/(4 m_1 sqrt(m_s)), which is 1/(4 d1 |p|) in the units of d1 and |p|
     inv_11 = d.node("inv_11", Mul3(inv_1, inv_1), f.inner, within=INVERSES)
     proof = ("=inv_law_raw", "inv_11", "inv_s")
     d.node("inv_law_raw", Mul3(inv_11, inv_s, scale=1), f.doubled, within=LAW, proof=proof)
     inv_law = limited(d, "inv_law", LAW, f.inner)
-    # K in the same units: at most 2, because |K| <= 2 d1 |p|
+    # K in the same units; at most 2, because |K| <= 2 d1 |p|
     n_law = d.node("n_law", Count((2, e_1), (1, e_s)), d.count)
     k_unit: Record = {"rounding": FLOOR, "within": K_UNIT}
     proof = ("cos_a", "=cos_a", "1/(d1 |p|)", "1/|p|", "m_1", "=m_1", "=d1", "m_s", "inv_s")
@@ -308,13 +308,13 @@ def triangle(d: Dataflow, f: Lean) -> None:
     sin_a = d.node("sin_a", Mul3(root_ab, inv_law_ab, scale=1), f.inner, "mul3_far", within=UPPER_HALF, proof=proof)
     triangle_lemmas(d)
 
-    # The last rotation turns by -a.  A clamped arm lies along the line to the target, (1, 0), or away from it, (0, 1).
+    # The last rotation turns by -a.  A clamped upper arm points to the target, (1, 0), or away from it, (0, 1).
     bend_sq = squared_length(d, f, "bend_sq", half_length(cos_a, clamp), ("case", "=bend_sq", "cos_a"))
     toward = Select(clamp, Not(away), cos_a >= 0)
     facts = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("bend", "bend_sq")}
     d.node("bend_c", half_part(cos_a, sin_a, toward, bend_sq, clamp), f.inner, **facts)
     d.node("bend_s", half_part(cos_a, sin_a, Not(toward), bend_sq, clamp), f.inner, **facts)
-    # Operands for three products instead of four: c + s, and the larger part minus the smaller.
+    # These operands permit three products instead of four: c + s, and the larger part minus the smaller.
     d.mask("bend_swap", Select(clamp, away, cos_a < 0))
     for name, sign in (("bend_dif", -1), ("bend_sum", 1)):
         facts = {"rounding": FLOOR, "within": PAIR, "grows": SUM, "proof": ("case", f"={name}", "bend_sq", "sin_a")}
@@ -326,7 +326,7 @@ def triangle(d: Dataflow, f: Lean) -> None:
 
 
 def triangle_lemmas(d: Dataflow) -> None:
-    """State the lemmas on sin a: n_ab is not negative, because sin a <= 1 and, where A B = 0, words have ulps."""
+    """State the lemmas on sin a.  n_ab >= 0 because sin a <= 1 and, where A B = 0, because lengths are whole ulps."""
     d.lemma("|a| = 1", f"{norm('cos_a', 'sin_a')} <= 1", "cos a", "sin a", "K^2 + A B", "s > 0", "=d1")
     uses: tuple[str, ...] = ("root of m_far", "root of m_near", "1/(d1 |p|)", "1/|p|")
     uses = (*equations("sin_a", "inv_law_ab", "inv_law_ab_raw", "n_ab", "root_ab"), *uses)
@@ -357,7 +357,8 @@ def triangle_lemmas(d: Dataflow) -> None:
 
 
 def root(d: Dataflow, f: Lean, name: str, value: Node, width: int) -> tuple[Node, Node, Node]:
-    """Build e_<name> (even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)) of the low ``width`` bits."""
+    """Build and return e_<name> (count of even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)), all of the
+    low ``width`` bits of ``value``."""
     whole = f"={value.name}" if value.kind == "input" else value.name  # an input's range is its equation
     even = Even(value, width)
     count = d.node(f"e_{name}", EvenCount(even), d.count)
@@ -369,8 +370,8 @@ def root(d: Dataflow, f: Lean, name: str, value: Node, width: int) -> tuple[Node
 
 
 def limited(d: Dataflow, name: str, within: Within, fmt: Format, why: Limited = TWO) -> Node:
-    """Build ``name`` from ``name``_raw: 2, possible for powers of two, becomes the largest inner word, or 1 the largest
-    of another format."""
+    """Build ``name``, which is ``name``_raw limited to ``fmt``: lengths that are powers of two may give 2, or for
+    inv_12 1, which becomes the largest word."""
     return d.node(name, choices.limited(d.nodes[f"{name}_raw"]), fmt, ends=SATURATE, within=within, limited=why)
 
 

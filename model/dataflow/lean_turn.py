@@ -15,11 +15,8 @@ MOST = Limited("1 and more becomes the largest mantissa")
 
 
 def lean(d: Dataflow, target: dict[str, Node]) -> None:
-    """Build the whole datapath, from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to the
-    results.
-
-    Every node is stored in ``d.nodes`` under its name, which is also its signal name in the RTL.
-    """
+    """Build all nodes of the datapath, from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to
+    the results.  A node and its signal in the RTL have the same name."""
     guard(d, target)
     sections(d, target["phi"])
 
@@ -33,7 +30,7 @@ def sections(d: Dataflow, phi: Node) -> None:
 
 
 def turn(d: Dataflow, f: Lean, phi: Node) -> None:
-    """Build Qs: the four rotations multiplied, by azimuth and 90 degrees, tilt, swivel and -a, and normalized."""
+    """Build Qs, the normalized product of four rotations: by the azimuth plus 90 degrees, the tilt, phi, and -a."""
     n = d.nodes
     az_c, az_s, tilt_c, tilt_s = (n[name] for name in ("az_c", "az_s", "tilt_c", "tilt_s"))
     d.at("turn")
@@ -45,7 +42,7 @@ def turn(d: Dataflow, f: Lean, phi: Node) -> None:
     ss = d.node("ss", Mul3(az_s, sin_h), f.inner, within=PART)
     sc = d.node("sc", Mul3(az_s, cos_h), f.inner, within=PART)
     cs = d.node("cs", Mul3(az_c, sin_h), f.inner, within=PART)
-    # half the sum and half the difference of azimuth and swivel
+    # cosines and sines of half the sum and half the difference of azimuth and phi, not normalized
     plus: Record = {"within": PART, "grows": SUM, "proof": ("az + phi", "az_sq")}
     minus: Record = plus | {"proof": ("az - phi", "az_sq")}
     c_plus = d.node("c_plus", cc - ss, f.inner, **plus)
@@ -61,13 +58,13 @@ def turn(d: Dataflow, f: Lean, phi: Node) -> None:
     k_0 = d.node("k_0", Mul3(tilt_c, s_plus), f.inner, "mul3_far", within=PART)
     last_rotation(d, f, (w_0, i_0), (k_0, j_0))
 
-    # The squared length lies in [1/8, 1]: the last root does not wait for the product.
+    # The squared length, in [1/8, 1], is a product of three known lengths: the last root does not wait for Qs.
     within = Within(0.25, 1.0, "a product of such")
     az_tilt_sq = d.node("az_tilt_sq", Mul3(n["az_sq"], n["tilt_sq"]), f.inner, within=within)
     within = Within(0.125, 1.0, "a product of such")
     length_sq = d.node("length_sq", Mul3(az_tilt_sq, n["bend_sq"]), f.inner, within=within)
     low = d.mask("low", length_sq < Constant(0.25), None)
-    # The mantissa is of four times the length below 1/4; the root is doubled there.
+    # Below 1/4, the mantissa is four times the squared length, and the root is doubled.
     facts: Record = {"within": Within(0.25, 1.0, "mantissa"), "grows": FOURFOLD, "limited": MOST}
     m_q = d.node("m_q", mantissa(length_sq, low), f.mantissa, ends=SATURATE, **facts)
     proof: tuple[str, ...] = ("1/|q|", "length_sq", "=inv_q")
@@ -78,7 +75,7 @@ def turn(d: Dataflow, f: Lean, phi: Node) -> None:
     d.lemma("1/|q|", "4*length_sq*inv_q*inv_q == 1", "=inv_q", "=m_q", "length_sq")
     length_lemmas(d)
 
-    # The k part is nonnegative.
+    # The sign of Qs is free, and chosen so that the k part is nonnegative.
     k_minus = d.mask("minus", n["k_1"] < 0, None)
     for unit in "wijk":
         proof = (f"={unit}_q", "q_1", "=wi_1_len", "=kj_1_len", "1/|q|", "length_sq")
@@ -90,7 +87,7 @@ def turn(d: Dataflow, f: Lean, phi: Node) -> None:
 
 
 def last_rotation(d: Dataflow, f: Lean, *pairs: tuple[Node, Node]) -> None:
-    """Build w_1 .. k_1, each pair with three products: w c + i s = (w + i) c - i (c - s), and
+    """Build w_1 .. k_1, each pair from three products: w c + i s = (w + i) c - i (c - s), and
     i c - w s = (w + i) c - w (c + s)."""
     n = d.nodes
     part: Record = {"within": PART, "grows": SUM, "proof": ("q_1", "=wi_1_len", "=kj_1_len", "length_sq")}
@@ -101,7 +98,7 @@ def last_rotation(d: Dataflow, f: Lean, *pairs: tuple[Node, Node]) -> None:
         far: Record = {"latency": "mul3_far", "within": PAIR}
         whole = d.node(f"{both}_c", Mul3(total, n["bend_c"]), f.inner, **far)
         dif = d.node(f"{two}_dif", Mul3(second, n["bend_dif"]), f.inner, after=total, **far)
-        # The larger part minus the smaller is s - c where they are swapped.
+        # bend_dif, the larger part minus the smaller, is s - c where bend_swap is set.
         d.node(f"{one}_1", add_sub(whole, dif, n["bend_swap"]), f.inner, **part)
         plus = d.node(f"{one}_sum", Mul3(first, n["bend_sum"]), f.inner, after=total, **far)
         d.node(f"{two}_1", whole - plus, f.inner, **part)
@@ -111,7 +108,7 @@ def last_rotation(d: Dataflow, f: Lean, *pairs: tuple[Node, Node]) -> None:
 
 
 def length_lemmas(d: Dataflow) -> None:
-    """State the lemmas on the product's length, in sums of squares that proofs treat as one number each."""
+    """State the lemmas on the length of the product.  Proofs treat each sum of squares in them as one number."""
     for name in ("wi", "kj"):
         d.definitions[f"{name}_len"] = norm(*(f"{part}_0" for part in name))
         d.definitions[f"{name}_1_len"] = norm(*(f"{part}_1" for part in name))

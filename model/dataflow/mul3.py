@@ -4,12 +4,12 @@
 from .expressions import Product, number, wrap
 
 TILE = 18
-"""Default tile: bits of the longer operand of the multipliers into which products are split."""
+"""Default width of a tile: the longer operand of the multipliers into which a product is split."""
 
 
 def cuts(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
-    """Return the bits below the cut of either operand of :func:`mul3`: ``tile`` bits of a lie above it, and
-    at most 18 bits of b."""
+    """Return the number of low bits of either operand of :func:`mul3`: those below the highest ``tile`` bits of a, and
+    those below the highest min(``tile``, 18) bits of b."""
     return max(a_width - tile, 0), max(b_width - min(tile, 18), 0)
 
 
@@ -19,12 +19,12 @@ def unseen(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
 
 
 def mul3(a, b, shift: int, a_width: int, b_width: int, tile: int = TILE):
-    """Compute ``ik_mul3``: a b / 2^shift from three tiles, rounded half up; the tile of the low parts is only
-    estimated.
+    """Return a b / 2^shift as ``ik_mul3`` computes it: from three tile products, rounded half up, without that of the
+    low parts.
 
-    Each tile is truncated two bits below the result's ulp; the rounding constant enters as a carry into each of the two
-    sums.  Where the LSB of the highest tile lies above these two bits, the product of the two highest bits of both low
-    parts fills the gap.  Errors: :func:`mul3_error`.
+    Each tile product is truncated two bits below the result's ulp.  The rounding constant enters as a carry into each
+    of the two sums.  If the LSB of the highest product lies above these two bits, the product of the low parts' two
+    highest bits, an estimate of the omitted one, fills the gap.  Errors: :func:`mul3_error`.
     """
     a_unseen, b_unseen = unseen(a_width, b_width, tile)
     a, b, shift = a >> a_unseen, b >> b_unseen, shift - a_unseen - b_unseen
@@ -45,9 +45,9 @@ def mul3(a, b, shift: int, a_width: int, b_width: int, tile: int = TILE):
 def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tuple[float, float]:
     """Return the least and greatest error of :func:`mul3`, in ulps of the result.
 
-    The omitted tile is nonnegative and less than 2^(cuts - shift) ulps, of which the estimate leaves 7/16; each mixed
-    tile loses less than a quarter.  All other truncated bits lie below the words of the sum and belong to the rounding,
-    which is half up.  Ignored bits contribute at most one of their places times the other word.
+    The omitted product is nonnegative and less than 2^(cuts - shift) ulps; with the estimate, 7/16 of that remains.
+    Each of the two mixed products loses less than a quarter ulp.  All other truncated bits are part of the rounding,
+    which is half up.  Ignored bits add less than one unit of the operand's last used bit, times the other operand.
     """
     out = unseen(a_width, b_width, tile)
     aside = sum(2.0 ** (bits + other - 1 - shift) for bits, other in zip(out, (b_width, a_width), strict=True) if bits)
@@ -58,7 +58,7 @@ def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tupl
 
 
 class Mul3(Product):
-    """a * b * 2^scale from three tiles; bits beyond the node's format, set for clamped targets only, are dropped."""
+    """a * b * 2^scale from three tiles.  Bits above the node's format, set only for clamped targets, are dropped."""
 
     kind, latency, adds_rounding = "mul3", "mul3", True
 

@@ -2,7 +2,7 @@
 """Nodes of a dataflow, and the dataflow that collects them.
 
 A dataflow (:mod:`model.dataflow.paper`, :mod:`model.dataflow.lean`, :mod:`model.dataflow.arm`) is written once, as
-nodes.  Each node has an operation (:mod:`model.dataflow.expressions`), and each operation has all its readings:
+nodes.  Each node has an operation (:mod:`model.dataflow.expressions`), from which everything else is computed:
 
 * words, equal to the RTL in every bit: :class:`model.dataflow.fixed.Bits`;
 * double precision with any single node disturbed: :class:`model.bounds.predict.Real`;
@@ -12,9 +12,9 @@ nodes.  Each node has an operation (:mod:`model.dataflow.expressions`), and each
 * steps of the folded program: :class:`model.dataflow.fold.lowering.Lowering`;
 * formats and clocks, from which ``scripts/generate/headers.py`` writes the ``*_nodes.vh`` of the RTL.
 
-Rounding.  A node of an expression is exact, or rounded as its ``rounding`` says: half up (add half an ulp, drop the
-bits) or floor.  A word beyond the format saturates or wraps if the node's ``ends`` states it.  By proof
-(:mod:`model.bounds.ranges`) only nodes with ``limited`` ever saturate.
+Rounding.  A node is exact, or its ``rounding`` is half up (add half an ulp, drop the lower bits), floor or JAM.  A word
+outside the format saturates or wraps if the node has ``ends``.  Only nodes with ``limited`` ever saturate, which is
+proved (:mod:`model.bounds.ranges`).
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ SATURATE, WRAP = "saturate", "wrap"
 class Node(Term):
     """Named value of a dataflow.
 
-    ``time`` counts clocks from the clock in which the target is at the input; ``after`` is a node that the operation
-    waits for without using it, to align its result with its neighbours.  ``rounding`` and ``ends`` define how a word is
-    brought to the format, ``error`` is the range, in ulps, of the rounding added.  ``within`` is the range in exact
-    arithmetic with its reason, ``grows`` the error growth, ``limited`` an intended saturation, ``proof`` the facts
-    that prove the range (:mod:`tb.formal.lean_proofs`).  ``as_words``: operands whose words the node takes as exact.
-    ``value`` is of a run: an array over targets.
+    * ``time``: clocks from the clock in which the target is at the input
+    * ``after``: node for which the operation waits without using it, to align results
+    * ``rounding``, ``ends``: treatment of the bits below and above the format; ``limited``: intended saturation
+    * ``within``: range in exact arithmetic; ``proof``: facts that prove it (:mod:`tb.formal.lean_proofs`)
+    * ``grows``: error growth; ``as_words``: operands whose words count as exact
+    * ``value``: array over targets, in a run
     """
 
     name: str
@@ -70,32 +70,30 @@ class Node(Term):
 
     @property
     def operands(self) -> tuple[Node, ...]:
-        """Nodes that the operation reads."""
         return self.op.operands
 
     @property
     def kind(self) -> str:
-        """Kind of its operation."""
         return self.op.kind
 
     @property
     def error(self) -> tuple[float, float]:
-        """Range of the rounding added by the operation, in ulps."""
+        """Range (low, high) of the rounding error that the operation adds, in ulps."""
         return self.op.error(self)
 
     @property
     def right_side(self) -> str:
-        """The node's equation without its name."""
+        """Right side of the node's equation, as text."""
         return self.op.text()
 
     @property
     def decision(self) -> bool:
-        """True if it is computed in integers only: a mask, a shift count, or a node of the guard."""
+        """True if the node counts as exact: a mask, a shift count, or a node of the section ``guard``."""
         return self.section == "guard" or not self.frac
 
     @property
     def instance(self) -> str:
-        """Instance in ``ik_paper`` that holds the node's signal: its section's; none for inputs and final flags."""
+        """Verilog instance that holds the node's signal; empty for inputs and nodes of the section ``results``."""
         return "" if self.kind == "input" or self.section == "results" else f"u_{self.section}"
 
     # ---- as a term of other nodes' operations ----------------------------------------------------------------------
@@ -109,10 +107,10 @@ class Node(Term):
     def text(self, level=0):
         return self.name
 
-    # ---- words of its own ------------------------------------------------------------------------------------------
+    # ---- words of the node itself ----------------------------------------------------------------------------------
 
     def rounded(self, words):
-        """Return words of the operation with the fraction bits of the format."""
+        """Return the operation's words, rounded to the fraction bits of the format."""
         drop = self.op.frac - self.frac
         if drop <= 0:
             return words * (1 << -drop) if drop else words
@@ -121,14 +119,14 @@ class Node(Term):
         return words >> drop | (words & (1 << drop) - 1 != 0) if self.rounding == JAM else words >> drop
 
     def narrowed(self, words):
-        """Return words brought into the format, if they can leave it."""
+        """Return words, saturated or wrapped to the format if the node has ``ends``."""
         if self.ends == SATURATE:
             return np.clip(words, self.format.low, self.format.high)
         return wrap(words, self.format.width) if self.ends == WRAP else words
 
     def evaluate(self, values: dict):
-        """Return the node's words from its operands' words by name."""
-        if self.format.width > 63 and self.ends != WRAP:  # beyond 64 bits, words of the longest lengths are Python's
+        """Return the node's words.  ``values``: operand name -> words."""
+        if self.format.width > 63 and self.ends != WRAP:  # words that may exceed 64 bits become Python integers
             operands = {operand.name: np.asarray(values[operand.name]) for operand in self.operands}
             as_floats = {name: word.astype(np.float64) for name, word in operands.items()}
             if np.max(np.abs(self.op.words(as_floats)), initial=0) > WIDE:
@@ -138,11 +136,11 @@ class Node(Term):
 
 Record = dict[str, Any]  # further fields of a node
 
-Limits = Sequence[Sequence[int]]  # lower and upper limit of each joint, words of a turn
+Limits = Sequence[Sequence[int]]  # (lower, upper) limit of each joint, words with one turn = 2^W
 
 
 class Input(Operation):
-    """Word of a target."""
+    """Input word of a target."""
 
     kind, latency = "input", None
 
@@ -154,14 +152,14 @@ class Input(Operation):
 
 
 class Dataflow:
-    """A dataflow at one word length: its nodes in order, and the statements between them.
+    """Dataflow at one word length: its nodes in order, and statements for ranges and proofs.
 
-    * ``limits``: lower and upper limit of each of the whole arm's joints, words of a turn;
-    * ``learned``: number of nodes before it -> a fact that tightens the length bounds of a :class:`.annotations.Case`;
-    * ``restarts``: likewise names of nodes whose words, which define a plane, are exact for all later nodes: these are
-      correct for any plane;
-    * ``lemmas``: name -> a statement, and the facts that prove it, or none if it is assumed;
-    * ``definitions``: name -> its value in lemmas; proofs treat it as one number.
+    * ``limits``: (lower, upper) limit of each joint of the whole arm, words with one turn = 2^W
+    * ``learned``: number of nodes before it -> function that tightens the bounds of a :class:`.annotations.Case`
+    * ``restarts``: number of nodes before it -> names of nodes that define a plane; their words count as exact from
+      there on, because the later nodes are correct for any plane
+    * ``lemmas``: name -> (statement, facts that prove it); without facts the statement is assumed
+    * ``definitions``: name -> the expression that it abbreviates in lemmas; proofs treat it as one number
     """
 
     def __init__(self, width: int, widths: range = WIDTHS, tile: int = TILE, limits: Limits | None = None) -> None:
@@ -191,7 +189,7 @@ class Dataflow:
         return Format(self.width, self.width - 1 - i, f"W - {1 + i}" if i != -1 else "W")
 
     def wide(self, i: int) -> Format:
-        """Return the format of an unrounded product: ``i`` integer bits, ``GUARD`` more fraction bits than a word."""
+        """Return the format of a product in a sum: ``i`` integer bits, ``GUARD`` more fraction bits than a word."""
         return Format(self.width + GUARD, self.width + GUARD - 1 - i, f"W + GUARD - {1 + i}")
 
     bit = Format(1, 0, "0", signed=False)  # format of a mask
@@ -201,8 +199,8 @@ class Dataflow:
     # ---- making nodes --------------------------------------------------------------------------------------------
 
     def node(self, name: str, op: Operation, fmt: Format, latency: str | None = "", after=None, **record) -> Node:
-        """Record a node that is ready ``latency``, by default its operation's, after the last of its operands (and of
-        ``after``).  ``record``: further fields of :class:`Node`."""
+        """Add a node.  Its ``latency``, by default the operation's, is counted from the last of its operands and
+        ``after``.  ``record``: further fields of :class:`Node`.  Raises ValueError if the name is taken."""
         if name in self.nodes:
             raise ValueError(f"node {name} is defined twice")
         latency = op.latency if latency == "" else latency
@@ -217,21 +215,20 @@ class Dataflow:
         return node
 
     def mask(self, name: str, op: Operation, latency: str | None = "mux", **record) -> Node:
-        """Record a mask of one bit."""
         return self.node(name, op, self.bit, latency, **record)
 
     def inputs(self, fields: tuple[str, ...] = FIELDS) -> dict[str, Node]:
-        """Record the input words, in the clock in which the target is accepted."""
+        """Add the nodes of the input words; their time is 0, the clock in which the target is accepted."""
         formats = {name: self.bit if name in BRANCHES else self.word(int(name != "phi")) for name in fields}
         return {name: self.node(name, Input(), fmt) for name, fmt in formats.items()}
 
     # ---- statements between nodes ----------------------------------------------------------------------------------
 
     def words(self, *names: str) -> None:
-        """Treat the words of these nodes as exact: later nodes take them as they are, and start no earlier."""
+        """Treat the words of these nodes as exact in later nodes.  Those start no earlier than the last one named."""
         self._since = self.nodes[names[-1]]
         self._as_words |= {*names}
 
     def lemma(self, name: str, statement: str, *facts: str) -> None:
-        """Add a statement for proofs of ranges, with the facts that prove it; without facts it is assumed."""
+        """Add a lemma for proofs of ranges, with the facts that prove it; without facts the lemma is assumed."""
         self.lemmas[name] = statement, facts

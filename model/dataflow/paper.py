@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dataflow of ``rtl/paper``, written once: the paper's equations (10)-(19) as the RTL computes them.
+"""Dataflow of ``rtl/paper``: the paper's equations (10)-(19) as the RTL computes them.
 
 Sections 3.3 to 3.5 are in :mod:`model.dataflow.paper_turns`.
 
-Scale.  Four scales are free in the equations and keep words full without changing the result: the unit of length of
-the arms, the unit of length of the target in (11)-(13), the length of the swivel plane's normal, and the length of
-L_m.  Each is a power of two chosen by a count of leading sign bits
-(:func:`normalize`), so small arms, targets near the shoulder or the z axis, and elbows
-near the z axis lose no precision.
+Scale.  Four scales in the equations are free, because they do not change the result: the unit of length of d1 and d2,
+the unit of length of the target in (11)-(13), the length of the swivel plane's normal, and the length of L_m.  Each is
+a power of two, chosen by a count of leading sign bits so that the words are full.  So short arms, targets near the
+shoulder or the z axis, and elbows near the z axis lose no precision.
 """
 
 import math
@@ -33,11 +32,8 @@ SECTIONS = {
 
 
 def paper(d: Dataflow, target: dict[str, Node]) -> None:
-    """Build the whole datapath, from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to the
-    results.
-
-    Every node is stored in ``d.nodes`` under its name, which is also its signal name in the RTL.
-    """
+    """Build all nodes of the datapath, from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to
+    the results.  A node and its signal in the RTL have the same name."""
     guard(d, target)
     swivel(d, target["phi"])
     elbow(d)
@@ -46,7 +42,7 @@ def paper(d: Dataflow, target: dict[str, Node]) -> None:
     rotate_to_wrist(d)
 
 
-# Exact ranges from geometry are stated before each section, case by case, with their reason.
+# Before each section stand its nodes' ranges in exact arithmetic, from geometry, for each case, with the reason.
 
 CLAMPED = Given("", lambda c: (int(c.clamped), int(c.clamped)))
 REACHABLE = Given("", lambda c: (0, int(c.clamped)))
@@ -65,9 +61,9 @@ ARM = Given("arms' unit", lambda c: (0.25, 0.25) if c.clamped else (c.ulp, c.d_h
 
 
 def guard(d: Dataflow, target: dict[str, Node]) -> None:
-    """Classify targets outside the equations' domain exactly, and scale the operands of the equations.
+    """Build the flags of targets outside the equations' domain, and the scaled operands of the equations.
 
-    The comparisons are exact: squares of input words are not rounded, so they are wider than ``W`` bits.
+    The flags are exact, because the squares that they compare are not rounded.
     """
     w, n = d.width, d.nodes
     x, y, z, d1, d2 = (target[k] for k in ("x", "y", "z", "d1", "d2"))
@@ -89,8 +85,8 @@ def guard(d: Dataflow, target: dict[str, Node]) -> None:
     too_near = d.mask("too_near", (s_raw < n["d_sq"]) & ~bad_length, within=REACHABLE)
 
     # A clamped target has no elbow in the sense of (13): the arm is straight or closed along the line to the target.
-    # It passes through all equations as the ordinary target of an arm with d1 = d2 = 1/4, and three values are
-    # overridden: p_e, c4 and the vector whose side decides the sign in (17).
+    # It passes through all equations as the ordinary target of an arm with d1 = d2 = 1/4, and these values are
+    # overridden: p_e with its length d_e, c4, and the vector that decides the sign in (17).
     clamp = d.mask("clamp", too_far | too_near | at_shoulder | bad_length, within=CLAMPED)
     d.mask("closed", (too_near | at_shoulder) & ~bad_length, within=REACHABLE)
     d.mask("away", too_near & (d_raw < 0), within=REACHABLE)
@@ -137,9 +133,9 @@ PLANE = Rule(
 
 
 def swivel(d: Dataflow, phi: Node) -> None:
-    """Section 3.1: |L_sw| (10) and the swivel plane (11).
+    """Build section 3.1: |L_sw| (10) and the swivel plane (11).
 
-    Every term of (11) has the target's horizontal direction (p_x, p_y) as a factor.  It is replaced by
+    Every term of (11) has the target's horizontal direction (p_x, p_y) as a factor.  This factor is replaced by
     (b_x, b_y) = 2^k (p_x, p_y), which scales the plane's normal and leaves the plane unchanged.
     """
     n = d.nodes
@@ -162,7 +158,7 @@ def swivel(d: Dataflow, phi: Node) -> None:
     d.node("a_y", Mul(p_z, b_y), d.word(1))
     d.node("rho_x", Mul(p_x, b_x), d.wide(2), within=SAME_DIRECTION)
     d.node("rho_y", Mul(p_y, b_y), d.wide(2), within=SAME_DIRECTION)
-    # p_x^2 + p_y^2, with one factor each in b's scale
+    # p_x^2 + p_y^2, with one factor of each square in b's scale
     d.node("rho", Total(n["rho_x"] + n["rho_y"]), d.word(2), within=SAME_DIRECTION)
     d.node("sa_x", Mul(sin_phi, n["a_x"]), d.wide(2))
     d.node("sa_y", Mul(sin_phi, n["a_y"]), d.wide(2))
@@ -176,8 +172,8 @@ def swivel(d: Dataflow, phi: Node) -> None:
     d.node("pi_num_z", Total(Constant(0) - n["sa_z"]), d.wide(2), after=n["lcb_y"], within=PLANE_NUM)
     for axis in "xyz":
         d.node(f"pi_swivel_{axis}", Div(n[f"pi_num_{axis}"], l_sw), d.word(1), within=PLANE)
-    # (12) and everything after it hold for any plane.  Exact arithmetic on the words gives k_e / 2 = p_e p_w and
-    # |p_e| = d1 as before; p_w is out of their plane by the tilt, which enters squared.
+    # (12) and all later equations hold for any plane.  Exact arithmetic on the words gives k_e / 2 = p_e p_w and
+    # |p_e| = d1 as before; the angle between p_w and the words' plane is the tilt, which enters squared.
     d.restarts[len(n)] = "pi_swivel_x", "pi_swivel_y", "pi_swivel_z"
 
 
@@ -213,16 +209,16 @@ ELBOW = Rule(
 
 
 def off_length(c: Case, nodes: dict[str, Node], bounds: dict[str, Bound]) -> Case:
-    """Bound the error of |p_e|.
+    """Return the case with bounds of the errors of p_e (``straight``) and |p_e|^2 (``square``).
 
-    The root t = tmp_sqr in (13) may lose half of its digits, and so may p_e. But |p_e|^2 = |a|^2 + t^2 |m|^2, with a
-    along p_w and m = PP^- / |PP^-|^2 perpendicular to it, contains only t^2, which is precise.
+    The root t = tmp_sqr in (13) may lose half of its digits, and so may p_e.  But |p_e|^2 = |a|^2 + t^2 |m|^2 contains
+    only t^2, which is precise; a is along p_w, and m = PP^- / |PP^-|^2 is perpendicular to p_w.
     """
     root, inf, worst = bounds["tmp_sqr"], bounds["inf_pp"], 0.0
     if min(inf.low, inf.word[0]) <= 0:
-        return c  # the division gives the bound
+        return c  # the division then raises RangeError
     for axis, m in zip("xyz", "123", strict=True):
-        if f"e_{axis}_pp" not in bounds:  # at most the first axis's
+        if f"e_{axis}_pp" not in bounds:  # not yet evaluated: use the first axis's bound
             axis, m = "x", max("123", key=lambda k: bounds[f"pp_{k}_m"].error)
         along = bounds[f"e_{axis}_pp"].error + root.word[1] * bounds[f"pp_{m}_m"].error
         num = along + nodes[f"e_{axis}_pp"].format.ulp
@@ -233,10 +229,10 @@ def off_length(c: Case, nodes: dict[str, Node], bounds: dict[str, Bound]) -> Cas
 
 
 def elbow(d: Dataflow) -> None:
-    """Section 3.2: the point pair (12), in the form (19), and the elbow point (13).
+    """Build section 3.2: the point pair (12), in the form (19), and the elbow point (13).
 
-    PP is homogeneous.  As in (19) it is scaled by 2 throughout; the target's own unit of length (2^j finer than
-    that of d1 and d2) is another common factor; p_e is in the unit of d1 and d2.
+    PP is homogeneous, so common factors do not matter.  It has the factor 2, as in (19), and a power of 2, because
+    the target's unit of length is 2^j times finer than that of d1 and d2.  p_e is in the unit of d1 and d2.
     """
     n = d.nodes
     d.at("elbow", "(12)")
@@ -269,7 +265,7 @@ def elbow(d: Dataflow) -> None:
     d.node("pp_pm", Total(n["pp_1_pm"] + n["pp_2_pm"] + n["pp_3_pm"]), d.wide(5), within=ORTHOGONAL_ARM)
     tmp1 = d.node("tmp1", Total(n["pp_pm"] - n["pp_sq"]), d.word(3), within=HEIGHT_SQ)
     tmp_sqr = d.node("tmp_sqr", Root(tmp1), d.word(2), within=HEIGHT)
-    # Straight or closed within an ulp: the target lies on the line of the arm and gives no side in (17).
+    # Straight or closed within an ulp: the target lies on the line of the arm and does not decide the sign in (17).
     d.mask("flat", n["clamp"] | (tmp1 <= 0))
     d.mask("back", Select(n["clamp"], n["away"], k_e < 0))
 
@@ -285,7 +281,7 @@ def elbow(d: Dataflow) -> None:
         d.node(f"e_{axis}_num", Total(n[f"e_{axis}_pp"] + n[f"e_{axis}_sqr"]), d.wide(5), within=ELBOW_NUM)
         d.learned[len(n)] = off_length
         d.node(f"e_{axis}_quo", Div(n[f"e_{axis}_num"], inf_pp), d.word(1), within=ELBOW)
-        # A clamped arm's elbow lies on the line to the target, at half its distance here.
+        # The elbow of a clamped arm lies on the line to the target, here at half the target's distance.
         near = Floor(p[axis] / 2, d.word(1).frac)
         clamped = Select(n["clamp"], Select(n["away"], -near, near), n[f"e_{axis}_quo"])
         d.node(f"p_e_{axis}", clamped, d.word(1), rounding=JAM)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations of the paper's dataflow: rounded products and sums, division, root, CORDIC, normalization.
 
-``interval(node, bounds)`` returns low and high in exact arithmetic, the error of the word, and the range of the word.
+``interval(node, bounds)`` returns low, high, error and (floor, ceiling) of a :class:`.annotations.Bound`.
 """
 
 import math
@@ -19,25 +19,25 @@ from .quadratic import HalfAngle
 from .shifts import room
 
 SINCOS_GUARD = 6
-"""Guard bits of the CORDIC: each of its W iterations drops less than one ulp of the guarded word."""
+"""Guard bits of the CORDIC below a result's LSB; each of its W iterations drops less than one guarded ulp."""
 
 CORDIC = (-2.0, 2.0)
-"""Error range of the CORDIC in ulps: W iterations drop less than one of 2^6 guarded ulps each in both coordinates, the
-residual angle is below one ulp, and the result is rounded."""
+"""Error range of the CORDIC in ulps: each of W iterations drops less than 2^-6 ulp of either coordinate, the residual
+angle is below one ulp, and the result is rounded."""
 
 
 @cache
 def cordic_gain() -> int:
-    """Return round(2^TABLE_BITS prod_i 1/sqrt(1 + 4^-i)), which compensates the gain of the rotations in advance."""
+    """Return round(2^TABLE_BITS prod_i 1/sqrt(1 + 4^-i)), the start value that cancels the gain of the rotations."""
     with mpmath.workprec(200):
         gain = mpmath.fprod(1 / mpmath.sqrt(1 + mpmath.mpf(4) ** -i) for i in range(100))
         return int(mpmath.nint(gain * 2**TABLE_BITS))
 
 
 def floor_div(n, d, shift: int, fmt: Format):
-    """Compute ``ik_div``: floor(n 2^shift / d) saturated to ``fmt``; by the sign of n where d <= 0.
+    """Return floor(n 2^shift / d), saturated to ``fmt`` as by ``ik_div``, and a mask of the saturated quotients.
 
-    Returns the quotient and a mask of saturated quotients.
+    Where d <= 0, the quotient is the smallest word of the format if n < 0, else the largest.
     """
     positive = d > 0
     q = (n << shift) // np.where(positive, d, 1)
@@ -47,16 +47,16 @@ def floor_div(n, d, shift: int, fmt: Format):
 
 
 def floor_root(n, shift: int):
-    """Compute ``ik_root``: floor(sqrt(n 2^shift)), 0 where n < 0.  n 2^shift must stay below 2^63."""
+    """Return floor(sqrt(n 2^shift)) as ``ik_root`` computes it, 0 where n < 0.  n 2^shift must be below 2^63."""
     v = np.maximum(n, 0) << shift
     r = np.sqrt(v.astype(np.float64)).astype(np.int64)
-    # The float of v has a relative error of at most 2^-53, its root at most half an ulp: at most 1 too large, never too
-    # small.
+    # The float of v has a relative error of at most 2^-53, its root an error of at most half an ulp, so r is at most 1
+    # too large, and never too small.
     return r - (r * r > v)
 
 
 def cordic(phi, width: int):
-    """Compute ``ik_sincos``: (sin, cos) of phi/2 in words with one integer bit; one turn of phi = 2^width."""
+    """Return (sin, cos) of phi/2 as ``ik_sincos`` computes them: words with one integer bit.  One turn is 2^width."""
     drop = TABLE_BITS - (width + SINCOS_GUARD)
     inner = width + SINCOS_GUARD - 2  # internal fraction bits
     angles = [round_shift(a, drop) for a in atan_table()]
@@ -75,13 +75,13 @@ def sincos_bound(width: int) -> float:
 
     With G guard bits, in units g = 2^-G ulp:
 
-    * x and y lose less than 1 g in each iteration i >= 1 (the shift of iteration 0 is exact), a vector of less than
-      sqrt(2) g; later iterations stretch it by the product of their sqrt(1 + 4^-j);
-    * the error of the rounded gain word is stretched by K = 1.6468;
-    * the angle: one ulp of z is pi/4 g as an arc.  After n = width iterations the residual is at most the last angle,
-      atan(2^-(n-1)).  The rounding of each table angle counts twice: once in the angle turned, and once in the
-      residual, because the remaining rounded angles may fall short by that much;
-    * rounding the result: half an ulp.
+    * Each iteration i >= 1 drops less than 1 g of x and of y, a vector shorter than sqrt(2) g.  Each later iteration j
+      stretches this vector by sqrt(1 + 4^-j).  The shift of iteration 0 is exact.
+    * The rounding error of the gain word is stretched by K = 1.6468.
+    * One ulp of the angle z is pi/4 g as an arc.  After n = width iterations the residual angle is at most the last
+      table angle, atan(2^-(n-1)).  The rounding of each table angle counts twice: once in the angle turned, and once in
+      the residual angle, because the sum of the remaining rounded angles may be that much too small.
+    * Rounding the result adds half an ulp.
     """
     inner = width + SINCOS_GUARD
     stretch = [math.prod(math.sqrt(1 + 4.0**-j) for j in range(i + 1, width)) for i in range(width)]
@@ -106,7 +106,7 @@ class Rounded(Operation):
         return HALF_UP if self.frac > node.frac else EXACT
 
     def unlimited(self, node, values):
-        """Return the words before they saturate."""
+        """Return the words before saturation."""
         return round_shift(self.words(values), self.frac - node.frac)
 
     def result(self, node, values):
@@ -136,7 +136,7 @@ class Mul(Rounded, Product):
 
 
 class Total(Rounded, Sum):
-    """Sum of two or three terms of one format, rounded half up and saturated."""
+    """Sum of two or three terms with equal fraction bits, rounded half up and saturated."""
 
     kind = "sum"
 
@@ -161,7 +161,7 @@ class Total(Rounded, Sum):
 
 
 class Div(Operation):
-    """floor(n / d), saturated; saturates by the sign of n where d <= 0."""
+    """floor(n / d), saturated; where d <= 0, the smallest word if n < 0, else the largest."""
 
     kind, latency, rounds = "div", "div", FLOOR
 
@@ -170,7 +170,7 @@ class Div(Operation):
         self.n, self.d = n, d
 
     def quotient(self, node, values):
-        """Return the words, and a mask of those that saturate."""
+        """Return the words, and a mask of the saturated words."""
         shift = node.frac - self.n.frac + self.d.frac
         return floor_div(self.n.words(values), self.d.words(values), shift, node.format)
 
@@ -238,7 +238,7 @@ class SineCosine(HalfAngle):
 
 
 class LeadingBits(Operation):
-    """Shift that brings the largest of some words to the full width; 0 for the all-zero vector."""
+    """Left shift that makes the largest of a vector's words fill its width; 0 for the all-zero vector."""
 
     latency = "norm"
 
@@ -252,7 +252,7 @@ class LeadingBits(Operation):
 
 
 class Normalized(Operation):
-    """One of some words, shifted left as :class:`LeadingBits` says; the all-zero vector becomes (1/2, 0, ..)."""
+    """Word of a vector, shifted left by its :class:`LeadingBits`; the all-zero vector becomes (1/2, 0, ..)."""
 
     kind, latency = "normalize", "norm"
 
@@ -279,9 +279,9 @@ class Normalized(Operation):
 
 
 def normalize(d: Dataflow, names: tuple[str, ...], words: tuple[Node, ...], count: str, within: Given) -> Node:
-    """Shift words left together until the largest fills its word; the all-zero vector becomes (1/2, 0, ..).
+    """Build a vector's words, shifted left together until the largest fills its width; return the shift count.
 
-    Creates the shift count (returned) and the shifted nodes, mantissas in [-1, 1): the scale is free.
+    The shifted nodes ``names`` are mantissas in [-1, 1).  The all-zero vector becomes (1/2, 0, ..).
     """
     bits = words[0].format.width - 1
     counts = d.node(count, LeadingBits(*words), d.count, within=leading(bits))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dataflow of ``rtl/paper`` from the elbow point on, sections 3.3 to 3.5: the two quaternions (14)-(18)."""
+"""Dataflow of ``rtl/paper`` after the elbow point, sections 3.3 to 3.5: the two quaternions (14)-(18)."""
 
 import math
 
@@ -11,7 +11,7 @@ from .paper_operations import Div, Mul, Root, Total, normalize
 
 
 def forearm(c: Case) -> float:
-    """Return |p_e - p_w|^2 = d2^2, or d2^2 + |p_e|^2 - d1^2 where rounded lengths do not reach."""
+    """Return an upper bound of |p_e - p_w|, which is d2 unless rounded lengths do not reach the target."""
     return math.sqrt((c.p_e + c.elbow) ** 2 + c.square) + 2 * c.ulp
 
 
@@ -25,7 +25,7 @@ ARMS_PRODUCT = Rule("d1 d2 <= ((d1 + d2) / 2)^2", lambda c: (0.0, 0.25))
 
 
 def elbow_quaternion(d: Dataflow) -> None:
-    """Section 3.3: the elbow quaternion (14)."""
+    """Build section 3.3: the elbow quaternion (14)."""
     n = d.nodes
     rounded_sum = Growth(added=True)
     d.at("elbow_q", "(14)")
@@ -36,7 +36,7 @@ def elbow_quaternion(d: Dataflow) -> None:
         d.node(f"f_{a}", n[f"p_e_{a}"] - n[f"p_a_{a}"], d.word(1), "sum2", **facts)
         d.node(f"t_{a}", Mul(n[f"p_e_{a}"], n[f"f_{a}"]), d.wide(1))
 
-    def rounding(c: Case) -> float:  # of |p_e|^2 - p_e p_w, whose error is the square's
+    def rounding(c: Case) -> float:  # largest error of t_e = |p_e|^2 - p_e p_w
         own = 1.5 * d.wide(1).ulp + SQRT3 * d.word(1).ulp * c.p_e + 0.5 * d.word(-1).ulp
         return math.inf if c.clamped else c.square + c.straight + own
 
@@ -53,7 +53,7 @@ def elbow_quaternion(d: Dataflow) -> None:
 
 
 def _half(d: Dataflow, name: str, twice: Sum) -> None:
-    """Compute (1 + c) / 2 or (1 - c) / 2 of (6) and (7), limited to [0, 1]: an unsigned word, so that 1 fits."""
+    """Build (1 + c) / 2 or (1 - c) / 2 of (6) and (7), limited to [0, 1].  The word is unsigned, so that 1 fits."""
     fmt = Format(d.width, d.width - 1, "W - 1", signed=False)
     d.node(name, Clipped(twice / 2), fmt, grows=Growth((0.5,), exact=True))
 
@@ -72,12 +72,12 @@ ALL_UPPER_ARM = Limited("d1 + |p_ez| of an arm that is all upper arm may be roun
 
 
 def rotate_to_elbow(d: Dataflow) -> None:
-    """Section 3.4: Q12 (15), the middle line L_m divided by its length.
+    """Build section 3.4: Q12 (15), the middle line L_m divided by its length.
 
-    L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) may be scaled freely.  The factor d1 is dropped.
-    With the elbow above the shoulder, d1 - p_ez cancels; there p_ex^2 + p_ey^2 = (d1 - p_ez)(d1 + p_ez) permits
-    division by d1 - p_ez: L_m ~ (p_ex, p_ey, d1 + p_ez).  With the elbow below, one factor (p_ex, p_ey) is scaled up to
-    (u_x, u_y). On the z axis itself the first form is (0, 0, 2 d1) and the second (d1, 0, 0): never 0/0.
+    L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) may be scaled freely, so the factor d1 is dropped.
+    With the elbow above the shoulder, d1 - p_ez loses digits.  But p_ex^2 + p_ey^2 = (d1 - p_ez)(d1 + p_ez), so L_m is
+    divided by d1 - p_ez: (p_ex, p_ey, d1 + p_ez).  With the elbow below, one factor (p_ex, p_ey) is scaled up to
+    (u_x, u_y).  On the z axis the first form is (0, 0, 2 d1) and the second (d1, 0, 0), so 0/0 never occurs.
     """
     n = d.nodes
     d.at("to_elbow", "(15)")
@@ -118,7 +118,7 @@ RESULT = Rule("q_i c + q_j s, with c^2 + s^2 = 1", upto(lambda c: 1.0))
 
 
 def rotate_to_wrist(d: Dataflow) -> None:
-    """Section 3.5: theta_3 from the rotated y-z plane and the swivel plane (17), and Qs = Q12 Q3 (18)."""
+    """Build section 3.5: theta_3 from the rotated y-z plane and the swivel plane (17), and Qs = Q12 Q3 (18)."""
     n = d.nodes
     pi_x, pi_y, pi_z = (n[f"pi_swivel_{a}"] for a in "xyz")
     q_i, q_j, q_k = (n[f"q12_{u}"] for u in "ijk")
@@ -141,8 +141,8 @@ def rotate_to_wrist(d: Dataflow) -> None:
     d.node("c3_num", Total(n["c3_r"] - n["c3_g"]), d.word(1), within=ROTATED)
     d.node("c3", Mul(n["c3_num"], pi_inv), d.word(1), within=COSINE)
 
-    # sign: the side of the rotated plane on which the target lies.  A flat arm's target lies in the plane; there the
-    # elbow's side of the line decides: -PP^- for a target in the direction of the elbow, +PP^- behind the shoulder.
+    # sign: the side of the rotated plane on which the target lies.  The target of a flat arm lies in the plane.  Then
+    # the vector -PP^- decides if the target is in the direction of the elbow, +PP^- if it is behind the shoulder.
     scaled = Growth((1 / 8, 1.0), exact=True)
     for a, m in (("x", "1"), ("y", "2"), ("z", "3")):
         line = n[f"pp_{m}_m"] / 8

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Functions from tables, as ``ik_quadratic`` computes them: c0 -+ u (c1 -+ c2 u) in each segment.
+"""Table functions as ``ik_quadratic`` computes them: c0 -+ u (c1 -+ c2 u) in each segment of a table.
 
-u is the distance of the argument from the segment's middle.  ``ik_rsqrt`` has the table :data:`INVERSE_ROOT`,
-``ik_trig`` the table :data:`SINE`.  This module has the tables' words, computed from their definition, the results'
-bits, and the proof of their errors; ``scripts/generate/headers.py`` writes the words for the RTL.
+u is the distance of the argument from the segment's middle.  ``ik_rsqrt`` uses the table :data:`INVERSE_ROOT`,
+``ik_trig`` the table :data:`SINE`.  This module computes the tables' words and the bit-true results, and proves bounds
+of the errors; ``scripts/generate/headers.py`` writes the words for the RTL.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .nodes import Node
 
 PRECISION = 200
-"""Precision of tables and proofs in bits; an error of 2^-190 changes neither."""
+"""Precision in bits with which tables and proofs are computed; an error of 2^-190 changes neither."""
 
 Function = Callable[[mpmath.mpf], mpmath.mpf]
 Segment = tuple[mpmath.mpf, mpmath.mpf]
@@ -32,15 +32,15 @@ Segment = tuple[mpmath.mpf, mpmath.mpf]
 
 @dataclass(frozen=True)
 class Form:
-    """Formats of ``ik_quadratic``.  Without c2 the slope is c1, and the function is treated as linear."""
+    """Size of a table, and the formats of ``ik_quadratic``.  Without c2 the slope is c1: interpolation is linear."""
 
     rows: int
-    u_frac: int  # fraction bits of u, u_low of them below its tile
-    u_low: int
-    c_frac: tuple[int, ...]  # of the table's words, all unsigned
+    u_frac: int  # fraction bits of u
+    u_low: int  # bits of u below its high part
+    c_frac: tuple[int, ...]  # fraction bits of the table's words c0, c1, c2, all unsigned
     c_bits: tuple[int, ...]  # widths of the table's words
-    slope_frac: int  # of c1 -+ c2 u, slope_low of them below its tile
-    slope_low: int
+    slope_frac: int  # fraction bits of the slope, c1 -+ c2 u
+    slope_low: int  # bits of the slope below its high part
     sum_frac: int  # fraction bits of the term added to c0
 
     @property
@@ -49,7 +49,7 @@ class Form:
 
     @property
     def tiles(self) -> int:
-        """Number of tiles of slope times u; the product of the low parts is omitted."""
+        """Number of tile products of slope times u; the product of the low parts is omitted."""
         return 3 if self.slope_low else 1
 
     @property
@@ -59,7 +59,7 @@ class Form:
 
     @property
     def clocks(self) -> int:
-        """Latency of ``ik_quadratic``: with c2, operands, c2 u, slope; then operands, slope times u, sum, result."""
+        """Latency of ``ik_quadratic``, clocks: operands, slope times u, sum, result; c2 adds operands, c2 u, slope."""
         return 4 if self.linear else 7
 
 
@@ -68,20 +68,20 @@ class Table:
     """Function with its segments and three forms; the word length and the multipliers select one form."""
 
     function: Function
-    segment: Callable[[Form, int], Segment]  # of a row
-    derivative: Callable[[bool, Segment], mpmath.mpf]  # largest magnitude of the second, if linear, or third
+    segment: Callable[[Form, int], Segment]  # form, row -> segment
+    derivative: Callable[[bool, Segment], mpmath.mpf]  # largest magnitude of the 2nd derivative if linear, else the 3rd
     short_frac: int  # largest number of fraction bits of a result for which the short form is used
     short: Form
     long: Form
     small: Form  # for tiles of less than 18 bits
-    besides: int  # clocks of its module in addition to ik_quadratic's
+    besides: int  # clocks of the function's module in addition to ik_quadratic's
 
     def form(self, frac: int, tile: int = TILE) -> Form:
         """Return the form for ``frac`` fraction bits of the result and tiles of ``tile`` bits."""
         return self.small if tile < TILE else self.short if frac <= self.short_frac else self.long
 
     def clocks(self, frac: int, tile: int = TILE) -> int:
-        """Return the latency of its module."""
+        """Return the latency of the function's module in clocks."""
         return self.besides + self.form(frac, tile).clocks
 
 
@@ -89,7 +89,7 @@ class Table:
 
 
 def interpolant(form: Form, function: Function, segment: Segment) -> list[mpmath.mpf]:
-    """Return signed c0, c1, and c2 if the form has it: the interpolant at the Chebyshev nodes."""
+    """Return the signed coefficients c0, c1 and, unless linear, c2: the interpolant at the Chebyshev nodes."""
     left, width = segment
     middle = left + width / 2
     a = mpmath.sqrt(len(form.c_frac)) / 4 * width
@@ -100,8 +100,8 @@ def interpolant(form: Form, function: Function, segment: Segment) -> list[mpmath
 
 
 def _words(form: Form, function: Function, segment: Segment) -> tuple[int, ...]:
-    """Return a row of the table as magnitudes, each rounded to nearest; c0 is first reduced by half the effect of the
-    rounding of c2 at the segment's ends."""
+    """Return a row of the table: the coefficients' magnitudes, rounded to nearest.  Before that, half of the error that
+    the rounding of c2 causes at the segment's ends is subtracted from c0."""
     c0, *c = interpolant(form, function, segment)
     rounded = [mpmath.nint(abs(value) * 2**frac) for value, frac in zip(c, form.c_frac[1:], strict=True)]
     for word, value, frac in list(zip(rounded, c, form.c_frac[1:], strict=True))[1:]:
@@ -118,7 +118,7 @@ def table_rows(table: Table, form: Form) -> tuple[tuple[int, ...], ...]:
 
 @cache
 def columns(table: Table, form: Form) -> np.ndarray:
-    """Return a table as one array per coefficient."""
+    """Return a table as an array per coefficient."""
     return np.array(table_rows(table, form), dtype=np.int64).T
 
 
@@ -126,8 +126,8 @@ def columns(table: Table, form: Form) -> np.ndarray:
 
 
 def polynomial(form: Form, row, u, rises: bool, bends_up: bool):
-    """Return c0 + u slope, or c0 - u slope unless the function ``rises``; the slope is c1 + c2 u where it grows with u
-    (``bends_up``), else c1 - c2 u.  ``sum_frac`` fraction bits."""
+    """Return c0 + u slope if the function ``rises``, else c0 - u slope, with ``sum_frac`` fraction bits.  The slope is
+    c1 + c2 u if ``bends_up``, else c1 - c2 u."""
     c0, c1, *c2 = row
     u_hi, u_lo = u >> form.u_low, u & (1 << form.u_low) - 1
     u_frac = form.u_frac - form.u_low
@@ -148,15 +148,15 @@ def polynomial(form: Form, row, u, rises: bool, bends_up: bool):
 
 @cache
 def row_error(table: Table, form: Form, row: int, rises: bool) -> tuple[mpmath.mpf, mpmath.mpf]:
-    """Return the least and greatest value of :func:`polynomial` for a row of the table, minus the function, over its
-    segment, both ends included; for a cosine, u falls.
+    """Return the least and greatest error of :func:`polynomial` over the segment of a table row, both ends included.
+    The cosine reads the sine's rows with ``rises`` False and u negated.  The errors that add up:
 
-    * The interpolation, limited by the first derivative that the form does not follow: the third one /6 times
-      (u + a) u (u - a), at most 1/32 of the cube of the segment's width; for a linear form, the second one /2 times
-      (u + a) (u - a), at most 1/8 of its square.
-    * The actual rounding of the coefficients: r0 + r1 u + r2 u^2.
-    * The slope's error is less than one ulp of the slope plus c2 times an ulp of u's upper part; times u.
-    * Each tile is truncated by less than an ulp of the sum; and the omitted tile.
+    * Interpolation: 1/6 of the third derivative times (u + a) u (u - a), a product of at most 1/32 of the cube of the
+      segment's width; in a linear form, 1/2 of the second derivative times (u + a) (u - a), a product of at most 1/8 of
+      the square of the width.
+    * Rounding of the coefficients: exactly r0 + r1 u + r2 u^2.
+    * u times the error of the slope, which is less than one ulp of the slope plus c2 times an ulp of u's high part.
+    * Tiles: each is truncated by less than an ulp of the sum, and the product of the low parts is omitted.
     """
     with mpmath.workprec(PRECISION):
         segment, words = table.segment(form, row), table_rows(table, form)[row]
@@ -182,14 +182,14 @@ def row_error(table: Table, form: Form, row: int, rises: bool) -> tuple[mpmath.m
 
 
 def _root_segment(form: Form, row: int) -> Segment:
-    """Return the segment of a table row. The first half of the rows covers [1/4, 1/2) with segments half as wide as
-    the rest in [1/2, 1), because the function is steeper there."""
+    """Return the segment of a table row.  The first half of the rows covers [1/4, 1/2), where the function is steeper,
+    the second half [1/2, 1) with segments twice as wide."""
     half, width = form.rows // 2, mpmath.mpf(1) / form.rows
     return ((half + row) * width / 2, width / 2) if row < half else (row * width, width)
 
 
 def _root_derivative(linear: bool, segment: Segment) -> mpmath.mpf:
-    """Return the magnitude of a derivative at the left end of a segment, its maximum there."""
+    """Return the largest magnitude of the derivative that :class:`Table` needs: at the left end of the segment."""
     left = segment[0]
     return mpmath.mpf(3) / 8 * left ** mpmath.mpf(-2.5) if linear else mpmath.mpf(15) / 16 * left ** mpmath.mpf(-3.5)
 
@@ -207,16 +207,16 @@ INVERSE_ROOT = Table(
 """Table of ``ik_rsqrt``; c0 is stored without its MSB, which is 1."""
 
 SMALL_FRAC = 29
-"""Maximum fraction bits of a root of the small form."""
+"""Maximum number of fraction bits of a root in the small form."""
 
 
 def rsqrt_places(frac: int, tile: int = TILE) -> float:
-    """Return an upper bound of the error of :func:`rsqrt` in ulps, without its proof (:func:`rsqrt_error`)."""
+    """Return an upper bound of the error of :func:`rsqrt` in ulps; :func:`rsqrt_error` proves a tighter one."""
     return 1.1 if tile < TILE and frac >= SMALL_FRAC else 1.0
 
 
 def place(form: Form, m, frac: int):
-    """Return the row of a mantissa, and u."""
+    """Return the table row of a mantissa, and its u in that row."""
     lower = m < 1 << frac + 2
     below = frac + 3 - form.index_bits - lower  # bits of m below its segment number
     row = (m >> below) - np.where(lower, form.rows // 2, 0)
@@ -226,22 +226,21 @@ def place(form: Form, m, frac: int):
 
 def rounding(form: Form, frac: int) -> int:
     """Return the constant added to c0, with ``sum_frac`` fraction bits: 3/8 ulp of the result, because a truncated
-    mantissa makes the root too large by up to a quarter, minus half of the tiles' truncation."""
+    mantissa makes the root too large by up to a quarter ulp, minus half of the tiles' truncation."""
     return (3 << form.sum_frac - frac - 3) - (form.tiles + 1) // 2
 
 
 def root_sum(form: Form, m, frac: int):
-    """Return the polynomial at a mantissa, without the rounding constant, ``sum_frac`` fraction bits."""
+    """Return the polynomial at a mantissa, with ``sum_frac`` fraction bits and without the rounding constant."""
     row, u = place(form, m, frac)
     return polynomial(form, columns(INVERSE_ROOT, form)[:, row], u, rises=False, bends_up=False)
 
 
 def rsqrt(m, frac: int, tile: int = TILE):
-    """Compute ``ik_rsqrt``: 1/(2 sqrt m) with ``frac`` fraction bits, m a mantissa of frac + 3 bits; below 1/4 its
-    second bit is treated as set, so that 0 gives 1.
+    """Return 1/(2 sqrt m) as ``ik_rsqrt`` computes it, with ``frac`` fraction bits.  m is a mantissa of frac + 3 bits.
 
-    The error is less than one ulp, or the bound of :func:`rsqrt_places`, also where m is a truncated longer mantissa
-    (:func:`rsqrt_error`).
+    If m < 1/4, its second bit is treated as set, so m = 0 gives 1.  The error is below :func:`rsqrt_places`, even if m
+    is a truncated longer mantissa (:func:`rsqrt_error`).
     """
     m = np.asarray(m, dtype=np.int64)
     form = INVERSE_ROOT.form(frac, tile)
@@ -254,9 +253,9 @@ def rsqrt(m, frac: int, tile: int = TILE):
 def rsqrt_error(frac: int, tile: int = TILE) -> float:
     """Return the largest difference of :func:`rsqrt` from 1/(2 sqrt V) in ulps of the result, for all V in [1/4, 1).
 
-    V is any real number whose truncation to frac + 3 bits is m.  Per segment: the error at m (:func:`row_error`), the
-    rounding constant minus the truncation of less than an ulp, and the fall of 1/(2 sqrt V) from m to V: the steepest
-    slope, at the left end of the segment, times an ulp of m.
+    V is any real number whose truncation to frac + 3 bits is m.  Three errors add up in each segment: the error at m
+    (:func:`row_error`); the rounding constant minus a truncation of less than an ulp; and the fall of 1/(2 sqrt V) from
+    m to V, at most the steepest slope, at the left end of the segment, times an ulp of m.
     """
     form = INVERSE_ROOT.form(frac, tile)
     with mpmath.workprec(PRECISION):
@@ -280,7 +279,8 @@ def rsqrt_error(frac: int, tile: int = TILE) -> float:
 
 
 def _sine_derivative(linear: bool, segment: Segment) -> mpmath.mpf:
-    """Return the largest magnitude of a derivative in a segment: at its right end, or at its left end."""
+    """Return the largest magnitude of the derivative that :class:`Table` needs: at the right end of the segment if
+    linear, else at the left end."""
     (left, width), quarter = segment, mpmath.pi / 2
     return quarter**2 * mpmath.sin(quarter * (left + width)) if linear else quarter**3 * mpmath.cos(quarter * left)
 
@@ -298,13 +298,13 @@ SINE = Table(
 """Table of ``ik_trig``; c0 plus the rounding constant can be 1."""
 
 SINE_FRACS = range(19, 32)
-"""Fraction bits of sines and cosines that the core supports."""
+"""Numbers of fraction bits that sines and cosines may have."""
 
 
 def half_sincos(phi, width: int, frac: int, tile: int = TILE):
-    """Compute ``ik_trig``: (sin, cos) of phi/2 with ``frac`` fraction bits; phi a binary angle, one turn = 2^width.
+    """Return (sin, cos) of phi/2 as ``ik_trig`` computes them, with ``frac`` fraction bits, 19 to 31.
 
-    ``phi`` is an int64 array, ``width`` 16 to 32, at most 26 with the short form, ``frac`` 19 to 31.
+    ``phi`` is an int64 array of binary angles, one turn = 2^width; ``width`` is 16 to 32, up to 26 in the short form.
     """
     form = SINE.form(frac, tile)
     dropped = form.sum_frac - frac
@@ -313,7 +313,7 @@ def half_sincos(phi, width: int, frac: int, tile: int = TILE):
 
 
 def sine_sums(a, width: int, form: Form):
-    """Return the unrounded sums of :func:`half_sincos`, for angles >= 0."""
+    """Return (sin, cos) of :func:`half_sincos` before rounding, with ``sum_frac`` fraction bits, for angles a >= 0."""
     below = width - 1 - form.index_bits  # bits of a below its segment number
     row = np.minimum(a >> below, form.rows - 1)  # a quarter turn is the end of the last segment
     u = a - (row << below) - (1 << below - 1) << form.u_frac - width + 1
@@ -337,7 +337,8 @@ def half_sincos_error(frac: int, tile: int = TILE) -> float:
 
 
 def _faithful(node, frac: int, most: float = 1.0) -> tuple[float, float]:
-    """Return the error range of ``most`` ulps of ``frac`` fraction bits, in ulps of the node, which may have more."""
+    """Return the error range (low, high) in ulps of the node.  The error is at most ``most`` ulps of a word with
+    ``frac`` fraction bits; the node may have more."""
     bound = most * 2.0 ** max(node.format.frac - frac, 0)
     return -bound, bound
 
@@ -345,7 +346,7 @@ def _faithful(node, frac: int, most: float = 1.0) -> tuple[float, float]:
 class Rsqrt(Operation):
     """1/(2 sqrt m) of a mantissa m in [1/4, 1); 1 where m = 0; doubled where the mask ``twice`` is set.
 
-    A root has no more fraction bits than its mantissa supports; the node's word may have more.
+    The root has 3 fraction bits fewer than m.  The node may have more; its low bits are then 0.
     """
 
     kind, latency, adds_rounding = "rsqrt", "rsqrt", True
@@ -385,7 +386,7 @@ class Rsqrt(Operation):
 
 
 class HalfAngle(Unary):
-    """Sine or cosine of phi/2, a binary angle of at most half a turn in either direction."""
+    """Sine or cosine of phi/2, where the binary angle phi is at most half a turn in either direction."""
 
     kind, latency, adds_rounding = "trig", "trig", True
 

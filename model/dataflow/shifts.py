@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shifts by counts: normalization by an even shift (``ik_even``), sums of counts, and shifts by them.
+"""Normalization by an even shift (``ik_even``), sums of shift counts, and shifts by counts.
 
-In a formula a count n stands for 2^n, so that a shift is a product.
+In a formula, the name of a count n stands for 2^n, so that a shift is a product.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def room(words, width: int):
 
 
 def bit_length(words):
-    """Return the bits of unsigned words of up to 64 bits, 0 for 0."""
+    """Return the number of significant bits of uint64 words; 0 for 0."""
     high = words >> np.uint64(32)
     # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
     _, bits = np.frexp(np.where(high, high, words).astype(np.float64))
@@ -31,9 +31,10 @@ def bit_length(words):
 
 
 def even(value, width: int, mantissa_bits: int):
-    """Compute ``ik_even``: (k, m), leading zero pairs of a word and floor(value 4^k / 2^(width-mantissa_bits)).
+    """Return (k, m) as ``ik_even`` computes them: k, the number of leading zero pairs of a word, and the mantissa
+    m = floor(value 4^k / 2^(width-mantissa_bits)).
 
-    As a fraction, m lies in [1/4, 1); 0 gives k = width/2 - 1 and m = 0.  ``width`` is even, and at most 64.
+    As a fraction, m lies in [1/4, 1).  The value 0 gives k = width/2 - 1 and m = 0.  ``width`` is even, at most 64.
     """
     value = np.asarray(value).astype(np.uint64)
     k = (width - np.maximum(bit_length(value), 1)).astype(np.int64) // 2
@@ -54,7 +55,7 @@ class Even(Operation):
         self.value, self.width = value, width
 
     def pair(self, node, values):
-        """Return shift count and mantissa."""
+        """Return the words of the shift count and of the mantissa."""
         if self not in values:
             word = self.value.words(values)
             whole = word.dtype == np.int64 and self.width > 63
@@ -72,7 +73,7 @@ class Even(Operation):
         return node.format.ulp
 
     def facts(self, node, domain):
-        """State value 4^e 2^(frac - width), in [1/4, 1); 0 and the largest e for a value of 0."""
+        """Return formulas: m = value 4^e 2^(frac - width), in [1/4, 1); value = 0 gives m = 0 and the largest e."""
         m, value, count = node.name, self.value.formula(domain), self.count.name
         scale = number(2.0 ** (self.value.frac - self.width))
         most = number(2.0 ** (self.width // 2 - 1))
@@ -112,7 +113,7 @@ class EvenCount(Operation):
 
 
 class Count(Operation):
-    """Shift count of six bits: other counts times factors, and a constant."""
+    """Shift count of six bits: a constant plus other counts, each times a factor."""
 
     def __init__(self, *terms: tuple[int, Node], constant: int = 0) -> None:
         super().__init__(*(count for _, count in terms))
@@ -154,7 +155,7 @@ class Shift(Operation):
 
 
 class ShiftUp(Shift):
-    """v 2^(power + n), truncated; bits above the format, set for clamped targets only, are dropped."""
+    """v 2^(power + n), truncated.  Bits above the format, set only for clamped targets, are dropped."""
 
     sign = 1
 

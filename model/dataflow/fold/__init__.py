@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lean dataflow as the program of one multiplier, for ``rtl/fold``: steps, their clocks, the program's words."""
+"""Lean dataflow and whole arm as programs for one multiplier, for ``rtl/fold``: steps, clocks, program words."""

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lean dataflow and whole arm as steps of the fold datapath.
 
-:class:`Lowering` collects the steps of each node, which its operation adds (``Operation.lower``).  It uses the names of
-inputs and results, and of the mask ``bend_swap``.
+:class:`Lowering` collects the steps of all nodes; each node's operation adds its steps (``Operation.lower``).  The code
+here depends on some names: those of inputs and results, and ``bend_swap``.
 
 Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
-places.  ``weight`` w of a word: its first bit weighs -2^w.  The product of two words has 2 ``bits`` bits, and its bit
-2 ``bits`` - 2 weighs 2^(w + w'); the word written back is its :data:`PLAIN` or :data:`DOUBLE` window.
+bits.  The first bit of a word of ``weight`` w weighs -2^w.  The product of two words, of weights w and w', has
+2 ``bits`` bits; bit 2 ``bits`` - 2 weighs 2^(w + w').  Its :data:`PLAIN` or :data:`DOUBLE` window is written back.
 """
 
 from collections import defaultdict
@@ -43,7 +43,7 @@ from .steps import (
 EXACT_WEIGHT = 2  # weight of input words and their sums, the operands of squares
 
 ONE_WEIGHT = 1
-"""Weight of ``ONE`` and ``HALF``: a product with ``ONE`` is the other word in the plain window."""
+"""Weight of ``ONE`` and ``HALF``; the plain window of a product with ``ONE`` is the other word."""
 
 RESULT_WEIGHT = 1  # weight of a result's first bit
 
@@ -51,25 +51,25 @@ POSITION = ("x", "y", "z")
 
 
 Groups = dict[str, list[tuple[int, Step]]]
-"""Name of a group's first step -> its steps, at fixed distances from the first."""
+"""Name of a group's first step -> the group's steps, each with its distance from the first in clocks."""
 
 
 @dataclass(frozen=True)
 class Sum:
-    """Sum of a group's first term, or of an earlier sum, and the term of another name."""
+    """Sum of the term ``term`` and a group's first term or an earlier sum."""
 
     name: str
     term: str
     minus: Selector = NEVER  # the term is subtracted
-    inverse: bool = False  # T is the inverted node: the term is subtracted from the addend, not vice versa
+    inverse: bool = False  # T is ~node: the node is the term minus the addend, but T can only subtract the term
     write: Write | None = None
     result: str = ""
 
 
 class Lowering:
-    """Lean dataflow as steps: :meth:`build` it, then call :meth:`groups`.
+    """Lean dataflow as steps: call :meth:`build`, then :meth:`groups`.
 
-    Operations call the methods that bear their names, with the node and its terms.
+    ``lower`` of an operation calls the method with the operation's name, with the node and its terms.
     """
 
     INPUTS: tuple[str, ...] = FIELDS
@@ -83,14 +83,14 @@ class Lowering:
         self.inner = inner_frac(width) + 2  # bits of an inner word
         self.bits = max(self.inner, root_frac(width) + 4)  # of a memory word: an inner word, or a mantissa with a sign
         self.weight: dict[str, int] = {}
-        self.terms: dict[str, Step] = {}  # products, and nodes computed like one, without an earlier addend
+        self.terms: dict[str, Step] = {}  # products, and nodes computed like a product, without an earlier addend
         self.sums: defaultdict[str, list[Sum]] = defaultdict(list)  # by the first term
-        self.norms: dict[str, tuple[Normal, Counted | None]] = {}  # of a term or a sum
-        self.counts: dict[str, tuple[int, tuple[tuple[int, str], ...]]] = {}  # constant, factors and registers
+        self.norms: dict[str, tuple[Normal, Counted | None]] = {}  # by the term or sum that is normalized
+        self.counts: dict[str, tuple[int, tuple[tuple[int, str], ...]]] = {}  # constant, (factor, register) terms
         self.signs: set[str] = set()  # nodes whose signs select
         self.made_of: dict[str, set[str]] = {}  # mask -> the signs, zeros and counts that it depends on
         self.pairs: dict[str, tuple[str, str]] = {}  # the two parts of a rotation, whose places a flag selects
-        self.picks: dict[str, Pick] = {}  # place of a squared length, or a word that a flag replaces by 0
+        self.picks: dict[str, Pick] = {}  # squared lengths, and words that a flag replaces by a constant
         self.vectors: dict[str, Vector] = {}  # of the angle unit
         self.joints: dict[str, Joint] = {}
         self.angle_clocks = next(of for longest, of in ANGLE_CLOCKS.items() if width <= longest)
@@ -106,39 +106,38 @@ class Lowering:
                 self.made_of[node.name] = node.op.mask_registers(self, node)
 
     def make(self, inputs: dict[str, Node]) -> None:
-        """Build the dataflow."""
         lean_turn.lean(self.flow, inputs)
 
     # ---- masks ---------------------------------------------------------------------------------------------------
 
     def operand_registers(self, mask: Node, of: Node) -> set[str]:
-        """Return the registers of an operand of a mask: of another mask, the sign of a word, and whether it is 0."""
+        """Return the registers that a mask needs of its operand: those of a mask, or sign and zero flag of a word."""
         if of.format == self.flow.bit:
             return self.made_of[of.name]
-        if of.name in POSITION:  # the sum of their squares is 0
+        if of.name in POSITION:  # a register with the mask's name holds whether the sum of their squares is 0
             return {mask.name}
         self.signs.add(of.name)
         return {of.name} | ({f"no_{of.name[1:]}"} if of.name in ARMS else set())
 
     def wrist_registers(self) -> set[str]:
-        """Return the registers of the wrist's coordinates, which show that one of them saturates."""
+        """Return the registers that show whether a coordinate of the wrist saturates."""
         wrists = {of.name for sums in self.sums.values() for of in sums if of.write and of.write.source == "wrist"}
         self.signs |= wrists
         return wrists
 
     def registers(self, selector: Selector) -> set[str]:
-        """Return the registers that a selector is made of."""
+        """Return the registers on which a selector depends."""
         names = {selector.node, selector.unless} - {NEVER.node, ALWAYS.node, NO_COUNT.node}
         return set().union(*(self.made_of.get(name, {name}) for name in names))
 
     # ---- sums and products ---------------------------------------------------------------------------------------
 
     def _weight(self, node: Node) -> int:
-        """Return the weight of an inner word: all inner words share the last place."""
+        """Return the weight of an inner word; the LSBs of all inner words are at the same bit of a memory word."""
         return self.inner - 1 - node.format.frac
 
     def sum(self, node: Node, terms: tuple[tuple[int, Any], ...]) -> None:
-        """Add two terms, or a chain: three or more terms, a half and terms, or a sum that may leave its format."""
+        """Add two terms in one step.  A sum of three or more terms, with 1/2, or that wraps, takes a chain of steps."""
         (_, first), (sign, second), *others = terms
         if not (others or isinstance(first, Constant) or node.ends):
             self.plus(node, first, second, sign < 0)
@@ -154,8 +153,8 @@ class Lowering:
 
     def plus(self, node: Node, a: Node, b: Node, less: bool = False) -> None:
         name, first, second, minus = node.name, a.name, b.name, ALWAYS if less else NEVER
-        if first in ARMS:  # halved: a length is normalized from T
-            half = f"{first}/2"  # not the normalized T: both would be written in the same clock
+        if first in ARMS:  # T is half of a length, and is normalized
+            half = f"{first}/2"  # a step of its own: normalized T and sum would be written in the same clock
             for term, arm in ((first, first), (half, first), (second, second)):
                 self.terms[term] = Step(term, arm, HALF, write=None)
             self.sums[half].append(Sum(name, second, minus, write=Write(name, DOUBLE)))
@@ -168,7 +167,7 @@ class Lowering:
             self._further(node, first, second, minus)
 
     def _chain(self, first: str, *terms: tuple[str, str, int], write: Write | None = None, result: str = "") -> None:
-        """Add terms (sum, term, sign) to a first one, and write the last sum or make it a result."""
+        """Add ``terms``, (name of the sum, term, sign), to a first one; write the last sum or make it a result."""
         for name, term, sign in terms:
             self.sums[first].append(Sum(name, term, NEVER if sign > 0 else ALWAYS))
             last, first = first, name
@@ -210,7 +209,7 @@ class Lowering:
         self.weight[node.name] = 0
 
     def shift_up(self, node: Node, value: Node, count: str, power: int) -> None:
-        """Shift to the left, by the normalizer, whose first bit has twice a product's weight."""
+        """Shift to the left in the normalizer; T's first bit weighs twice as much as a product's second-highest bit."""
         is_word = value.name in self.weight
         first = (self.weight[value.name] + ONE_WEIGHT if is_word else 2 * EXACT_WEIGHT) + 1
         normal = Normal("count", node.name), self._counted(count, power + first - self._shifted(node))
@@ -232,7 +231,7 @@ class Lowering:
         return weight
 
     def _counted(self, name: str, offset: int) -> Counted:
-        """Return a count plus ``offset``; a length is shifted one pair more than its node's count (:data:`NORMS`)."""
+        """Return the count ``name`` plus ``offset``; the register of a length's count holds 1 more than its node."""
         constant, terms = self.counts.get(name, (0, ((1, name),)))
         arms = {normal.count for normal, _ in self.norms.values() if normal.kind == "arm"}
         further = sum(factor for factor, register in terms if register in arms)
@@ -274,8 +273,8 @@ class Lowering:
         self.terms[node.name] = Step(node.name, a, HALF, "word", "length", addend_by=Selector(unit), minus=minus)
 
     def half_part(self, node: Node, cosine: Node, sine: Node, large: Term, none: Node | None) -> None:
-        """Record the parts of a rotation: the larger is written with the squared length, the smaller by its own step;
-        both are created on the second call."""
+        """Record one part of a rotation.  The call for the second part adds the writes of both: the squared length's
+        step writes the larger part, a step of its own the smaller one."""
         self.weight[node.name] = 1
         lengths = (name for name, term in self.terms.items() if term.addend == "length")
         length = next(name for name in lengths if cosine.name in self.terms[name].reads)
@@ -295,7 +294,7 @@ class Lowering:
             a = self.picks[sine.name] = Pick(sine.name, Selector(none.name))
         name = f"{sine.name}/2"
         small = Step(name, a, HALF, cut="word", write=Write(Pick(first, flag, not second_larger)))
-        if mask and not none:  # both parts are 1/2
+        if mask and not none:  # where the mask is set, both parts are 1/2
             small = replace(small, addend="none_or_half", addend_by=Selector(mask))
         self.terms[name] = small
 
@@ -316,7 +315,7 @@ class Lowering:
         self.weight |= {angle: 1, f"|{sine}|": 1, sine: 1}
 
     def _table(self, name: str, row: Row, write: Write) -> None:
-        """Add the steps of a quadratic: the slope in the row's segment, and the value."""
+        """Add the two steps of a table function: the slope, and the value."""
         self.weight[name] = 1
         falls = NEVER if row.function == "sine" else ALWAYS
         bends_down = NEVER if row.function == "cosine" else ALWAYS
@@ -330,7 +329,7 @@ class Lowering:
     # ---- groups --------------------------------------------------------------------------------------------------
 
     def groups(self) -> Groups:
-        """Return all steps; a step whose addend is the T of another is in its group."""
+        """Return all groups of steps.  A step whose addend is another step's T is in the other step's group."""
         read = {name for step in self.terms.values() for name in step.reads}
         groups: Groups = {}
         for name, step in self.terms.items():
@@ -343,7 +342,7 @@ class Lowering:
         return groups
 
     def _picked(self, operand: str | Pick | None) -> str | Pick | None:
-        """Return a word of a pair, or one that a flag replaces by 0, as a :class:`Pick`; others unchanged."""
+        """Return an operand; part of a pair, or a word that a flag can replace, as a :class:`Pick`."""
         if not isinstance(operand, str):
             return operand
         for pair in self.pairs.values():
@@ -352,7 +351,7 @@ class Lowering:
         return self.picks.get(operand, operand)
 
     def _extend(self, group: list[tuple[int, Step]], at: int, step: Step) -> None:
-        """Add a step, and the steps whose addend is its T."""
+        """Add a step to a group, and the steps whose addend is its T."""
         normal, counted = self.norms.get(step.name, (None, step.count))
         a, b, sign = self._picked(step.a), self._picked(step.b) or ZERO, step.name if step.name in self.signs else ""
         group.append((at, replace(step, a=a, b=b, norm=normal, count=counted, sign=sign)))
@@ -370,7 +369,7 @@ HALF_ROW = "1/2 of r_z"  # step of the constant in the third row
 
 
 class ArmLowering(Lowering):
-    """Whole arm as steps around the core's, and vectors of its angle unit.
+    """Whole arm as steps, which include those of the lean dataflow, and as vectors of the angle unit.
 
     The hand's words have weight 1, as results do, so that their products have the weight of inner words' products.  The
     sums of their squares wrap at 8.  A wrist coordinate is summed as half its value.
@@ -393,7 +392,7 @@ class ArmLowering(Lowering):
         self._chain(half, (node.name, off.name, -1), write=Write(node.name, source="wrist"))
 
     def elbow(self, node: Node, raw: Node, sign: int) -> None:
-        """Keep the word, and make it a result later: from the first result to the last one there is less than a lap."""
+        """Write the result word to memory, and output it in a later step: all results leave within one lap."""
         super().elbow(node, raw, sign)
         self.terms[raw.name] = replace(self.terms[raw.name], result=raw.name)
         self.terms[node.name] = Step(node.name, node.name, ONE, result=node.name)

@@ -2,7 +2,7 @@
 """Schedule encoded as program words: the operation of every part of the datapath in each clock.
 
 Fields belong to clocks and not to steps: in one clock the memory reads for one step, the multiplier works for another,
-and T of a third one is written.
+and the T of a third is written.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from .lowering import ArmLowering, Groups, Lowering
 from .steps import ADDENDS, ALWAYS, CUTS, HALF, NEVER, NO_COUNT, NORMS, ONE, POWER, ZERO, Pick, Placed, Selector
 
 PROGRAMS: dict[str, type[Lowering]] = {"fold": Lowering, "fold_arm": ArmLowering}
-"""Programs by name: the core's, and the whole arm's around it."""
+"""Program name -> class that makes its steps: the core, and the whole arm."""
 
 
 def lower(width: int, name: str = "fold") -> tuple[Lowering, Groups]:
-    """Lower a program's dataflow to steps at an even word length."""
+    """Return the lowering of a program's dataflow at an even word length, and the groups of its steps."""
     lowering = PROGRAMS[name](width)
     lowering.build()
     return lowering, lowering.groups()
@@ -29,16 +29,16 @@ def lower(width: int, name: str = "fold") -> tuple[Lowering, Groups]:
 
 @dataclass(frozen=True)
 class Schedule:
-    """Program schedule: the clocks of a lap, the clock in which each input is loaded, and the clock in which the first
-    step of each group, which names the group, is issued, or a vector of words is handed over in the angle unit."""
+    """Program schedule.  ``period``: clocks of a lap.  ``loads``: input -> clock in which it is loaded.  ``starts``:
+    group -> clock of its first step's issue; angle of a vector of words -> clock of its hand-over in the angle unit."""
 
     period: int
     loads: dict[str, int]
     starts: dict[str, int]
 
 
-WIDTH = 24  # a word length; steps are the same at all
-PLACES = 64  # read/write words of the memory; an equal number of powers follows
+WIDTH = 24  # any word length: the steps are the same at each
+PLACES = 64  # read/write words of the memory; 64 powers of two follow
 
 WINDOWS = ("plain", "double", "low")
 LASTS = ("inner", "root", "slope", "sine")
@@ -93,7 +93,7 @@ PLAIN_BITS |= dict.fromkeys(("n_minus", "n_twice", "last_input", "hold", "first_
 """Numeric field -> bits."""
 
 ANGLE_BITS = {"over": 1, "to_h": 1}
-"""Numeric field of the angle unit -> bits; what else it does follows from the result in the same clock."""
+"""Numeric field of the angle unit -> bits; the unit's other controls follow from the result in the same clock."""
 
 
 @cache
@@ -105,7 +105,7 @@ def fields(name: str = "fold") -> dict[str, int]:
 
 @dataclass
 class Program:
-    """Program words, one per clock of the lap, and the places of nodes and variables."""
+    """Program: the fields of each clock of the lap, the memory place of each variable, and the steps."""
 
     name: str
     period: int
@@ -113,13 +113,13 @@ class Program:
     places: dict[str, int] = field(default_factory=dict)
     steps: list[Placed] = field(default_factory=list)
     loads: dict[str, int] = field(default_factory=dict)
-    results: tuple[int, int] = (0, 0)  # the clocks of the first and the last one
+    results: tuple[int, int] = (0, 0)  # clocks of the first and the last result
     turns: dict[str, Turn] = field(default_factory=dict)
     shown: dict[str, int] = field(default_factory=dict)  # joint -> the clock of its angle
     written: dict[str, int] = field(default_factory=dict)  # result -> its clock
 
     def word(self, clock: int) -> int:
-        """Return the packed fields of a clock, the first of :func:`fields` lowest."""
+        """Return the program word of a clock; the first of :func:`fields` is in the lowest bits."""
         word = at = 0
         for name, bits in fields(self.name).items():
             word |= self.clocks[clock][name] << at
@@ -128,11 +128,11 @@ class Program:
 
 
 class ConflictError(ValueError):
-    """Field needed by two steps in the same clock."""
+    """Schedule that has no program, for example because two steps need a field in the same clock."""
 
 
 def lives(steps: list[Placed], loads: dict[str, int]) -> dict[str, tuple[int, int]]:
-    """Return a dict: variable -> the first clock in which it is written and the last one in which it is read."""
+    """Return a dict: variable -> (first clock in which it is written, last clock in which it is written or read)."""
     first: dict[str, int] = dict(loads)
     last: dict[str, int] = {}
     for placed in steps:
@@ -145,11 +145,12 @@ def lives(steps: list[Placed], loads: dict[str, int]) -> dict[str, tuple[int, in
 
 
 CONSTANTS = {ONE: range(1, 2), ZERO: range(48, PLACES)}
-"""Constant -> places n of a word for which 2^(1-n) is the constant, 0 in a word of any length."""
+"""Constant of a :class:`Pick` -> places n that the other word may have: the word ``PLACES`` further, 2^(1-n), has to be
+the constant.  From n = 48 on it is 0 at any word length."""
 
 
 def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[str, int]:
-    """Return a dict: variable -> its place; a pair takes an even place and the next.  Pairs are not shared."""
+    """Return a dict: variable -> its memory place.  A pair takes an even place and the next one, for the whole lap."""
     operands = (o for p in steps for o in (p.step.a, p.step.b, p.step.write and p.step.write.to))
     picks = {of.pair: of.constant for of in operands if isinstance(of, Pick)}
     doubles = {name for name, constant in picks.items() if not constant}
@@ -177,7 +178,7 @@ def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[st
 
 @dataclass(frozen=True)
 class Turn:
-    """Vector in the angle unit: the clocks in which its words are loaded and it is handed over."""
+    """Vector in the angle unit, with the clocks that load its two words and the clock of its hand-over."""
 
     vector: timing.Vector
     loads: tuple[int, int]
@@ -185,7 +186,7 @@ class Turn:
 
 
 def turns(lowering: Lowering, steps: list[Placed], starts: dict[str, int]) -> dict[str, Turn]:
-    """Return the vectors by their angles; one of two lengths follows the one before it, in the dataflow's order."""
+    """Return a dict: angle -> :class:`Turn` of its vector.  A vector of lengths starts at the previous hand-over."""
     results = {p.step.result: p.at + timing.WRITE for p in steps if p.step.result}
     early = (of.step for of in steps if of.step.name in timing.ELBOW and of.step.write)
     results |= {timing.word_of(step.write.to): results[step.result] for step in early if step.write}
@@ -198,7 +199,7 @@ def turns(lowering: Lowering, steps: list[Placed], starts: dict[str, int]) -> di
 
 
 def encode(lowering: Lowering, groups: Groups, of: Schedule, name: str = "fold") -> Program:
-    """Return the program of a schedule."""
+    """Return the program of a schedule.  Raises ConflictError if it has none."""
     steps = [Placed(of.starts[first] + at, step) for first, group in groups.items() for at, step in group]
     steps.sort(key=lambda placed: placed.at)
     loads, period, bits, coded = of.loads, of.period, fields(name), codes(name)
@@ -282,12 +283,12 @@ def encode(lowering: Lowering, groups: Groups, of: Schedule, name: str = "fold")
 
 
 SCHEDULES = {name: Path(__file__).with_name(f"{name.replace('fold', 'schedule')}.json") for name in PROGRAMS}
-"""Files of the schedules found by `make schedule`."""
+"""Program name -> file of its schedules, written by `make schedule`."""
 
 
 @cache
 def schedules(name: str) -> dict[int, Schedule]:
-    """Return the schedules on file by the longest word length of each, shortest first."""
+    """Return a dict of the schedules on file: longest word length of a schedule -> schedule, shortest first."""
     found = json.loads(SCHEDULES[name].read_text(encoding="utf-8"))
     return {int(longest): Schedule(**of) for longest, of in found.items()}
 
@@ -299,6 +300,6 @@ def schedule(width: int, name: str = "fold") -> Schedule:
 
 @cache
 def program(width: int, name: str = "fold") -> tuple[Lowering, Program]:
-    """Return a dataflow's steps at a word length, and the program of the schedule on file."""
+    """Return the lowering at a word length, and the program of the schedule on file."""
     lowering, groups = lower(width, name)
     return lowering, encode(lowering, groups, schedule(width, name), name)

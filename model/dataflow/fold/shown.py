@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Place and clock of each node of the dataflow in the fold datapath, for testbenches and waves.
+"""Location and clock of each node of the dataflow in the fold datapath, for testbenches and waves.
 
-A node is a written word, T, a product, a mantissa, a count, a flag or a result; ``ik_fold_nodes.vh`` keeps it in a
-register of its name, which no logic reads.
+A node can be found in a written word, T, a product, a mantissa, a count, a flag or a result.  ``ik_fold_nodes.vh``
+copies it from there to a register with the node's name, which no logic reads.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from .steps import DOUBLE, ELBOW, PLAIN, Pick, Placed, Selector, Step
 
 @dataclass(frozen=True)
 class Shown:
-    """Node whose value is ``text`` in ``clocks`` of its target, where ``when`` holds."""
+    """Location of a node: the Verilog expression ``text``, in the ``clocks`` of its target in which ``when`` holds."""
 
     node: Node
     clocks: tuple[int, ...]
@@ -26,7 +26,7 @@ class Shown:
 
     @property
     def time(self) -> int:
-        """Clock of its target from which the register holds the node."""
+        """First clock of its target in which the register holds the node."""
         return max(self.clocks) + 1
 
 
@@ -41,7 +41,7 @@ class _Finder:
             self.found[name] = Shown(self.nodes[name], (clock,), text)
 
     def place(self, name: str) -> str:
-        """Return the index of a node's LSB in a word."""
+        """Return the index of a node's LSB in a memory word, as Verilog text."""
         return f"D - {1 + self.lowering.weight[name]} - ({self.nodes[name].format.frac_expr})"
 
     def bits(self, word: str, at: str, name: str) -> str:
@@ -61,15 +61,15 @@ class _Finder:
         return self.of_window(name, step.write.window if step.write else DOUBLE if step.cut == "double" else PLAIN)
 
     def of_window(self, name: str, window: int) -> str:
-        """Return the bits of T that hold the node, for a word in this window."""
+        """Return the bits of T that hold the node, if its word is this window of T."""
         node, last = self.nodes[name], f"XW - D - {1 + window} + {self.place(name)}"
         above = node.format.width - node.format.frac - self.lowering.weight[name] - 2 - window
-        if above > 0:  # T is shorter
+        if above > 0:  # T has fewer high bits: extend the sign
             return f"{{{{{above}{{t[XW-1]}}}}, t[XW-1:{last}]}}"
         return self.bits("t", last, name)
 
     def of_product(self, name: str, cut: str) -> str:
-        """Return the rounded product."""
+        """Return the bits of the product that hold the node."""
         if cut == "exact":
             return f"p[2*D-1 -: {'2*W' if self.nodes[name].format.width == 2 * self.lowering.width else 'XW'}]"
         return f"p_{cut}[FRAC+2:1]"
@@ -125,7 +125,7 @@ class _Finder:
             self.add(name, clock + timing.COMPARED, "over")
 
     def angles(self) -> None:
-        """Add lengths, before they are handed over, the angles, and the joints."""
+        """Add the lengths, in the clock that hands them over, the angles and the joints."""
         joints = {joint.angle: 8 if joint.other else 4 for joint in self.lowering.joints.values()}
         for angle, turn in self.program.turns.items():
             self.add(turn.vector.length or "", turn.over, "length")
@@ -136,7 +136,7 @@ class _Finder:
 
 
 def shown(lowering: Lowering, program: Program) -> dict[str, Shown]:
-    """Return each node's location, in the order of the dataflow.  Raises LookupError if one has none."""
+    """Return each node's location, in the order of the dataflow.  Raises LookupError if a node has no location."""
     finder = _Finder(lowering, program)
     for name, clock in program.loads.items():
         finder.add(name, clock, "in")
@@ -155,7 +155,7 @@ def shown(lowering: Lowering, program: Program) -> dict[str, Shown]:
 
 @cache
 def times(width: int, name: str = "fold") -> dict[str, int]:
-    """Return the clock at which each node's register is valid, counted from the acceptance of its target."""
+    """Return a dict: node -> first clock in which its register is valid, counted from the acceptance of its target."""
     lowering, made = program(width, name)
     taken = max(made.loads.values())
     return {name: max(of.time - taken, 1) for name, of in shown(lowering, made).items()}

@@ -5,8 +5,8 @@ A step reads two words, multiplies them, adds the product to the addend S or sub
 covers the whole dataflow, because a product with a power of two is a copy or a shift.  Steps of a group have a fixed
 distance: their addend is the T of an earlier step.
 
-A program repeats with the period of a lap, and around the lap's end two targets are in flight.  Clocks here count from
-the start of the target's own lap: modulo the period they are places in the program.
+A program repeats every lap, and around the end of a lap two targets are in flight.  Clocks here count from the start of
+the lap in which the target is loaded; modulo the lap's period they are addresses in the program.
 """
 
 from dataclasses import dataclass
@@ -16,27 +16,28 @@ ZERO, ONE, HALF, POWER = "0", "1", "1/2", "2^-n"
 """Constant memory words; ``POWER`` is selected by the count."""
 
 PLAIN, DOUBLE = 1, 2
-"""Distance of a window's first bit from a product's second-highest bit."""
+"""Windows of T that can become a word: distance of the first bit below a product's second-highest bit."""
 
 CUTS = ("exact", "power", "plain", "double", "word", "root", "sine")
-"""Position at which a product's tiles are cut: none; none, with the power of a large count replaced by a smaller one's;
-two bits below the last place of either window; at the last place of the plain one; at the last place of a table
-function's sum."""
+"""Lowest bit that is kept of each tile of a product.  exact: all bits.  power: all bits; for a large count, a larger
+power is stored and its product shifted down.  plain, double: two bits below an inner word's LSB in that window.  word:
+that LSB in the plain window.  root, sine: the LSB of the function's sum."""
 
 ADDENDS: tuple[str, ...] = ("hold", "zero", "half_plain", "half_double", "result_plain", "result_double", "T", "T_half")
 ADDENDS += ("slope", "slope_less", "value", "length", "none_or_half")
-"""Addend S of a step: its previous value; constants, of which the halves round, also to a result; the T of the step two
-before, or that plus a rounding half; words of a table; 1/2, or 1 by a flag; 0, or 1/2 by a flag."""
+"""Addend S of a step.  hold: the previous S.  half: half an ulp of an inner word.  result: that, plus half an ulp of a
+result.  T: the T of the step two clocks before.  T_half: that T, truncated, plus half an ulp.  slope, slope_less,
+value: words of a table.  length: 1/2, or 1 by a flag.  none_or_half: 0, or 1/2 by a flag."""
 
 NORMS = ("even", "inverse", "arm", "count", "unit")
-"""Normalization of T: by pairs; by pairs, inverted; by pairs without the sign of an arm; by the count; by pairs, with
-bits below the last place dropped, and limited."""
+"""Left shift that normalizes T.  even: by pairs of bits.  inverse: ~T, by pairs.  arm: d1 or d2 without the sign, by
+pairs.  count: by the step's count.  unit: by pairs, without the bits below an inner word's LSB, and limited below 1."""
 
 
 @dataclass(frozen=True)
 class Selector:
-    """Selector of an operand, an addend or a sign: a mask, or the sign of a word if ``negative``; ``inverted``, or
-    only while the mask ``unless`` is 0."""
+    """Condition that selects an operand, an addend or a sign: the mask ``node``, or the sign of the word ``node`` if
+    ``negative``.  It is negated if ``inverted``, and 0 while the mask ``unless`` is 1."""
 
     node: str = ""
     negative: bool = False
@@ -51,19 +52,20 @@ class Selector:
 
     @property
     def code(self) -> str:
-        """Name of its code in Verilog."""
+        """Verilog name of the selector's code."""
         return f"{'not_' * self.inverted}{self.node or 'none'}" + f"_and_not_{self.unless}" * bool(self.unless)
 
 
 NEVER, ALWAYS, NO_COUNT = Selector(), Selector("always"), Selector("n_0")
-"""Selectors without a mask: never, unconditional, and while the step's count is 0."""
+"""Selectors without a mask: never, always, and while the step's count is 0."""
 
 
 @dataclass(frozen=True)
 class Pick:
-    """One of two words at adjacent places: the larger and the smaller part of a rotation, which a flag assigns to the
-    first or second place; or a word and 0.  ``second`` selects the second place; the flag swaps the two.  Or a word and
-    a ``constant``, which is :data:`PLACES` further and needs no second place."""
+    """One of two memory words that the flag selects: the first or, if ``second``, the other; a set flag swaps the two.
+
+    The words have adjacent places: the larger and the smaller part of a rotation, or a word and 0.  But if the other
+    word is a ``constant``, it is :data:`.program.PLACES` further and takes no place."""
 
     pair: str
     flag: Selector
@@ -82,8 +84,8 @@ class Write:
     window: int = PLAIN
     double_by: Selector = NEVER  # selects the double window
     limit: bool = False  # values above the window become the largest word
-    last: str = "inner"  # the last place kept: of an inner word, a root, a sine, a slope
-    source: str = "sum"  # or the result word, or the saturated wrist
+    last: str = "inner"  # word whose LSB is the last bit kept: inner, root, sine or slope
+    source: str = "sum"  # sum: T; result: the result word; wrist: the saturated coordinate
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,7 @@ class Normal:
 
 @dataclass(frozen=True)
 class Row:
-    """Row of a function's table, addressed by the word ``of``. ``value``: read the value, not the slope and bend."""
+    """Row of a function's table, addressed by the word ``of``.  ``value``: read c0, else c1 and c2."""
 
     function: str  # root, sine or cosine
     of: str
@@ -106,7 +108,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Counted:
-    """Count that a step needs: ``base`` and terms (factor, register); it exceeds the ``node`` by ``offset``."""
+    """Shift count of a step: ``base`` plus the ``terms`` (factor, register).  It is the count ``node`` + ``offset``."""
 
     base: int
     terms: tuple[tuple[int, str], ...]
@@ -123,44 +125,44 @@ class Step:
     b: Operand
     cut: str = "exact"
     addend: str = "zero"
-    addend_by: Selector = NEVER  # of the addends length and none_or_half
+    addend_by: Selector = NEVER  # flag of the addends length and none_or_half
     minus: Selector = NEVER  # subtract the product from the addend
-    carry: str = ""  # carry into the last bit of the sum: "minus": with subtraction
-    place: str = ""  # b is the position in a row's segment: "all" of it, or its "high" part
+    carry: str = ""  # carry into the last bit of the sum; "minus": 1 if the product is subtracted
+    place: str = ""  # if set, b is u, the position in a table segment: "all" bits, or its "high" part
     write: Write | None = None
     norm: Normal | None = None
     result: str = ""  # T becomes this result
     rows: tuple[Row, ...] = ()  # read for c2, and for the addend
     count: Counted | None = None
-    sign: str = ""  # the node, if T's sign is kept
-    term: str = ""  # the product, where it is not the node T
+    sign: str = ""  # name of the node, if T's sign is kept in a register
+    term: str = ""  # name of the product, if T is another node
 
     @property
     def reads(self) -> list[str]:
-        """Variables of the memory words that it needs."""
+        """Variables whose memory words the step reads."""
         return [word_of(o) for o in (self.a, self.b) if o is not None] + [row.of for row in self.rows]
 
     @property
     def selectors(self) -> list[Selector]:
-        """Its selectors; some may be :data:`NEVER`."""
+        """The step's selectors; some may be :data:`NEVER`."""
         picks = [o.flag for o in (self.write and self.write.to, self.a, self.b) if isinstance(o, Pick)]
         return [self.minus, *picks, self.addend_by]
 
 
 BEND, READ, ROW, ADD, SUM, WRITE, NORM = -1, 0, 1, 3, 4, 5, 7
-"""Clocks of a step, from its issue: read the row for c2; read the words; read the row for the addend; take the addend
-and the product's sign; product ready; write T and take its sign; write the normalized word."""
+"""Clocks of a step's actions, from its issue: read the table row for c2; read the words; read the row for the addend;
+set the addend and the product's sign; product ready; write T and keep its sign; write the normalized word."""
 
 FETCH = 3  # clocks from a step's place in the program to its issue
-ELBOW = ("elbow_w", "elbow_i")  # steps whose results are constants where there is no elbow
+ELBOW = ("elbow_w", "elbow_i")  # steps whose results are constants for clamped targets
 
 
 class AngleClocks(NamedTuple):
     """Latencies of ``ik_fold_angle``, in clocks.
 
-    * ``iterated``: from loading y to the second stage
-    * ``shown``: from the second stage to the angle
-    * ``again``: from the second stage until the vector of two lengths enters it
+    * ``iterated``: from loading y until the vector can be handed over to the second stage
+    * ``shown``: from the hand-over to the angle
+    * ``again``: from the hand-over to the next one, if the next vector is of two lengths
     """
 
     iterated: int
@@ -175,7 +177,7 @@ COMPARED = 2  # clocks from a joint's angle until its comparison with the limits
 
 @dataclass(frozen=True)
 class Vector:
-    """Vector (x, y) or (x, -y) of two result words, or of the lengths of the two preceding vectors."""
+    """Vector (x, y), or (x, -y) if ``opposite``, of two result words, or of the two preceding vectors' ``lengths``."""
 
     angle: str
     length: str | None
@@ -187,22 +189,22 @@ class Vector:
 
 @dataclass(frozen=True)
 class Joint:
-    """Joint angle: a vector's angle, doubled or with another one added, and the branch bits that change it."""
+    """Joint angle: a vector's angle, doubled, or with the angle ``other`` added or (``minus``) subtracted."""
 
     name: str
     angle: str
     other: str = ""  # "": the angle is doubled
     minus: bool = False
-    branch: tuple[str, ...] = ()
+    branch: tuple[str, ...] = ()  # branch bits that change it
 
     @property
     def late(self) -> bool:
-        """True if its angle is written in the second of the two clocks that show it."""
+        """True if the joint is written in the second of the two clocks that its vector's angle takes."""
         return self.minus or not self.other
 
     @property
     def by(self) -> str:
-        """Name of its branch bits' code."""
+        """Name of the code of its branch bits."""
         return "_".join(name.removeprefix("branch_") for name in self.branch)
 
 
@@ -222,7 +224,7 @@ class Use(NamedTuple):
 
 
 def word_of(operand: Operand) -> str:
-    """Return the variable of an operand; both words of a pair share one."""
+    """Return the variable of an operand; both words of a pair share one variable."""
     return operand.pair if isinstance(operand, Pick) else operand
 
 
@@ -262,11 +264,11 @@ def selections(placed: Placed) -> list[tuple[Selector, int]]:
 
 
 ZEROS = {"e_rho": "on_axis", "e_s": "at_shoulder", "e_1": "no_1", "e_2": "no_2"}
-"""Count register -> register set when the normalized word was 0."""
+"""Count register -> register that is set if the normalized word was 0."""
 
 
 def registers_set(placed: Placed) -> list[Use]:
-    """Return the registers that the step sets and their clocks; usable one clock later."""
+    """Return the registers that the step sets and their clocks; a register can be used one clock later."""
     step, at = placed.step, placed.at
     sets = [Use(step.sign, at + WRITE)] if step.sign else []
     if step.norm and step.norm.count:
@@ -277,11 +279,11 @@ def registers_set(placed: Placed) -> list[Use]:
 
 
 def first_count(placed: Placed) -> int:
-    """Return the clock that adds the first term of a step's count; the last is added just before its use."""
+    """Return the clock that adds the first term of a step's count; the last term is added just before the first use."""
     assert placed.step.count
     return placed.at + (WRITE if placed.step.norm else READ) - len(placed.step.count.terms)
 
 
 def last_count(placed: Placed) -> int:
-    """Return the last clock in which the count is needed."""
+    """Return the last clock in which the step's count is needed."""
     return placed.at + (NORM if placed.step.norm else ADD)

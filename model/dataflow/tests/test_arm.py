@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bit-true whole arm: accuracy through forward kinematics in double, singular poses, any words, branches and limits."""
+"""Test the bit-true whole arm: accuracy by forward kinematics in double precision, poses with exact angles, arbitrary
+words, branches and limits."""
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ KNOWN = {
         -479611086 292973227 1072213740 -57264296 -66108615 504230995 -897105114 299173310
     """,
 }
-"""Word length -> the 11 words of a pose and the 17 of its results, from an independent program of the same nodes."""
+"""Word length -> the 11 words of a pose and the 17 words that an independent program of the same nodes gives for it."""
 
 
 def assert_accurate(words: np.ndarray, width: int, branch=0) -> None:
@@ -61,7 +62,7 @@ def test_words_of_another_program(width):
 def test_every_input_has_an_answer(width):
     words = any_hands(3000, width, 1)
     ends = [(1 << width - 2) + side * (1 << width - 10) - less for side in (1, -1) for less in (0, 1)]
-    words[:4, 7:] = [(0, end, 0, 0) for end in ends]  # as long as the shortest and longest good hand, or not
+    words[:4, 7:] = [(0, end, 0, 0) for end in ends]  # just inside and outside both limits of a good hand's length
     answer = fixed.run(words, width, "arm")
     nodes = {name: node.value for name, node in answer.bits.nodes.items()}
     for name, node in answer.bits.nodes.items():
@@ -84,7 +85,7 @@ def test_every_input_has_an_answer(width):
     inside = ((wrist < high - 1) & (wrist > low + 1)).all(axis=1)
     saturated = answer.flags & SATURATED > 0
     assert saturated[beyond].all() and not saturated[inside].any() and beyond.any()
-    # Qw is as long as the product that it is
+    # |Qw| = |Qs| |Qe| |h|
     squares = [
         ((answer.results[:, part] / one) ** 2).sum(axis=1) for part in (slice(7, 11), slice(11, 13), slice(13, 17))
     ]
@@ -94,7 +95,7 @@ def test_every_input_has_an_answer(width):
 
 @every_width
 def test_poses_with_exact_angles(width):
-    """Straight up with any turn of the hand: th2, th4 and th6 are exactly 0.  Closed: th4 is half a turn."""
+    """Check straight arms: th2, th4 and th6 are 0.  Half a turn: th4 of a closed arm, th6 of a reversed hand."""
     one, half = 1 << width - 2, 1 << width - 1
     arm = 0, one // 2, one // 2, 0  # phi, d1, d2, tool
     hands = np.array([(one, 0, 0, 0), (-one, 0, 0, 0), (0, 0, 0, one), (one, 0, 0, 0), (0, one, 0, 0)])

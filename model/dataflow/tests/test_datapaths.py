@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bit-true datapaths: accuracy over the reachable workspace, unit quaternions and exact flags for any words, numbers
-and names in table, model and RTL, and the program of the fold datapath.
+"""Test the bit-true datapaths: accuracy in the reachable workspace, unit quaternions and exact flags for arbitrary
+words, equations of model and RTL, and the program of the fold datapath.
 
-Tolerances are in ulps of a result, 2^(2 - W), in radians and relative to the reach.
+Angles are in radians, distances relative to the reach.
 """
 
 import re
@@ -34,10 +34,10 @@ WORST = {
     27: (67077117, 0, 768, -67108864, 49495, 67108861),
     32: (2043587052, -2652, 1444, 84162352, 65595619, 2049611425),
 }
-"""Word length -> the target with the largest hand error found by a search for the lean datapath."""
+"""Word length -> the target with the largest wrist error of the lean datapath that a search has found."""
 
 ANGLE_ULPS = {16: 3, 18: 3, 24: 3, 27: 3, 32: 21}
-"""Largest error of the shoulder and elbow angles of the lean datapath; 2e-8 rad at W = 32."""
+"""Word length -> tolerance of the lean datapath's shoulder and elbow angles, ulps of a result; 2e-8 rad at W = 32."""
 
 every_width = pytest.mark.parametrize("width", TESTED)
 
@@ -48,7 +48,7 @@ def ulp(width: int) -> float:
 
 
 class Run:
-    """Results of a datapath for input words, with errors against double precision (relative to the reach, rad)."""
+    """Results of a datapath for input words, with their errors against double precision."""
 
     def __init__(self, words: np.ndarray, width: int, datapath: str = "lean", solve=solve_lean) -> None:
         self.words, self.width = words, width
@@ -62,7 +62,7 @@ class Run:
         self.norms = [np.abs((q**2).sum(axis=1) - 1) / ulp(width) for q in (values[:, :4], values[:, 4:])]
 
     def off(self, poses: np.ndarray) -> list[np.ndarray]:
-        """Return the distances / reach of the elbow and the hand of poses (N, 6) from where they belong."""
+        """Return the errors of elbow and wrist in poses (N, 6): distance from the correct point / reach."""
         at, reached = self.at, self.answer.flags & UNREACHABLE == 0
         exact, found = (forward(q[:, :4], q[:, 4:], at.d1, at.d2) for q in (self.exact, poses))
         aims = exact[0], np.where(reached[:, None], at.position, exact[1])
@@ -98,7 +98,7 @@ class Run:
 
 
 def walks(width: int) -> np.ndarray:
-    """Return targets at the limits of formats, reach and equations, each word of them up to 24 lsb further."""
+    """Return targets at the limits of formats, reach and equations, and near them: one word moved by up to 24 lsb."""
     steps = np.arange(-24, 25)[:, None] * np.eye(len(FIELDS), dtype=np.int64)[:, None]
     rows = np.concatenate([target + steps.reshape(-1, len(FIELDS)) for target in corners(width).values()])
     top = (1 << (width - 1)) - 1
@@ -159,7 +159,7 @@ def test_every_input_has_a_unit_answer_and_exact_flags(datapath, width):
 
 @pytest.mark.parametrize(("datapath", "width"), [*(("lean", w) for w in TESTED), ("paper", 18), ("paper", 32)])
 def test_clamps_as_double_precision_does(datapath, width):
-    """Qe is -i or 1 exactly."""
+    """Check clamped targets against double precision: Qe is exactly -i or 1."""
     words = unreachable(6000, width, 6)
     if datapath == "lean":
         words = np.concatenate([words, walks(width)])
@@ -176,7 +176,7 @@ def test_clamps_as_double_precision_does(datapath, width):
 
 @pytest.mark.parametrize(("datapath", "width"), [*(("lean", w) for w in TESTED), ("paper", 32)])
 def test_scale_does_not_matter(datapath, width):
-    """Lengths times a power of 4 give the same bits."""
+    """Check that lengths divided by 4 give the same bits."""
     lengths = [0, 1, 2, 4, 5]
     words = np.concatenate([region(name, 200, width, 9) for name in REGIONS])
     words[:, lengths] &= ~3
@@ -196,7 +196,7 @@ def test_a_width_that_is_not_built_is_refused():
 
 
 def split(text: str, separator: str, most: int = -1) -> list[str]:
-    """Split a text where the separator stands outside of parentheses."""
+    """Split a text at separators outside parentheses, into at most ``most`` parts."""
     parts, depth = [""], 0
     for word in re.split(r"( [?:] | or | and |[()])", text):
         depth += (word == "(") - (word == ")")
@@ -208,7 +208,7 @@ def split(text: str, separator: str, most: int = -1) -> list[str]:
 
 
 def python(text: str) -> str:
-    """Return the right side of an equation in Python."""
+    """Return the right side of an equation as a Python expression."""
     if len(choice := split(text, " ? ", 2)) > 1:
         return f"where({', '.join(map(python, (choice[0], *split(choice[1], ' : ', 2))))})"
     for separator in (" or ", " and "):
@@ -229,7 +229,7 @@ FUNCTIONS |= {"sqrt": lambda v: np.sqrt(np.maximum(v, 0))}
 
 @pytest.mark.parametrize("datapath", ["lean", "paper"])
 def test_the_equation_is_what_the_operation_computes(datapath):
-    """The text of each node, evaluated in double precision, is its value."""
+    """Check that each node's equation text, evaluated in double precision, gives the node's value."""
     words, checked = random_reachable(200, 24, 3), 0
     bits = fixed.run(words, 24, datapath).bits
     values = predict.Real(bits, {}).values
@@ -247,7 +247,7 @@ def test_the_equation_is_what_the_operation_computes(datapath):
 
 
 COMMENTED = re.compile(r"^ *// (?:\(\d+\) )*(?P<name>\w+) = (?P<text>[^\n]*)$", re.MULTILINE)
-"""Equation of a node, in a line of its own above the operator."""
+"""Comment of the RTL with a node's equation, on a line of its own above the operator."""
 
 INLINE = "choose", "input"
 """Kinds of nodes that may be computed by a line of Verilog instead of an instance of an operator."""
@@ -257,7 +257,7 @@ INLINE = "choose", "input"
     ("datapath", "section"), [(name, section) for name in ("arm", "paper") for section in MODELS[name].sections]
 )
 def test_the_verilog_has_the_equation_of_each_operator(datapath, section):
-    """Every comment that is an equation equals the model's; every operator has one, with the paper's number if any."""
+    """Check that each equation in a comment is the model's, and that each operator has one, with the paper's number."""
     path = MODELS[datapath]
     if section == "results":
         return
@@ -281,7 +281,7 @@ def test_a_schedule_has_the_same_program_at_every_word_length(width, name):
 
 
 def test_the_units_of_both_programs_have_the_same_codes():
-    """ik_fold_arm drives the units of ik_fold, which read the core's codes."""
+    """Check that the whole arm's codes extend the core's: ik_fold_arm contains units of ik_fold."""
     own = "source", "input", "result", "sign", "b_by"
     for field, of in codes().items():
         if field not in own[:3]:
@@ -291,8 +291,8 @@ def test_the_units_of_both_programs_have_the_same_codes():
 
 @PROGRAMS
 def test_steps_in_the_clocks_of_another_step_are_refused(name):
-    """Two steps that need a field or a place in one clock; a step of another clock that does not conflict shows as
-    wrong nodes in the RTL (`tb/core/test_every_node.py`)."""
+    """Check that two steps that need a field or a place in the same clock are refused.  A step in a wrong clock without
+    such a conflict gives wrong nodes in the RTL, which `tb/core/test_every_node.py` finds."""
     (lowering, groups), found = lower(24, name), schedule(24, name)
     first, *others = groups
     for other in others[::7]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Primitives of the bit-true model against fractions and integers of any size, which model and RTL do not use."""
+"""Test primitives of the bit-true model against fractions and unlimited integers, which model and RTL do not use."""
 
 import math
 from fractions import Fraction
@@ -40,7 +40,7 @@ def inputs(columns, *formats: Format) -> tuple[list[Node], dict[str, np.ndarray]
 
 
 def check(operation, fmt: Format, values: dict[str, np.ndarray], exact: list[Fraction]) -> None:
-    """Assert that a node's words are exact values, rounded half up and saturated, and check its mask of saturation."""
+    """Assert that a node's words are the exact values, rounded half up and saturated, and check its overflow mask."""
     node = Node("q", "", "", operation, fmt, operation.latency, 0, FLOW)
     words = [half_up(value * 2**fmt.frac) for value in exact]
     assert node.evaluate(values).tolist() == [min(max(word, fmt.low), fmt.high) for word in words]
@@ -72,7 +72,7 @@ def test_sum_is_rounded_and_saturated(triples, integer_bits, b_sign, c_sign, thr
 NEAR_QUOTIENTS = st.tuples(st.integers(1, (1 << 31) - 1), signed(32), st.integers(-1, 1)).map(
     lambda drawn: ((drawn[0] * drawn[1] >> 22) + drawn[2], drawn[0])
 )
-"""n 2^22 / d next to an integer, where a float would be wrong."""
+"""(n, d) with n 2^22 / d close to an integer, so that floating point would give a wrong floor."""
 
 
 @given(st.one_of(st.tuples(signed(40), signed(32)), NEAR_QUOTIENTS))
@@ -84,7 +84,7 @@ NEAR_QUOTIENTS = st.tuples(st.integers(1, (1 << 31) - 1), signed(32), st.integer
 @example(((1 << 39) - 1, 1))
 @example((-1, (1 << 31) - 1))
 def test_floor_div_is_the_floor_of_a_fraction(operands):
-    """The floor, saturated; by the sign of n where d <= 0."""
+    """Check the saturated floor; where d <= 0, the sign of n decides."""
     (n, d), fmt = operands, Format(32, 30, "")
     q = math.floor(Fraction(n << 22, d)) if d > 0 else fmt.low - 1 if n < 0 else fmt.high + 1
     expected = min(max(q, fmt.low), fmt.high)
@@ -94,7 +94,7 @@ def test_floor_div_is_the_floor_of_a_fraction(operands):
 NEAR_SQUARES = st.tuples(st.integers(1, math.isqrt(ROOT_LIMIT)), st.integers(-1, 1)).map(
     lambda drawn: (drawn[0] ** 2 + drawn[1], 0)
 )
-"""Next to a square with more digits than a float."""
+"""(n, shift) with n at most 1 from a square, which may have more bits than the mantissa of a double."""
 
 
 @given(st.one_of(st.tuples(signed(33), st.integers(0, 29)), NEAR_SQUARES))
@@ -112,7 +112,7 @@ def test_floor_root_is_isqrt(operands):
 
 @st.composite
 def factors(draw):
-    """Draw factors, their widths, and a shift that keeps both low parts below the two extra bits."""
+    """Draw two factors, a shift, the factors' widths and a tile; the mixed products reach down to the sum's LSB."""
     widths = draw(st.integers(3, 35)), draw(st.integers(3, 35))
     tile = draw(st.sampled_from([TILE, 25, 16, 5]))
     least = 2 + max(map(sum, zip(cuts(*widths, tile), reversed(unseen(*widths, tile)), strict=True)))
@@ -128,7 +128,7 @@ def factors(draw):
 @example((-1, (1 << 21) - 1, 20, 22, 22, TILE))
 @example((-(1 << 24), (1 << 24) - 1, 23, 25, 25, 25))
 def test_mul3_is_within_its_error(case):
-    """Its bits are compared with their definition in tb/units/test_products.py."""
+    """Check only the error; tb/units/test_products.py compares the bits with their definition."""
     a, b, shift, *widths = case  # widths and tile
     least, greatest = mul3_error(shift, *widths)
     assert Fraction(least) < mul3(a, b, shift, *widths) - Fraction(a * b, 1 << shift) <= Fraction(greatest)

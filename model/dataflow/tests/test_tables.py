@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of reciprocal root, sine and cosine, and the vectoring CORDIC: words, errors within their bounds, symmetry.
+"""Test the tables of reciprocal root, sine and cosine, and the vectoring CORDIC: words, error bounds, symmetry.
 
-model/bounds/tests/test_figures.py compares results of the tables with measured and proved errors.
+model/bounds/tests/test_figures.py compares the tables' measured errors with proved bounds.
 """
 
 import numpy as np
@@ -22,7 +22,7 @@ every_table = pytest.mark.parametrize("table", [INVERSE_ROOT, SINE], ids=["root"
 @every_form
 @every_table
 def test_words_of_a_table_fit(table, size):
-    """c0 fits with the largest rounding constant added as well."""
+    """Check that all coefficients fit their widths, c0 also after the largest rounding constant is added."""
     form = getattr(table, size)
     c0, *rest = quadratic.columns(table, form)
     frac = {"short": 19, "long": table.short_frac + 1, "small": 19}[size]  # the smallest has the largest constant
@@ -59,7 +59,7 @@ def test_each_segment_of_the_root_keeps_its_bound(frac, tile):
     ("width", "tile"), [*((width, TILE) for width in (16, 18, 19, 27, 32)), (16, SMALL_TILE), (24, SMALL_TILE)]
 )
 def test_sine_is_odd_and_cosine_even(width, tile):
-    """Neither exceeds 1; both are exact at 0 and at half a turn."""
+    """Check the symmetry, that neither function exceeds 1, and that both are exact at 0 and at half a turn."""
     frac, half_turn = min(inner_frac(width), SINE_FRACS[-1]), 1 << width - 1
     phi, one = np.linspace(-half_turn, half_turn - 1, 1 << 18).astype(np.int64), 1 << frac
     sin, cos = quadratic.half_sincos(phi, width, frac, tile)
@@ -75,7 +75,8 @@ SHORT = (8, 9, 10)  # word lengths whose vectors are all tested
 
 
 def vectors(width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return vectors up to LONGEST: all of a short word length, else 400000 of any magnitude, many near an axis."""
+    """Return vectors no longer than LONGEST: all at a SHORT word length, else up to 400000 random ones, of any length
+    and often near an axis."""
     half = 1 << width - 1
     if width in SHORT:
         x, y = np.mgrid[-half:half, -half:half].reshape(2, -1)
@@ -111,7 +112,7 @@ def test_angle_and_length_are_within_their_bounds(width):
 
 @pytest.mark.parametrize("width", (*SHORT, 18, 24, 32))
 def test_longest_vector_keeps_every_bit(width):
-    """Its length exceeds the words', so the guarded words are tested; the next bit of length is too much."""
+    """Check vectors of length LONGEST, too long for words, with guard bits; twice that length loses bits."""
     turn = np.linspace(-np.pi, np.pi, 20001)
 
     def off(length):
@@ -125,7 +126,7 @@ def test_longest_vector_keeps_every_bit(width):
 
 @pytest.mark.parametrize("width", range(8, 33))
 def test_small_angles_keep_their_sign(width):
-    """Straight arms and hands along an axis: no rounded angle of theirs is below 0, so that limits hold at 0."""
+    """Check that no angle of a straight arm or of a hand along an axis is rounded to below 0, where a limit may be."""
     one = 1 << width - 2
     x, y = np.meshgrid([one - 1, one, one + 2], np.arange(min(400, one)))
     length, angle = angles.vector(x, y, width)
