@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Predicted errors: the effect of every node's rounding on the hand, from word lengths and the pose alone.
+"""Predicted errors: the effect of every node's rounding on the hand, computed from formats and the pose.
 
-The dataflow runs in double precision with single nodes moved by the limits of their rounding rule (:class:`Real`).
-Only the decisions of the bit-true model are used: shift counts and masks.  A prediction therefore reflects the
-conditioning of the equations at the pose, and measured errors can be compared with it.
+:class:`Real` evaluates the dataflow in double precision, with chosen nodes moved to the ends of their rounding range.
+The bit-true model supplies decisions (shift counts, masks), the guard's nodes, and words that nodes take as exact. A
+prediction therefore reflects the conditioning of the equations at the pose; measured errors can be compared with it.
 """
 
 from collections.abc import Mapping
@@ -19,15 +19,15 @@ from ..reference.kinematics import forward
 
 
 class Real:
-    """Dataflow in double precision at the pose of ``bits``, with some nodes moved; ``values`` are the nodes'.
+    """Dataflow in double precision for the targets of ``bits``, with some nodes moved; ``values`` by node name.
 
-    ``moves`` maps a node's name to an array (N,), in ulps.  Decisions and the guard's nodes come from the integer run.
+    ``moves`` maps a node's name to the distances (N,), in ulps, that are added to its value.
     """
 
     def __init__(self, bits: fixed.Bits, moves: Mapping[str, np.ndarray]) -> None:
         self.bits, self.moves = bits, moves
         self.values: dict[str, np.ndarray] = {}
-        self._as_words: frozenset[str] = frozenset()  # of the node in evaluation
+        self._as_words: frozenset[str] = frozenset()  # of the node being evaluated
         for name, node in bits.nodes.items():
             self.values[name] = self._moved(node, self._value(node))
 
@@ -43,7 +43,7 @@ class Real:
         return value + self.moves[node.name] * node.format.ulp if node.name in self.moves else value
 
     def __getitem__(self, name: str):
-        """Return an operand of the node in evaluation, in ulps."""
+        """Return an operand of the node being evaluated, in ulps of the operand."""
         value = self.word(name) if name in self._as_words else self.values[name]
         return value / self.bits.nodes[name].format.ulp
 
@@ -53,17 +53,16 @@ class Real:
 
 
 CORNERS = 32
-"""Number of random combinations of rounding ends that :func:`predicted_error` adds to the first-order worst case."""
+"""Number of random sets of rounding ends that :func:`predicted_error` adds to the first-order worst case."""
 
 
 def predicted_error(words: np.ndarray, width: int, datapath: str = DEFAULT) -> np.ndarray:
-    """Return the largest hand error / reach explained by the roundings of a datapath, for input words (N, 6); shape
-    (N,).
+    """Return the largest hand errors / reach (N,) that a datapath's roundings explain, for input words (N, 6).
 
-    Every node is moved alone to either end of its rounding range; then, for each axis, all nodes are moved at once to
-    the ends that push the hand furthest along that axis.  To first order no set of roundings is worse.  Where a root or
-    a limited cosine is at its end, first order is unreliable: there :data:`CORNERS` random sets of ends are tried as
-    well. The rounding of the input words is added, half an ulp each.
+    Each node is moved alone to both ends of its rounding range. Then, for each direction of each axis, all nodes are
+    moved at once to the ends that push the hand furthest in that direction; to first order, no set of ends is worse.
+    First order is unreliable where a root or a limited cosine is at the end of its range, so :data:`CORNERS` random
+    sets of ends are tried as well. The rounding of the input words, half an ulp each, is added.
     """
     bits = fixed.run(words, width, datapath).bits
     nodes = [node for node in bits.nodes.values() if node.error != EXACT]  # those that rounding can move

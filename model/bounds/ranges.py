@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proved ranges: the dataflows evaluated on intervals, over every input word, with geometry as rules.
+"""Proved ranges: the dataflows evaluated on intervals that contain every input word, narrowed by geometric rules.
 
-A node's :class:`Bound` is the interval of exact arithmetic (``low``, ``high``) and the largest rounding error of its
-word (``error``), propagated forward: the operation's own rounding plus the operands' errors, multiplied by the largest
-other operand.  The word lies within the sum of both, which must fit the format.  Geometry's ranges, error growth and
-intended saturation are stated at the nodes (:mod:`model.dataflow.annotations`), each with its reason.
+A node's :class:`Bound` has the interval of exact arithmetic (``low``, ``high``) and the largest error of its word
+(``error``): the operation's own rounding plus the errors of its operands, in a product each times the largest other
+operand. The interval, widened by the error, must fit the format. Ranges from geometry, error growth and intended
+saturation are stated at the nodes (:mod:`model.dataflow.annotations`), each with its reason.
 
-* :class:`Ranges`, of the paper's dataflow: plain intervals, which a rule narrows at single nodes.  The input words are
-  split into :func:`model.dataflow.annotations.cases`; a node's range is the union over them.
-* :class:`LeanRanges`, of the lean dataflow and the whole arm: every range is stated, and `make formal` proves ranges
-  and errors (``tb/formal/lean_proofs.py``).  Unused words of a clamped target (K and its dependents) or a bad hand (its
-  products) may lose high bits.
+* :class:`Ranges`, paper dataflow: interval arithmetic, narrowed by rules at some nodes. The input words are split into
+  :func:`model.dataflow.annotations.cases`; a node's range is the union over the cases.
+* :class:`LeanRanges`, lean dataflow and whole arm: the nodes state all ranges, and `make formal` proves ranges and
+  errors (``tb/formal/lean_proofs.py``). Words that are not used may lose high bits: K and its dependents for a clamped
+  target, the products of a bad hand.
 """
 
 import itertools
@@ -29,14 +29,14 @@ from ..dataflow.nodes import Node
 from ..io.words import ARMS
 
 SLACK = 2.0**-48
-"""Relative allowance for the double precision in which the paper's bounds themselves are computed."""
+"""Relative allowance for the rounding of the bounds themselves, which :class:`Ranges` computes in doubles."""
 
-UP = 1 + 2.0**-50  # the same for the lean dataflow's errors, rounded upwards
+UP = 1 + 2.0**-50  # factor by which LeanRanges rounds its errors upwards
 
 
 class Intervals:
-    """Bounds of a dataflow's nodes, ``bounds``.  ``failed`` collects the nodes that do not fit, each with a line that
-    names it."""
+    """Bounds of a dataflow's nodes (``bounds``), by node name.  ``failed`` has a one-line message for each node that
+    does not fit its format."""
 
     def __init__(self, datapath: str, width: int) -> None:
         self.flow, self.width = dataflow(datapath, width), width
@@ -53,8 +53,8 @@ class Intervals:
 
 
 class Ranges(Intervals):
-    """Paper's dataflow over one :class:`Case`.  ``proved`` has the bounds before they are limited to the format;
-    ``saturated`` collects the nodes that saturate by design."""
+    """Bounds of the paper dataflow in one :class:`Case`.  ``proved`` has the bounds before they are limited to the
+    format; ``saturated`` names the nodes that saturate by design."""
 
     def __init__(self, width: int, case: Case) -> None:
         super().__init__("paper", width)
@@ -75,7 +75,7 @@ class Ranges(Intervals):
         return self.bounds[term.name]
 
     def limit(self, node: Node) -> float:
-        """Return the largest magnitude that the node's rule permits."""
+        """Return the largest magnitude that the node's rule permits; inf without a rule."""
         return max(map(abs, node.within.limit(self.case))) if isinstance(node.within, Rule) else math.inf
 
     def _restart(self, names: tuple[str, ...]) -> None:
@@ -100,12 +100,12 @@ class Ranges(Intervals):
         return self._rule(node, *bounds) if bounds else self._given(node)
 
     def _fit(self, node: Node, bound: Bound) -> Bound:
-        """Check a bound against the format; a bound that does not fit is recorded and limited to the format's range."""
+        """Return a bound limited to the node's format; record the node if the bound does not fit."""
         fmt = node.format
         floor, ceiling = fmt.low * fmt.ulp, fmt.high * fmt.ulp
         low, high = bound.word
         slack = SLACK * max(abs(low), abs(high))
-        # A word lies on the format's grid: a value less than an ulp beyond the last one is the last one.
+        # Words are multiples of the ulp: a bound less than an ulp beyond the last word still fits.
         if math.ceil((low + slack) / fmt.ulp) < fmt.low or math.floor((high - slack) / fmt.ulp) > fmt.high:
             if node.limited is None or node.limited.clamped and not self.case.clamped:
                 self._fail(node, low, high, f", case {self.case.name}")
@@ -120,7 +120,7 @@ class Ranges(Intervals):
         return replace(bound, floor=max(bound.floor, floor), ceiling=min(bound.ceiling, ceiling))
 
     def _rule(self, node: Node, low: float, high: float, error: float, word=ANYTHING) -> Bound:
-        """Return the result of an operation, narrowed by the node's rule if it has one."""
+        """Return the bound of an operation's result, narrowed by the node's rule if it has one."""
         rule = node.within
         if not isinstance(rule, Rule):
             return self._fit(node, Bound(low, high, error, *word))
@@ -143,8 +143,8 @@ class Ranges(Intervals):
         fmt = node.format
         if isinstance(node.within, Given) or fmt.width == 1:
             return self._given(node)
-        # Selections, shifts and additions are monotone in each operand while the others (and the sign of a comparison's
-        # operand) are fixed: the extremes lie at corners of the operands' ranges, 0 and -1 included.
+        # Selections, shifts and additions are monotone in each operand while the other operands and the signs of
+        # compared operands are fixed. The extremes lie at the ends of the operands' ranges or at -1, 0 or 1 within.
         ends = [int(word) for word in np.atleast_1d(node.evaluate(_grid(node, self._corners)))]
         word = min(ends) * fmt.ulp, max(ends) * fmt.ulp
         if node.decision:
@@ -164,13 +164,13 @@ class Ranges(Intervals):
 
 
 def _grid(node: Node, corners) -> dict[str, np.ndarray]:
-    """Return all combinations of the corners of a node's operands, by name."""
+    """Return all combinations of the words or values that ``corners`` lists for each operand, by operand name."""
     columns = zip(*itertools.product(*(corners(operand) for operand in node.operands)), strict=True)
     return {operand.name: np.array(column) for operand, column in zip(node.operands, columns, strict=True)}
 
 
 def on_grid(word: tuple[float, float], fmt: Format) -> tuple[float, float]:
-    """Return the outermost words of ``fmt`` inside a range."""
+    """Return the lowest and the highest value inside a range that are words of ``fmt``."""
     low = math.ceil((word[0] - SLACK * abs(word[0])) / fmt.ulp)
     high = math.floor((word[1] + SLACK * abs(word[1])) / fmt.ulp)
     return low * fmt.ulp, max(low, high) * fmt.ulp
@@ -181,7 +181,7 @@ def on_grid(word: tuple[float, float], fmt: Format) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Proved:
-    """Properties of a node of the paper's dataflow over all inputs: range of its word, error bound in ulps."""
+    """Proved range of the word of a paper node over all inputs, and its error bound in ulps."""
 
     node: Node
     low: float
@@ -191,9 +191,9 @@ class Proved:
 
 @cache
 def analyse(width: int) -> tuple[dict[str, Proved], dict[str, str]]:
-    """Return every node's proved range at word length ``width``, and the failures: node -> one line."""
+    """Return two dicts for the paper dataflow: node -> proved range, and node that does not fit -> one-line message."""
     runs = [Ranges(width, case) for case in cases(width)]
-    failed = {name: line for run in reversed(runs) for name, line in run.failed.items()}  # of the first case
+    failed = {name: line for run in reversed(runs) for name, line in run.failed.items()}  # the first case wins
     table = {}
     for name, node in dataflow("paper", width).nodes.items():
         ranges = [on_grid(run.proved[name].word, node.format) for run in runs]
@@ -203,7 +203,7 @@ def analyse(width: int) -> tuple[dict[str, Proved], dict[str, str]]:
 
 
 def proved(width: int) -> dict[str, Proved]:
-    """Return every node's proved range."""
+    """Return node -> proved range of the paper dataflow."""
     return analyse(width)[0]
 
 
@@ -211,7 +211,7 @@ def proved(width: int) -> dict[str, Proved]:
 
 
 class LeanRanges(Intervals):
-    """Lean dataflow, or the whole arm around it: ``errors`` of the words by node, and ``bounds``."""
+    """Bounds of the lean dataflow or of the whole arm; ``errors`` has the error bound of each node's word by name."""
 
     def __init__(self, width: int, datapath: str = "lean") -> None:
         super().__init__(datapath, width)
@@ -231,7 +231,7 @@ class LeanRanges(Intervals):
             return Bound(0.0, getattr(node.op, "most", float(fmt.high)))
         if not isinstance(node.within, Within):
             raise RangeError(f"{node.name}: the dataflow states no range")
-        error = 0.0 if node.decision else UP * node.op.growth(node, operands)  # exact integers are not rounded
+        error = 0.0 if node.decision else UP * node.op.growth(node, operands)  # decisions are exact integers
         if node.op.adds_rounding:
             error = UP * (error + max(map(abs, node.error)) * fmt.ulp)
         bound = Bound(node.within.low, node.within.high, error)

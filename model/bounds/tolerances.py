@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tolerances for scores, the soak and the list of hardest targets: hand error / reach, norm error.
+"""Tolerances of hand error / reach and of the norm error, for scores, the soak and the list of worst targets.
 
-A prediction (:mod:`model.bounds.predict`) explains an error and is never a tolerance.  The table has no entry for the
-paper's equations near their singular poses, where their error grows without bound: there bits, flags and norms are
-checked, and accuracy only on request (``TOLERANCE=``).
+A prediction (:mod:`model.bounds.predict`) explains an error and is never a tolerance.  The paper's equations have no
+tolerance near their singular poses, where their error grows without bound: there bits, flags and norms are checked, and
+accuracy only on request (``TOLERANCE=``).
 """
 
 import numpy as np
@@ -20,52 +20,53 @@ LEAN_ERRORS = """
     2e-8 2e-8 2e-8
 """
 LEAN = dict(zip(WIDTHS, map(float, LEAN_ERRORS.split()), strict=True))
-"""Word length -> largest hand error / reach of the lean datapath, in any pose that was not searched for its error
-(:func:`sought`).  3.3 ulps of a result for 18 bits, 3.4 for 16, 3.5 up to 26 and 3.6 for 28, but 4.2 for 24, 27 and 29;
-then more, up to 21.5 for 32, where inner words have only three bits more than the results (seven elsewhere) and roots
-one.  Short searches (`soak --worst 300`) find up to 3.2 ulps from 17 to 26 bits, 3.3 at 28, 3.9 at 29, and 1.91e-8
-and 1.47e-8 at 30 and 31."""
+"""Word length -> largest permitted hand error / reach of the lean datapath. Targets from a search for large errors have
+their own tolerance, :func:`sought`. In ulps of a result: 3.3 at 18 bits, 3.4 at 16, 3.6 at 28, 4.2 at 24, 27 and 29,
+3.5 at others below 30, and up to 21.5 at 32, where inner words have only three fraction bits more than the results
+(seven at 17 to 28 bits) and roots one. Short searches (`soak --worst 300`) find up to 3.2 ulps from 17 to 26 bits, 3.3
+at 28 and 3.9 at 29, and errors of 1.91e-8 at 30 bits and 1.47e-8 at 31."""
 
 ROUNDED_ULPS = 2 + 2**0.5
-"""Hand error / reach of results rounded to the nearest word, in ulps, where Qs is a quarter turn about a frame axis,
-the forearm is the whole reach and all roundings have the same direction.  More bits inside the core do not reduce it;
-the tolerance at 18 bits is 3.28 ulps."""
+"""Largest hand error / reach, in ulps, that rounding exact results to the nearest word can cause: Qs is a quarter turn
+about a frame axis, the forearm is the whole reach, all roundings have the same direction. More bits inside the core do
+not reduce it. It exceeds the tolerance of 3.28 ulps at 18 bits."""
 
 REGULAR = 1e-4
-"""Tolerance of the paper's equations where all targets are regular: the paper group's 1/16 mm on an arm of 0.6 m."""
+"""Tolerance of the paper's equations if all targets are regular: the paper's 1/16 mm, on an arm of 0.6 m."""
 
 REGULAR_DISTANCE = 0.2  # minimum distance of a regular target from every singular pose (rad)
-REGULAR_WIDTH = 32  # word length at which a regular trajectory has this fixed tolerance
+REGULAR_WIDTH = 32  # the word length for which REGULAR holds
 
 LEAN_NORMS = dict.fromkeys(WIDTHS, (2.21, 1.5)) | {16: (2.1, 1.46), 18: (2.43, 1.6), 27: (2.43, 1.6)}
 LEAN_NORMS |= {28: (2.87, 1.78), 29: (3.75, 2.16), 30: (5.5, 2.91), 31: (9.0, 4.41), 32: (16.0, 7.41)}
-"""Word length -> ulps of a result allowed for abs(norm^2 - 1) of Qs and Qe in the lean datapath.  Half an ulp in every
-word changes norm^2 by the sum of their magnitudes, at most 2 (Qs) or sqrt(2) (Qe); the roots, whose ulps are 2^-8 ulps
-of a result at 16 bits and half an ulp at 32, account for the remainder.  Searches find 2.1 at 18 bits, 15.4 at 32."""
+"""Word length -> largest permitted abs(norm^2 - 1) of Qs and of Qe in the lean datapath, in ulps of a result. Rounding
+all components by half an ulp changes norm^2 by the sum of their magnitudes in ulps, at most 2 (Qs) or sqrt(2) (Qe). The
+remainder is caused by the roots, whose ulp is 2^-8 ulps of a result at 16 bits and half an ulp at 32. Searches find 2.1
+at 18 bits and 15.4 at 32."""
 
 PAPER_NORM = 16.0
-"""Norm tolerance of the paper datapath, either quaternion, in ulps; the largest value observed is 9.4."""
+"""Largest permitted abs(norm^2 - 1) of Qs and Qe in the paper datapath, in ulps; the largest observed is 9.4."""
 
 ARM_ULPS = 12.5, 19.5
-"""Errors of the seven joint angles' hand, in ulps of a result: of its point / reach with the tool, and of its
-orientation in rad.  At W = 32 they are 1.2e-8 and 1.8e-8, at 24 3e-6 and 4.6e-6,
-at 18 1.9e-4 and 3e-4."""
+"""Largest permitted errors of the hand at the seven joint angles, in ulps of a result: of its point / reach with the
+tool, and of its orientation (rad). They are 1.2e-8 and 1.8e-8 at W = 32, 3e-6 and 4.6e-6 at W = 24, 1.9e-4 and 3e-4
+at W = 18."""
 
 WRIST_ULPS = 3**0.5 * 0.9
-"""Further error of the hand's point in ulps of a length: each coordinate of the wrist is rounded to a word, half its
-offset to an inner word, which at W = 32 has three bits more.  Searches find 1.4 there, for lengths of a few ulps."""
+"""Further error of the hand's point, in ulps of a length: each coordinate of the wrist is rounded to a word, half the
+tool's offset to an inner word, at W = 32 three bits longer. Searches find 1.4 there, for lengths of a few ulps."""
 
 
 def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
-    """Return the largest error of the hand's point for poses (N, 11), (N,) in words, and of its orientation, rad."""
+    """Return the largest permitted errors for poses (N, 11): of the hand's point (N,), ulps, and orientation, rad."""
     reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
     point, orientation = (ulps * 2.0 ** (2 - width) for ulps in ARM_ULPS)
     return point * reach + WRIST_ULPS, orientation
 
 
 def pose_errors(words: np.ndarray, results: np.ndarray, flags: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the errors (N,) of the hand's point and orientation of poses (N, 11), relative to their tolerances; nan
-    for poses out of reach, and for hands farther from unit length than rounding explains."""
+    """Return the errors (N,) of the hand's point and orientation for poses (N, 11), relative to tolerance;
+    nan where the wrist is clamped or the hand's quaternion is farther from unit length than rounding explains."""
     th, tool = results[:, :7].T * (2 * np.pi / (1 << width)), words[:, 6:7] * (0.0, 0.0, 1.0)
     point, hand = reached(th, words[:, 4], words[:, 5], tool)
     permitted = arm(words, width)
@@ -76,34 +77,34 @@ def pose_errors(words: np.ndarray, results: np.ndarray, flags: np.ndarray, width
 
 
 ROUNDED_POSE_ULPS = 3**0.5 / 2 + 3 / 2, 2.0
-"""Further errors of a hand in the user's units: of its point, as three coordinates, d1, d2 and tool are rounded to
-words, and of its orientation, as the four components are."""
+"""Further errors of a hand in the user's units, in ulps: of its point, from rounding three coordinates, d1, d2 and
+tool to words, and of its orientation, from rounding the quaternion's four components."""
 
 
 def pose(words: np.ndarray, width: int, across: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return :func:`arm` for poses in the user's units; across (N,): part of a tool across the hand's z axis, words."""
+    """Return :func:`arm` for poses in the user's units, whose rounding adds to the permitted errors.
+
+    across (N,): length in ulps of the tool's part perpendicular to the hand's z axis.
+    """
     point, orientation = arm(words, width)
     orientation += ROUNDED_POSE_ULPS[1] * 2.0 ** (2 - width)
     return point + ROUNDED_POSE_ULPS[0] + orientation * across, orientation
 
 
 def lean(width: int) -> float:
-    """Return the largest hand error / reach of the lean datapath at a word length."""
+    """Return the largest permitted hand error / reach of the lean datapath at a word length."""
     return LEAN[width]
 
 
 def sought(width: int) -> float:
-    """Return the largest hand error / reach of the lean datapath for a target searched for its error: the tolerance, or
-    the error of rounded results where that is larger."""
+    """Return the largest permitted hand error / reach of the lean datapath for targets from a search for large errors:
+    the larger of :func:`lean` and the error that rounding exact results can cause."""
     return max(lean(width), ROUNDED_ULPS * 2.0 ** (2 - width))
 
 
 def hand(width: int, datapath: str, *, regular: bool = False) -> float | None:
-    """Return the largest hand error / reach of any target; None where the table has no entry. For the whole arm, return
-    the largest of :func:`pose_errors`, 1.
-
-    ``regular``: all targets keep :data:`REGULAR_DISTANCE`, as a file or trajectory may declare.
-    """
+    """Return the largest permitted hand error / reach; None without a tolerance. ``regular``: all targets are at least
+    :data:`REGULAR_DISTANCE` from singular poses. For the whole arm return 1, the bound of :func:`pose_errors`."""
     if MODELS[datapath].side:
         return 1.0
     if MODELS[datapath].equations == "lean":
@@ -112,14 +113,14 @@ def hand(width: int, datapath: str, *, regular: bool = False) -> float | None:
 
 
 def scale(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
-    """Return the scale by which hand errors of input words (N, 6) are ranked, (N,): the tolerance, or without one the
-    error that the roundings explain.  It is not a pass criterion."""
+    """Return divisors (N,) that rank the hand errors of input words (N, 6): the tolerance, or the predicted error if
+    there is no tolerance. They only set the order; they do not decide whether a target passes."""
     most = hand(width, datapath)
     return predicted_error(words, width, datapath) if most is None else np.full(len(words), most)
 
 
 def norm(width: int, datapath: str) -> float:
-    """Return the largest abs(norm^2 - 1) of a quaternion."""
+    """Return the largest permitted abs(norm^2 - 1) of a quaternion."""
     lean = MODELS[datapath].equations == "lean"
     ulps = max(LEAN_NORMS[width]) if lean else PAPER_NORM
     return ulps * 2.0 ** (2 - width)

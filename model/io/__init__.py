@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Targets: core words, files, trajectories, stimuli, flags, scores."""
+"""Targets and results: core words, files, trajectories, stimuli, flags, scores."""

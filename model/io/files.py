@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Target files: CSV with a header, in the user's units; and atomic writing of any file.
+"""Target files (CSV with a header, in the user's units), and atomic writing of any file.
 
 A `TargetError` is one line that names file, row, column and value.
 """
@@ -35,8 +35,8 @@ def read_csv(
 ) -> Targets:
     """Read targets from a CSV file with a header.
 
-    docs/targets.md describes the file. d1, d2, phi (rad) replace columns that it lacks; None stands for the default arm
-    and for a phi of nan. Rows in messages are line numbers, as in an editor. Raises TargetError.
+    docs/targets.md describes the file. d1, d2 and phi (rad) replace columns that the file lacks; None stands for the
+    default arm, or a phi of nan. Rows in messages are line numbers. Raises TargetError for a bad file or default.
     """
     path = os.fspath(path)
     defaults = {
@@ -83,7 +83,7 @@ def read_csv(
 
 
 def _hands(path: str, rows: np.ndarray, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return the fields of targets that come from the columns of :data:`OF_HANDS`, if there are any."""
+    """Return the fields of Targets that the columns :data:`OF_HANDS` define; none without these columns."""
     if not values:
         return {}
     q = np.column_stack([values[column] for column in QUATERNION])
@@ -103,7 +103,7 @@ def _hands(path: str, rows: np.ndarray, values: dict[str, np.ndarray]) -> dict[s
 
 
 def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
-    """Return rows with their first line numbers, without blank rows and comments, and the separator of cells."""
+    """Return the rows, except blank rows and comments, each with its first line number, and the cell separator."""
     try:
         data = Path(path).read_bytes()
     except FileNotFoundError:
@@ -136,7 +136,7 @@ def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
 
 
 def _check_header(path: str, row: int, header: list[str]) -> list[str]:
-    """Return the names of the columns; columns of targets get lower case.  Raises TargetError."""
+    """Return the column names, those of targets in lower case.  Raises TargetError for an invalid header."""
     columns = [cell.strip() for cell in header]
     of_hands = OF_HANDS if {column.lower() for column in columns} & set(QUATERNION) else ()
     columns = [column.lower() if column.lower() in (*FIELDS, *of_hands) else column for column in columns]
@@ -166,7 +166,7 @@ def _parse(path: str, row: int, column: str, cell: str, separator: str) -> float
 
 
 def number(text: str) -> float:
-    """Return a text as a finite number.  Raises ValueError, even for forms that float() accepts, such as 1_0."""
+    """Convert a text to a finite number.  Raises ValueError, also for some forms that float() accepts, such as 1_0."""
     value = float(text) if _NUMBER.fullmatch(text) else math.nan
     if not math.isfinite(value):
         raise ValueError(f"{text!r} is not a finite number")
@@ -192,10 +192,10 @@ def format_csv(targets: Targets) -> str:
 
 @contextlib.contextmanager
 def whole_files() -> Iterator[Place]:
-    """Yield a function path -> temporary path in the same folder; rename all files at the end, or remove them after an
-    error, so that either all old or all new files remain.
+    """Yield a function path -> temporary path in the same folder. At the end rename all temporary files to their paths;
+    after an error in the block remove them, so that the old files remain.
 
-    The filename of an OSError is the path, or if it has none the last path.
+    The filename of an OSError is the path that was asked for; an OSError without a filename gets the last path.
     """
     paths: dict[str, Path] = {}
 
@@ -220,6 +220,6 @@ def whole_files() -> Iterator[Place]:
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
-    """Write a file in one step.  Raises OSError, whose filename is `path`."""
+    """Write a file atomically.  Raises OSError, whose filename is `path`."""
     with whole_files() as temporary:
         temporary(path).write_bytes(content.encode() if isinstance(content, str) else content)

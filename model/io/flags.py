@@ -36,7 +36,7 @@ OVER_BIT = 9  # bit of over_1: joint 1 is outside its limits
 FLAGS = {name.lower(): flag for name, flag in Flag.__members__.items() if flag < 1 << FLAG_BITS}
 CORE_FLAGS = {name: flag for name, flag in FLAGS.items() if flag != SATURATED}
 ARM_FLAGS = {**FLAGS, "bad_hand": BAD_HAND, **{f"over_{k}": BAD_HAND << k for k in range(1, 8)}}
-"""Flags of a result, of the core and of the whole arm, by the names of the dataflow's nodes."""
+"""Result flags by the name of their node: bits 0 to 7 (FLAGS), of the core (CORE_FLAGS), of the arm (ARM_FLAGS)."""
 
 
 def names(flags: int) -> str:
@@ -46,20 +46,20 @@ def names(flags: int) -> str:
 
 
 def expected_flags(words: np.ndarray, width: int) -> np.ndarray:
-    """Return the exact flags (N,) of input words (N, 6).  Raises ValueError for a word that does not fit."""
+    """Return the exact flags (N,) of input words (N, 6).  Raises ValueError for a word that does not fit ``width``."""
     words = np.asarray(words, dtype=np.int64)
     half = 2 ** (width - 1)
     if ((words < -half) | (words >= half)).any():
         raise ValueError(f"a word does not fit {width} bits")
     x, y, z, _, d1, d2 = words.T  # any swivel angle is valid: it wraps
-    # Exact: three squares of 32-bit words, and the square of a sum of positive ones, fit unsigned 64 bits.
+    # Exact: three squares of 32-bit words, and the squared sum of two positive words, fit unsigned 64 bits.
     squared = sum((v * v).astype(np.uint64) for v in (x, y, z))
     furthest, nearest = ((np.abs(v).astype(np.uint64)) ** 2 for v in (d1 + d2, d1 - d2))
     return combine(x, y, z, d1, d2, squared > furthest, squared < nearest)
 
 
 def combine(x, y, z, d1, d2, beyond, inside) -> np.ndarray:
-    """Return the flags (N,) int64 of targets beyond the outer or inside the inner limit of the arm's reach."""
+    """Return the flags (N,), int64, of targets. Masks: ``beyond``, |p| > d1 + d2; ``inside``, |p| < |d1 - d2|."""
     on_axis = (x == 0) & (y == 0)
     bad = (d1 <= 0) | (d2 <= 0)
     return (

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scores of a trajectory run through the core: errors, and whether they meet the tolerances.
 
-* the hand: the wrist by forward kinematics of the core's quaternions, or for hand poses the point and orientation by
-  forward kinematics of the joints, against the user's target; so quantisation of the target counts as an error
-* angles and elbow point: against double precision at the core's input words
-* an unreachable target: the hand against the clamped pose's, apart from the reachable targets
+* hand: the wrist by forward kinematics of the core's quaternions, or the point and orientation of a hand pose by
+  forward kinematics of the joints, compared with the user's target; quantisation of the target counts as an error
+* angles and elbow point: compared with double precision at the core's input words
+* hand of an unreachable target: compared with the hand of the clamped pose, apart from the reachable targets
 
-Lengths are scaled by the power of two from `words.scale_exponent` before anything is squared, so arms in any unit are
-scored alike.  Tolerances come from `model.bounds.tolerances`, unless the user requests an accuracy.
+Lengths are scaled by the power of two from `words.scale_exponent` before they are squared, so the unit of length does
+not matter.  Tolerances come from `model.bounds.tolerances`, unless the user requests an accuracy.
 """
 
 import csv
@@ -34,11 +34,11 @@ from .words import FIELDS, JOINTS, RESULT_FIELDS, WRIST_FIELDS, Targets, from_wo
 
 
 def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
-    """Return a dict: singularity of equations (10)-(18) -> distance (rad) of each target's pose from it, (N,).
+    """Return a dict: singularity of equations (10)-(18) -> distances (N,), rad, of the targets' poses from it.
 
-    The singularities are: wrist and elbow on the z axis (either pole; the distance is the angle to it), and the half
-    angles theta_3/2 and theta_4/2 at 0 or pi/2, where a square root in (14) or (17) ends at 0; theta_4 is the elbow's.
-    Raises ValueError for lengths outside `equations.LENGTH_RANGE`.
+    For wrist or elbow on the z axis the distance is the angle from the nearer half of the axis. For theta_3 and theta_4
+    (elbow) it is the distance of the half angle from 0 or pi/2, where a square root in (14) or (17) is 0. Raises
+    ValueError for lengths outside `equations.LENGTH_RANGE` of a target in reach.
     """
     pose = solve_clamped(targets.x, targets.y, targets.z, targets.phi, targets.d1, targets.d2)
     wrist = np.arctan2(np.hypot(targets.x, targets.y), np.abs(targets.z))
@@ -57,19 +57,19 @@ def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
 
 
 def singular_distance(targets: Targets) -> np.ndarray:
-    """Return the distance (rad) of each pose from the nearest singular pose, (N,). 0 for an unreachable target."""
+    """Return the distance (N,), rad, of each pose from the nearest singular pose; 0 for an unreachable target."""
     return np.min(list(singular_distances(targets).values()), axis=0)
 
 
 def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
-    """Return the hand errors / reach (N,) of answers (N, 6)."""
+    """Return the hand errors / reach (N,) of results (N, 6) in double precision."""
     _, wrist = forward(answers[:, :4], answers[:, 4:], targets.d1, targets.d2)
     return np.linalg.norm(wrist - targets.position, axis=1) / targets.reach
 
 
 def model_errors(words: np.ndarray, width: int, datapath: str) -> tuple[np.ndarray, float]:
-    """Solve reachable targets (N, 6) with the bit-true model of a datapath; return the errors of the hands / reach,
-    (N,), and the largest difference of a joint angle from double precision (rad)."""
+    """Solve reachable targets, words (N, 6), with the bit-true model of a datapath. Return the hand errors / reach (N,)
+    and the largest difference (rad) of the shoulder's or elbow's rotation from double precision."""
     values = result_values(fixed.run(words, width, datapath).results, width)
     asked = from_words(words, 0, width, "words")
     pose = solve_lean(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
@@ -79,16 +79,16 @@ def model_errors(words: np.ndarray, width: int, datapath: str) -> tuple[np.ndarr
 
 
 def _whole(q: np.ndarray) -> np.ndarray:
-    """Return quaternions (N, 4) of their first two components, or of all."""
+    """Return quaternions (N, 4) from their first two components or from all four."""
     return np.pad(q, ((0, 0), (0, 4 - q.shape[1])))
 
 
 @dataclass(frozen=True, eq=False)
 class Hand:
-    """Hands of N poses.
+    """Hands of N poses, by forward kinematics of the core's joints.
 
     * point (N, 3): scaled lengths, in the user's frame
-    * joints (N, 7): rad; over_limit (N, 7): bool
+    * joints (N, 7): rad; over_limit (N, 7): True for a joint outside its limits
     * orientation_error (N,): rad
     """
 
@@ -100,10 +100,10 @@ class Hand:
 
 @dataclass(frozen=True, eq=False)
 class PerTarget:
-    """Figures of each target: points (N, 3) in scaled lengths and the user's frame; errors (N,), relative to the reach
-    (with a hand's tool) or in rad.
+    """Points and errors of each target: points (N, 3) in scaled lengths and the user's frame; errors (N,) relative to
+    the reach, tool included, or in rad.
 
-    `judged_error` is `hand_error`, but of an unreachable target (`clamped`) it is against the nearest pose.
+    `judged_error` is `hand_error`, but for an unreachable target (`clamped`) the distance from the clamped pose's hand.
     """
 
     elbow: np.ndarray
@@ -121,12 +121,13 @@ class PerTarget:
 class Score:
     """Scores of one trajectory; all but `per_target` are stored in score.json under the same names.
 
-    * `_max`, `_rms`: over the reachable targets, None when there are none; `clamped_error`: over the others
-    * `_tolerance`: the largest permitted error, None without one; `hand_error_over_tolerance`: the
-      largest error in units of it
+    * `*_max`, `*_rms`: over the reachable targets, None if there are none; but norm and orientation errors over all
+      targets, `clamped_error_max` over the unreachable targets
+    * `*_tolerance`: largest permitted error of the worst target, None without a tolerance; `hand_error_over_tolerance`:
+      largest ratio of a hand error to its tolerance
     * `hand_error_target`: the target with the largest error; `hand_error_pose`: how near it is to a singular pose
-    * `outcome`: the required and the measured accuracy; `failures` is empty exactly when `passed`
-    * `orientation_error`, `over_limit`, the number of targets with a joint outside its limits: hand poses only
+    * `outcome`: largest error and its tolerance as text; `failures` is empty exactly if `passed`
+    * `over_limit`: number of targets with a joint outside its limits; None for wrist targets, as `orientation_error_*`
     """
 
     trajectory: str
@@ -189,10 +190,10 @@ def score(
 
     * targets: N of them, in the user's units; words, exponent: output of `words.to_words`
     * run: the core's output, with the attributes of `tb.sim.job.Run`
-    * predicted (N,): hand error / reach that rounding can cause; None if not computed
-    * tolerance: of hand error / reach, requested by the user; by default from the table of tolerances
-    * placed: the elbows and wrists (N, 3) to score, from the shoulder, in the user's units, and for hands without a
-      tool their orientations (N, 4); by default from forward kinematics
+    * predicted (N,): largest hand error / reach that rounding can cause; None if not computed
+    * tolerance: of hand error / reach, requested by the user; by default from `model.bounds.tolerances`
+    * placed: elbows and wrists (N, 3) to score, relative to the shoulder, in the user's units, and orientations (N, 4)
+      for hand poses, which then have no tool; by default all are computed by forward kinematics
     * limits: joint limits of hand poses, in words; none by default
 
     Raises ValueError for arrays whose shapes do not match, and for a prediction that is not positive and finite.
@@ -312,7 +313,7 @@ def score(
 
 
 def _hand(targets: Targets, exponent: int, value: dict[str, np.ndarray], width: int, limits: Limits | None) -> Hand:
-    """Return the hands by forward kinematics of the results' joints, with points in the core's frame."""
+    """Return the hands by forward kinematics of the joints that the core returned; points are in the core's frame."""
     words = np.array([value[name] for name in JOINTS])
     th, free = words * (2 * np.pi / 2**width), [(-(1 << width - 1), (1 << width - 1) - 1)] * len(JOINTS)
     ends = zip(words, limits or free, strict=True)
@@ -327,7 +328,7 @@ def _max(values: np.ndarray, where: np.ndarray) -> float | None:
 
 
 def _outcome(passed: bool, tolerance: np.ndarray | None, errors: np.ndarray) -> str:
-    """Describe the largest error and its tolerance."""
+    """Return a line of text with the verdict, the largest error and its tolerance."""
     verdict, n = "pass" if passed else "FAIL", errors.argmax()
     error = f"error {errors[n]:.1e} of the reach"
     if tolerance is None:
@@ -338,7 +339,7 @@ def _outcome(passed: bool, tolerance: np.ndarray | None, errors: np.ndarray) -> 
 
 
 def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
-    """Report the first target with other flags than expected, if any."""
+    """Return a message that names the first target with wrong flags, if there is one."""
     wrong = flags != expected
     if not wrong.any():
         return []
@@ -350,7 +351,7 @@ def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
 
 
 def _large_errors(what: str, error: np.ndarray, most: float | np.ndarray | None, where: np.ndarray) -> list[str]:
-    """Report the target with the largest error above the tolerance, one for all or (N,), if any."""
+    """Return a message that names the largest error above its tolerance, if any; ``most``: a number or (N,)."""
     tolerance = np.broadcast_to(np.inf if most is None else most, error.shape)
     above = where & (error > tolerance)
     if not above.any():
@@ -364,11 +365,11 @@ def _large_errors(what: str, error: np.ndarray, most: float | np.ndarray | None,
 
 
 def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray] | None = None) -> dict[str, bytes]:
-    """Return the contents of results.csv and, with the same data as arrays, of results.npz, by suffix.
+    """Return the contents of results.csv and results.npz by suffix; results.npz has the same data as arrays.
 
     CSV: one row per target in input order, lengths in the user's unit and frame, angles in rad, followed by the other
-    columns of the target file and by `more` (N,). Floats are written so that reading them gives the same bits.
-    docs/targets.md lists columns and arrays.
+    columns of the target file and by `more`, columns (N,). Reading the file returns the same bits. docs/targets.md
+    lists columns and arrays.
     """
     value = dict(zip(MODELS[result.datapath].results, result_values(run.results, result.width).T, strict=True))
     qs = targets.from_core(np.column_stack([value[name] for name in RESULT_FIELDS[:4]]))
@@ -405,5 +406,5 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
 
 
 def score_json(scores: Sequence[Score]) -> bytes:
-    """Return the contents of score.json: a list with one object per trajectory, without times and paths."""
+    """Return the contents of score.json: a list with one object per trajectory; times and paths are left out."""
     return (json.dumps([item.as_json() for item in scores], indent=2, allow_nan=False) + "\n").encode()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Targets for testbenches: (N, 6) signed input words of a width, reproducible from the seed.
+"""Targets for testbenches: signed input words (N, 6) of ``width`` bits, reproducible from the seed.
 
-Columns are ``FIELDS`` of :mod:`model.io.files`: x, y, z, phi, d1, d2.
+Columns are ``FIELDS`` of :mod:`model.io.words`: x, y, z, phi, d1, d2.
 """
 
 import itertools
@@ -19,9 +19,9 @@ from .words import FIELDS
 
 
 def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
-    """Return targets without any flag: directions and swivel angles uniform, lengths of all sizes.
+    """Return targets without flags; directions and swivel angles are uniform.
 
-    Half of the lengths fill their words; the sizes of the others are spread evenly over the bits.
+    The lengths of every other target fill their words; for the rest, the logarithm of the size is uniform.
     """
     random, rows = np.random.default_rng((seed, width, 1)), np.zeros((0, len(FIELDS)), dtype=np.int64)
     while len(rows) < count:
@@ -42,8 +42,8 @@ def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def unreachable(count: int, width: int, seed: int) -> np.ndarray:
-    """Return clamped targets in turn: too far, too near (either bone the longer), at the shoulder, on the axis out of
-    reach, a length of 0, a negative length."""
+    """Return clamped targets of seven kinds in rotation: too far, too near (longer upper arm), too near (longer
+    forearm), at the shoulder, on the z axis out of reach, a bone length of 0, a negative bone length."""
     random = np.random.default_rng((seed, width, 2))
     top = (1 << (width - 1)) - 1
     number = np.arange(count)
@@ -52,7 +52,7 @@ def unreachable(count: int, width: int, seed: int) -> np.ndarray:
     position = random.integers(-size, size, (count, 3))
     phi = random.integers(-top - 1, top + 1, count)
     arms = random.integers(1, 1 << random.integers(1, width - 1, (count, 1)), (count, 2))
-    either = random.integers(2, size=count)  # arm
+    either = random.integers(2, size=count)  # which bone
 
     too_far = kind == 0
     position[too_far] |= 1 << (width - 3)
@@ -77,14 +77,14 @@ def unreachable(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def corners(width: int) -> dict[str, tuple[int, ...]]:
-    """Return named targets at the limits of formats, reach and equations."""
+    """Return targets at the limits of formats, reach and equations: name -> words."""
     low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
-    k = 1 << (width - 6)  # exact multiples: 3-4-5 and 1-2-2-3
+    k = 1 << (width - 6)  # unit of exact lengths: 3-4-5, 1-2-2-3
     half_turn, quarter = low, 1 << (width - 2)
     place = (3 * k, 2 * k, k)  # a point in reach of (3k, 2k)
     arm = (3 * k, 2 * k)
     return {
-        # words
+        # extreme words
         "zero": (0, 0, 0, 0, 0, 0),
         "all lowest": (low, low, low, low, low, low),
         "all highest": (top, top, top, top, top, top),
@@ -155,8 +155,8 @@ def corners(width: int) -> dict[str, tuple[int, ...]]:
 
 
 def edges(count: int, width: int, seed: int) -> np.ndarray:
-    """Return reachable targets most likely to overflow: long bones with a target a few lsb from the shoulder, and a
-    forearm of a few lsb on a long upper arm along the z axis."""
+    """Return up to ``count`` reachable targets that are likely to overflow: a target near the shoulder with long bones,
+    or a short forearm on a long upper arm along the z axis."""
     random = np.random.default_rng((seed, width, 5))
     top = (1 << (width - 1)) - 1
     near = np.arange(count) % 2 == 0
@@ -188,23 +188,23 @@ def extremes(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def special(width: int) -> tuple[int, ...]:
-    """Return twelve words: both ends, around 0 and 1.0, -1.0, and alternating bits."""
+    """Return twelve words: at both ends of the range, around 0 and 1.0, -1.0, and alternating bits."""
     low, one, top = -(1 << (width - 1)), 1 << (width - 2), (1 << (width - 1)) - 1
     return (low, low + 1, -one, -1, 0, 1, top // 3, one - 1, one, one + 1, top - 1, top)
 
 
-SPECIAL = 12 ** len(FIELDS)  # number of targets made of special words only
+SPECIAL = 12 ** len(FIELDS)  # number of targets that consist of special words
 
 
 def of_special(first: int, count: int, width: int) -> np.ndarray:
-    """Return ``count`` targets of special words, from number ``first`` on; x varies fastest."""
+    """Return the targets of special words with numbers from ``first``, at most ``count``; x varies fastest."""
     numbers = np.arange(first, min(first + count, SPECIAL))
     words = np.array(special(width), dtype=np.int64)
     return np.column_stack([words[numbers // 12**k % 12] for k in range(len(FIELDS))])
 
 
 def mixed(count: int, width: int, seed: int) -> np.ndarray:
-    """Return a shuffled mix: all corners; the rest is half reachable, a quarter clamped, a quarter extreme."""
+    """Return shuffled targets: all corners; of the rest, half reachable, a quarter clamped, a quarter extreme."""
     random = np.random.default_rng((seed, width, 4))
     rows = np.array(list(corners(width).values()), dtype=np.int64)
     rest = max(0, count - len(rows))
@@ -233,8 +233,8 @@ REGIONS = {
 def region(name: str, count: int, width: int, seed: int) -> np.ndarray:
     """Return reachable targets of one of the ``REGIONS``.
 
-    Unless stated otherwise, lengths are of all sizes, d1 : d2 up to 1:20. A quarter of the swivel angles
-    lies within 2 lsb of a multiple of an eighth of a turn.
+    Unless REGIONS states otherwise, lengths have all sizes and differ by a factor of up to 20. A quarter of the swivel
+    angles is within 2 lsb of a multiple of an eighth of a turn.
     """
     random = np.random.default_rng((seed, width, 10, list(REGIONS).index(name)))
     rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
@@ -284,7 +284,7 @@ def _region(name: str, random, count: int, width: int) -> np.ndarray:
             total = floor + (floor.astype(object) ** 2 < squares) + np.floor(gap * floor).astype(np.int64)
             d1 = np.clip(np.rint(total * share).astype(np.int64), 1, np.maximum(total - 1, 1))
             d2 = total - d1
-        else:  # the shorter bone stays
+        else:  # change only the longer bone
             part = random.uniform(-1, 1, count) if "shoulder" in name else 1 - gap
             longer = np.minimum(d1, d2) + np.rint(floor * part).astype(np.int64)
             d1, d2 = np.where(d1 < d2, d1, longer), np.where(d1 < d2, longer, d2)
@@ -292,18 +292,18 @@ def _region(name: str, random, count: int, width: int) -> np.ndarray:
 
 
 def _near_z(random, count: int) -> np.ndarray:
-    """Return directions near the z axis and on it."""
+    """Return directions (N, 3) near or on the z axis."""
     off = np.where(random.random(count) < 0.9, 10 ** random.uniform(-9, -1, count), 0)
     return _directions(off, random.uniform(-np.pi, np.pi, count)) * random.choice([(1, 1, -1), (1, 1, 1)], count)
 
 
 def _directions(off, azimuth) -> np.ndarray:
-    """Return the directions at angles from the z axis."""
+    """Return unit vectors (N, 3) at angles ``off`` (rad) from the z axis."""
     return np.column_stack([np.sin(off) * np.cos(azimuth), np.sin(off) * np.sin(azimuth), np.cos(off)])
 
 
 def _elbow_near_z(random, width: int, d1, d2) -> np.ndarray:
-    """Return the wrist for which the swivel plane at phi = 0 (half a turn for an elbow below) contains the z axis."""
+    """Return targets with the elbow near the z axis: phi is near 0, or half a turn for an elbow below the shoulder."""
     count = len(d1)
     elbow = _near_z(random, count) * d1[:, None]
     # A forearm that points away from the wrist's side would put the elbow on the other side.
@@ -316,7 +316,7 @@ def _elbow_near_z(random, width: int, d1, d2) -> np.ndarray:
 
 
 def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
-    """Return targets with a value around 0, in turn: each position word, the cosine of the shoulder angle, k of Qs."""
+    """Return targets of five kinds in rotation, with x, y, z, the cosine of the shoulder angle, or k of Qs near 0."""
     count = len(phi)
     kind = np.arange(count) % 5
     few = random.integers(-4, 5, count)
@@ -330,9 +330,9 @@ def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
 
 
 def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
-    """Return the targets with swivel angles for which k of Qs is around 0.
+    """Return the targets with new swivel angles, for which k of Qs is near 0.
 
-    Qs is q_0 cos(phi/2) + q_pi sin(phi/2), with q_0 and q_pi known up to their signs.
+    Qs is q_0 cos(phi/2) + q_pi sin(phi/2). The signs of q_0 and q_pi are unknown, so both sign combinations are tried.
     """
     x, y, z, _, d1, d2 = rows.T.astype(float)
     at_0, at_pi = (solve_lean(x, y, z, phi, d1, d2)["qs_k"] for phi in (0.0, np.pi))
@@ -350,8 +350,8 @@ def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
 def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
     """Return hand poses (N, 11) with wrists at reachable targets (N, 6).
 
-    A third have any orientation; the others have th6 near 0 or half a turn, a tenth of these at it. The tool is at most
-    as long as the arm, and so short that the hand's point fits the format.
+    A third of the poses have any orientation. The others have th6 near 0 or half a turn, a tenth of them exactly. The
+    tool is at most as long as the arm, and so short that the hand's point fits the format.
     """
     random, count, top = np.random.default_rng((seed, width, 4)), len(targets), (1 << width - 1) - 1
     near = np.exp2(random.uniform(-34, -3, count)) * (random.random(count) < 0.9)
@@ -376,7 +376,7 @@ def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
 
 
 def arm_corners(width: int) -> np.ndarray:
-    """Return hand poses (N, 11) with quaternions just good or just bad, or wrists beyond one side of the format."""
+    """Return hand poses (N, 11) with a quaternion's length just in or out of range, or a wrist beyond the format."""
     one, top, half = 1 << width - 2, (1 << width - 1) - 1, round((1 << width - 2) * 0.5**0.5)
     ends = [one + side * (one >> 8) - less for side in (1, -1) for less in (0, 1)]
     rows = [(one >> 2, 0, 0, 0, one >> 1, one >> 1, 0, 0, end, 0, 0) for end in ends]
@@ -388,8 +388,8 @@ def arm_corners(width: int) -> np.ndarray:
 
 
 def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
-    """Return shuffled words and branches (N, 12) of hand poses: corners, poses in reach, arbitrary words, and a quarter
-    with wrists anywhere."""
+    """Return words and branches (N, 12) of shuffled hand poses: half in reach, a quarter of any words, a quarter with
+    wrists anywhere and unit quaternions; large sets include the corners."""
     random, kind = np.random.default_rng((seed, width, 6)), np.arange(count)[:, None] // 2 % 4
     anything, corners = any_hands(count, width, seed), arm_corners(width)
     poses = hand_poses(random_reachable(count, width, seed), width, seed)
@@ -403,7 +403,7 @@ def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
 def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
     """Return words and branches (N, 12) of hand poses with wrists at targets (N, 6).
 
-    One in eight has an arbitrary, non-unit quaternion. Where there are many poses, the corners come first.
+    One in eight has an arbitrary, non-unit quaternion. If there are many poses, the first are the corners.
     """
     random, named = np.random.default_rng((seed, width, 7)), arm_corners(width)
     reachable = np.flatnonzero((expected_flags(words, width) & UNREACHABLE) == 0)
@@ -411,7 +411,7 @@ def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
     rows[:, :6] = words
     posed = hand_poses(words[reachable], width, seed)
     kept = random.random(len(words)) < 7 / 8
-    if len(posed):  # the hands and tools of poses in reach also with wrists out of reach
+    if len(posed):  # wrists out of reach get hands and tools of poses in reach
         rows[kept, 6:] = posed[random.integers(len(posed), size=kept.sum()), 6:]
         rows[reachable[kept[reachable]]] = posed[kept[reachable]]
     if len(rows) > 100 * len(named):
@@ -420,15 +420,15 @@ def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
 
 
 def arm_limits(width: int) -> list[tuple[int, int]]:
-    """Return limits of seven joints, words: arcs of all lengths, some through half a turn, none a whole turn."""
+    """Return limits (low, high) of seven joints, words: arcs of all lengths, some across half a turn (low > high)."""
     half = 1 << width - 1
     arcs = (0.9, -0.8), (-0.7, 0.95), (-1.0, 0.0), (-0.4, 0.5), (0.2, 0.3), (-0.99, 0.6), (0.7, 0.4)
     return [(round(low * half), min(round(high * half), half - 1)) for low, high in arcs]
 
 
 def any_hands(count: int, width: int, seed: int) -> np.ndarray:
-    """Return words (N, 11) of hand poses: targets of :func:`mixed` with any tool and hand, half of them near an end of
-    the format, half of it, 0, 1 or -1 ulp."""
+    """Return words (N, 11) of hand poses: targets of :func:`mixed` with any tool and hand. Every second pose has tool
+    and hand words at an end of the format, at half of it, or at -1, 0 or 1 ulp."""
     random, low = np.random.default_rng((seed, width, 5)), -(1 << width - 1)
     anything = random.integers(low, -low, (count, 5))
     edge = random.choice([low, -1, 0, 1, -low // 2, low // 2, -low - 1], (count, 5))
@@ -436,8 +436,8 @@ def any_hands(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def arithmetic_corners(width: int, tile: int) -> np.ndarray:
-    """Return targets of all magnitudes with few significant bits, and angles whose sine or cosine sum is one unit below
-    the rounding boundary."""
+    """Return targets of all magnitudes with few significant bits, and targets with angles whose sine or cosine sum is
+    one unit below the rounding boundary."""
     sizes = itertools.product(range(0, width - 6, 3), range(width - 11))
     shifted = [(29 << j, -26 << j, -25 << j, -10647, 0, 999 << k) for j, k in sizes]
     frac = min(inner_frac(width), SINE_FRACS[-1])

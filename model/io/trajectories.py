@@ -23,32 +23,32 @@ STEPS = 100  # targets per trajectory: the paper's test scenario has 100 steps
 DEFAULT = "reach"
 
 TRAJECTORIES: dict[str, Callable[[], Targets]] = {}
-"""Built-in trajectories of wrist targets by name, in the order of lists and runs."""
+"""Built-in trajectories of wrist targets by name, in the order in which commands list and run them."""
 
 HANDS: dict[str, Callable[[], Targets]] = {}  # built-in trajectories of hand poses by name
-ROBOTS = {"pick_and_place": "iiwa14"}  # trajectories in the base frame of a robot
+ROBOTS = {"pick_and_place": "iiwa14"}  # trajectory in a robot's base frame -> robot
 
 REGULAR = ("reach", "circle", "figure_eight", "wave", "drinking", "handwriting", "unequal_arms", "two_arms")
-"""Trajectories at least 0.2 rad from singular poses (`scoring.singular_distance`); others approach one on purpose."""
+"""Trajectories at least 0.2 rad from singular poses (`scoring.singular_distance`), which all others approach."""
 
 EXAMPLES = ("reach", "two_arms")  # also CSV files in `examples/`
 
 
 def make(name: str) -> Targets:
-    """Return the targets of a built-in trajectory.  Raises KeyError."""
+    """Return the targets of a built-in trajectory.  Raises KeyError for an unknown name."""
     return {**TRAJECTORIES, **HANDS}[name]()
 
 
 def describe(name: str) -> str:
-    """Return a sentence about a built-in trajectory.  Raises KeyError."""
+    """Return a sentence about a built-in trajectory.  Raises KeyError for an unknown name."""
     return {**TRAJECTORIES, **HANDS}[name].__doc__ or ""
 
 
 def _registered(place: dict[str, Callable[[], Targets]], function: Callable[[], tuple]) -> Callable[[], tuple]:
     """Register a trajectory under the name of its function.
 
-    It returns positions (N, 3) in m and swivel angles (rad), then d1, d2 (m) unless the arm is the default, then for
-    hand poses orientations (N, 4) and the tool (m).
+    The function returns positions (N, 3) in m and swivel angles (rad), then d1 and d2 (m) unless the arm is the
+    default, then for hand poses orientations (N, 4) and the tool's length (m).
     """
 
     def made() -> Targets:
@@ -84,7 +84,7 @@ def _minimum_jerk(t: np.ndarray) -> np.ndarray:
 def _via(
     points: Sequence[tuple[float, ...]], times: Sequence[float], t: np.ndarray = TIME
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return positions and phi of a minimum-jerk motion that rests at points x, y, z, phi at their times."""
+    """Return positions (N, 3) and phi (N,) of a minimum-jerk motion that rests at points (x, y, z, phi) at times."""
     rests = np.asarray(points, dtype=np.float64)
     path = np.tile(rests[0], (len(t), 1))
     for n in range(len(rests) - 1):

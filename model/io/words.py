@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Targets in the user's units, the fixed-point words of the core, and the records of `ik_axi` in memory.
 
-Lengths x, y, z, d1, d2 are signed words of `width` bits with `width`-2 fraction bits, so [-2, 2); phi is a signed
-binary angle, one turn = 2^width. A user's lengths have any unit: one power of two, chosen by `scale_exponent`, brings
-all lengths of a set of targets into the format.
+Lengths x, y, z, d1, d2 are signed words of `width` bits with `width`-2 fraction bits: range [-2, 2). phi is a signed
+binary angle, one turn = 2^width. The user's lengths may have any unit: `scale_exponent` chooses one power of two that
+brings all lengths of a set of targets into the format.
 """
 
 import math
@@ -37,33 +37,33 @@ ARM_RESULT_FIELDS = (*JOINTS, *RESULT_FIELDS, *WRIST_FIELDS)
 
 DEFAULT_D1 = 0.33
 DEFAULT_D2 = 0.27
-"""Bones of the default arm (m); it reaches the 0.6 m of the paper group's."""
+"""Bone lengths of the default arm (m); its reach is 0.6 m, as in the paper."""
 
 LENGTH_TOLERANCE = 2.0**-8
-"""Largest error of a hand quaternion's length; `ik_arm` flags longer and shorter ones with bad_hand."""
+"""Largest difference of a hand quaternion's length from 1; beyond it, `ik_arm` sets the flag bad_hand."""
 
 HEADROOM_BITS = 4
-"""Maximum number of low bits that the scaling gives up for targets beyond the arm's reach."""
+"""Maximum number of low bits that the scaling gives up for targets beyond the arm's reach, and again for tools."""
 
 SHOWN = 40  # characters of a bad value that a message repeats
 
 
 class TargetError(ValueError):
-    """Invalid target, or file of targets. The text is one line for the user."""
+    """Invalid target or target file. The text is one line for the user."""
 
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """N targets in the user's units; every array is float64 of shape (N,).
+    """N targets in the user's units; x, y, z, phi, d1, d2 are float64 arrays (N,).
 
-    * path, rows: file and line numbers, for messages; None for targets created in Python
-    * default_arm: names of the lengths that were defaulted; others: additional columns of the file
-    * frame (4,) or (N, 4): quaternion of R, which takes the user's frame to the core's; None is the core's frame
-    * arm (N,): name of each target's arm; None is a single arm
-    * hand (N, 4): unit quaternions in the user's frame; x, y, z is then the hand's point
-    * tool (N, 3): from the wrist to the hand's point in the hand's frame; a number is a length along z
-    * branch (N,): bits of :class:`Branch`
-    * origin (3,): the shoulder in the user's frame
+    * path, rows: target file and line numbers, for messages; None for targets created in Python
+    * default_arm: names of the lengths that have default values; others: additional columns of the file
+    * frame (4,) or (N, 4): quaternion of R, which rotates the user's frame to the core's; None: equal frames
+    * arm (N,): name of each target's arm; None: all targets have the same arm
+    * hand (N, 4): unit quaternions in the user's frame; x, y, z is then the hand's point. None: wrist targets
+    * tool (N, 3): vector from the wrist to the hand's point in the hand's frame; a number is a length along z
+    * branch (N,): bits of :class:`Branch`, for hand poses
+    * origin (3,): the shoulder in the user's frame; None: the shoulder is the frame's origin
     """
 
     name: str
@@ -85,7 +85,7 @@ class Targets:
     origin: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        """Convert every field to float64 (N,), broadcasting scalars. ValueError for shapes that do not match."""
+        """Broadcast the columns, hand, tool and branch to N targets. Raises ValueError for shapes that do not match."""
         columns = [np.asarray(getattr(self, name), dtype=np.float64) for name in FIELDS]
         shape = np.broadcast_shapes((1,), *(column.shape for column in columns))
         if len(shape) != 1:
@@ -103,7 +103,7 @@ class Targets:
 
     @property
     def position(self) -> np.ndarray:
-        """Wrist targets or the hand's points, shape (N, 3), user's unit and frame."""
+        """Wrist targets, or the points of hand poses, shape (N, 3), in the user's unit and frame."""
         return np.column_stack((self.x, self.y, self.z))
 
     @property
@@ -113,7 +113,7 @@ class Targets:
 
     @property
     def core_position(self) -> np.ndarray:
-        """Positions, shape (N, 3), from the shoulder in the core's frame; exact where R only exchanges axes."""
+        """Positions relative to the shoulder, shape (N, 3), in the core's frame; exact if R only exchanges axes."""
         return self.points_to_core(self.position if self.origin is None else self.position - self.origin)
 
     @property
@@ -133,32 +133,32 @@ class Targets:
         return self.core_position if across is None else self.core_position - rotate(self.core_hand, across)
 
     def points_to_core(self, points: np.ndarray) -> np.ndarray:
-        """Return points (N, 3) in the core's frame."""
+        """Return points (N, 3) of the user's frame, rotated to the core's frame."""
         return points if self.frame is None else (matrix(self.frame) @ points[:, :, None])[:, :, 0]
 
     def from_core(self, qs: np.ndarray) -> np.ndarray:
-        """Return shoulder quaternions (N, 4) in the user's frame: R~ Qs."""
+        """Return the core's shoulder quaternions (N, 4), rotated to the user's frame: R~ Qs."""
         return qs if self.frame is None else multiply(conjugate(self.frame), qs)
 
     def points_from_core(self, points: np.ndarray) -> np.ndarray:
-        """Return points (N, 3) in the user's frame."""
+        """Return points (N, 3) of the core's frame, rotated to the user's frame."""
         return points if self.frame is None else rotate(conjugate(self.frame), points)
 
     @property
     def reach(self) -> np.ndarray:
-        """d1 + d2, shape (N,), user's unit."""
+        """Reach d1 + d2, shape (N,), in the user's unit."""
         return self.d1 + self.d2
 
     def error(self, n: int, column: str, reason: str) -> TargetError:
         """Return the TargetError for the value in `column` of target `n` (counted from 0)."""
-        value = repr(float(np.ravel(getattr(self, column)[n])[-1]))  # of a tool its length along z
+        value = repr(float(np.ravel(getattr(self, column)[n])[-1]))  # for a tool, its length along z
         if self.rows is None:
             return TargetError(f"{self.name}: target {n}, column {column}: '{value}' {reason}")
         return cell_error(self.path, int(self.rows[n]), column, value, reason)
 
 
 def angle_doubt(phi: np.ndarray) -> str:
-    """Return a warning of swivel angles beyond a turn, as degrees would be, or an empty string."""
+    """Return a warning if a swivel angle exceeds a turn, which suggests degrees, or an empty string."""
     turns = float(np.abs(phi).max(initial=0.0))
     return f"phi reaches {turns:g}; its unit is the radian: convert degrees" if turns > 2 * math.pi else ""
 
@@ -175,10 +175,9 @@ def cell_error(path: str | None, row: int, column: str, value: str, reason: str)
 def scale_exponent(targets: Targets, width: int) -> int:
     """Return the exponent e of the host's scaling: the core works on lengths times 2^e.
 
-    The largest reach d1+d2 comes to [1, 2). Where a coordinate would then leave [-2, 2), e is lowered by at most
-    `HEADROOM_BITS`, each at the cost of one bit of precision.
-
-    Raises TargetError for a coordinate beyond that, and for an arm length whose word would be 0.
+    The largest reach d1+d2 is scaled to [1, 2). If a coordinate would then leave [-2, 2), e is lowered by at most
+    `HEADROOM_BITS`, and if a tool would, by at most as many again; each step costs one bit of precision. Raises
+    TargetError if that is insufficient, if a reach exceeds double precision, or if an arm length's word would be 0.
     """
     with np.errstate(over="ignore"):
         reach = targets.reach
@@ -214,13 +213,13 @@ def scale_exponent(targets: Targets, width: int) -> int:
 
 
 def _ldexp(values: np.ndarray | float, exponent: int) -> np.ndarray:
-    """Return values * 2^exponent; beyond double precision it is inf, which is outside every format."""
+    """Return values * 2^exponent; beyond double precision they are inf, which fits no format."""
     with np.errstate(over="ignore", under="ignore"):
         return np.ldexp(values, exponent)
 
 
 def _quantise(values: np.ndarray, width: int) -> np.ndarray:
-    """Return int64 words with width-2 fraction bits of `values` in [-2, 2): round half to even, saturate at 2."""
+    """Return `values` in [-2, 2) as int64 words with width-2 fraction bits, rounded half to even and saturated."""
     words = np.rint(np.ldexp(values, width - 2))
     return np.clip(words, -(2 ** (width - 1)), 2 ** (width - 1) - 1).astype(np.int64)
 
@@ -228,8 +227,9 @@ def _quantise(values: np.ndarray, width: int) -> np.ndarray:
 def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple[np.ndarray, int]:
     """Return the core's input words and the exponent of the scaling.
 
-    The words (N, 6) are int64, columns as `FIELDS`; for hands (N, 12), columns as `ARM_FIELDS` and the branch. Lengths
-    are rounded half to even, angles wrap. `scale_exponent` chooses an `exponent` of None, and may raise TargetError.
+    The words (N, 6) are int64, columns as `FIELDS`; for hand poses (N, 12), columns as `ARM_FIELDS` and the branch.
+    Lengths are rounded half to even, angles wrap. If `exponent` is None, `scale_exponent` chooses it and may raise
+    TargetError.
     """
     if exponent is None:
         exponent = scale_exponent(targets, width)
@@ -249,7 +249,7 @@ def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple
 def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targets:
     """Return the targets that `words` (N, 6) represent, in the user's units and the core's frame.
 
-    Lengths are exact; phi is in [-pi, pi). :func:`to_words` with the same exponent returns the words.
+    Lengths are exact; phi is in [-pi, pi). :func:`to_words` with the same exponent returns `words`.
     """
     columns = dict(zip(FIELDS, np.asarray(words, dtype=np.int64).T.astype(np.float64), strict=True))
     values = {length: np.ldexp(columns[length], 2 - width - exponent) for length in LENGTHS}
@@ -257,7 +257,7 @@ def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targe
 
 
 def pack(fields: np.ndarray, width: int) -> list[int]:
-    """Return tdata of signed words (N, n), field 0 in the lowest bits.  Raises ValueError for a word too long."""
+    """Return tdata of signed words (N, n), field 0 in the lowest bits. Raises ValueError for words that do not fit."""
     half = 2 ** (width - 1)
     array = np.asarray(fields, dtype=np.int64)
     if ((array < -half) | (array >= half)).any():
@@ -288,9 +288,9 @@ TAG_BITS = 24  # bits of a tag that a result record returns
 class Records:
     """Layout of target and result records: words of 32 bits, little endian, whatever the core's word length.
 
-    Lengths and quaternions are Q2.30, one turn is 2^32. Word `tag` has the tag and above it the branch or the flags;
-    `inputs` and `results` are the other words. Behind the results are the record's index in its job and, for the whole
-    arm, over_limit: a bit for each joint from bit 0, and bad_hand in bit 8.
+    Lengths and quaternions are Q2.30, one turn is 2^32. Word number `tag` has the tag and above it the branch (target)
+    or the flags (result); `inputs` and `results` name the other words. The results are followed by the record's index
+    in its job and, for the whole arm, by over_limit: a bit for each joint from bit 0, and bad_hand in bit 8.
     """
 
     size: int  # bytes
@@ -299,23 +299,23 @@ class Records:
     results: tuple[str, ...]
 
     def _packed(self, fields: np.ndarray, *more: np.ndarray | int) -> bytes:
-        """Pack fields (N, n), the tag's word and further words into records, filled up with zeros."""
+        """Return records of fields (N, n), the tag word and further words, padded with zeros."""
         columns = [*np.broadcast_arrays(*fields.T, *more, *[0] * (self.size // 4))]
         columns.insert(self.tag, columns.pop(fields.shape[1]))
         columns = columns[: self.size // 4]
         return (np.column_stack([column.astype(np.int64) for column in columns]) & 0xFFFFFFFF).astype("<u4").tobytes()
 
     def _unpacked(self, records: bytes, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the first signed words (N, count) of records, tags excepted, and the tags' words (N,)."""
+        """Return the first signed words (N, count) of records, without the tag words, and the tag words (N,)."""
         table = np.frombuffer(records, dtype="<i4").astype(np.int64).reshape(-1, self.size // 4)
         return np.delete(table, self.tag, axis=1)[:, :count], table[:, self.tag]
 
     def targets(self, words: np.ndarray, tags: np.ndarray) -> bytes:
-        """Return the target records of words (N, n) of 32 bits as `inputs`, and the tags' words (N,)."""
+        """Return target records of 32-bit words (N, n), columns as `inputs`, and tag words (N,)."""
         return self._packed(words, tags)
 
     def core_words(self, records: bytes, width: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the words (N, n) of `width` bits, tags and branches (N,) of target records.
+        """Return the input words (N, n) of `width` bits, the tags (N,) and the branches (N,) of target records.
 
         Words are rounded half up; a length beyond the format saturates, an angle wraps.
         """
@@ -328,7 +328,7 @@ class Records:
         return words, tags & ((1 << TAG_BITS) - 1), tags >> TAG_BITS & (1 << len(BRANCHES)) - 1
 
     def written(self, results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:
-        """Return the result records of a job: results (N, n) of `width` bits as `results`, flags and tags (N,)."""
+        """Return a job's result records of results (N, n), `width` bits, columns as `results`, flags and tags (N,)."""
         more = (flags & 255) << TAG_BITS | tags, np.arange(len(results)), flags >> OVER_BIT | flags & BAD_HAND
         return self._packed(results << (32 - width), *more)
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Double precision: conformal algebra, geometry, the paper's and the lean equations, forward kinematics."""
+"""Reference models in double precision: conformal algebra, geometry, paper and lean equations, kinematics."""

@@ -5,8 +5,8 @@ The algebra is kingdon's Cl(4,1) on the orthogonal basis e1, e2, e3, e4 = e+, e5
 e_inf = e- + e+ and e_0 = (e- - e+)/2. PP_14 .. PP_35 of (12) are coefficients on the orthogonal basis, `mv.e14` ..
 `mv.e35`.
 
-Coefficients are numbers, numpy arrays (N,), or sympy expressions. Multiply by a coefficient from the right and as a
-multivector, `mv * scalar(c)`: numpy would iterate over a multivector on its right.
+Coefficients are numbers, numpy arrays (N,), or sympy expressions. Write the product with a coefficient c as
+`mv * scalar(c)`: in `c * mv`, numpy would iterate over the multivector.
 """
 
 from itertools import combinations
@@ -20,7 +20,7 @@ BLADES = tuple("^".join(blade) or "1" for n in range(6) for blade in combination
 
 
 def _expand(value):
-    """Return a symbolic coefficient with exact rationals, expanded so that zeros vanish."""
+    """Return a sympy expression expanded, with exact rationals, so that zeros vanish; return a number unchanged."""
     return sympy.expand(sympy.nsimplify(value, rational=True)) if isinstance(value, sympy.Expr) else value
 
 
@@ -34,7 +34,7 @@ def _functions(value):
 
 
 def symbol(name):
-    """Return the real symbol for an input or a line of the paper, the same in all expressions."""
+    """Return the real sympy symbol with this name; equal names give equal symbols."""
     return sympy.Symbol(name, real=True)
 
 
@@ -45,7 +45,7 @@ def scalar(value):
 
 def vector(x=0, y=0, z=0, inf=0, zero=0):
     """Return the grade-1 multivector x e1 + y e2 + z e3 + inf e_inf + zero e_0."""
-    # A single division, at the end, is exact for symbols: zero / 2 alone would be the floating-point 0.5.
+    # A single division at the end keeps symbols exact: zero / 2 would give the float 0.5.
     plus, minus = (2 * inf - zero) / 2, (2 * inf + zero) / 2
     return ALGEBRA.multivector(keys=_VECTOR_KEYS, values=[x, y, z, plus, minus])
 
@@ -63,7 +63,7 @@ k = e2 ^ e1  # (3)
 
 
 def coefficient(mv, blade):
-    """Return the coefficient of a multivector on a blade of BLADES.  Raises KeyError."""
+    """Return the coefficient of a multivector on a blade. Raises KeyError for a blade that is not in BLADES."""
     if blade not in BLADES:
         raise KeyError(f"{blade!r} is not a blade of table 2")
     factors = [] if blade == "1" else blade.split("^")
@@ -85,7 +85,7 @@ def dual(mv):
     """Return X* = X I^-1, which converts the direct representation to the standard one.
 
     With this sign the dual of the direct line e_0 ^ x ^ e_inf is the quaternion unit of the right-handed rotation about
-    x. The dual of the dual is -X, the same entity.
+    x. The dual of the dual is -X, which represents the same entity.
     """
     return mv * PSEUDOSCALAR_INVERSE
 
@@ -94,22 +94,22 @@ def dual(mv):
 
 
 def point(x, y, z):
-    """Return P = x + x^2/2 e_inf + e_0."""
+    """Return the point P = x + x^2/2 e_inf + e_0, where x is the vector (x, y, z)."""
     return vector(x, y, z, inf=(x * x + y * y + z * z) / 2, zero=1)
 
 
 def sphere(centre, radius):
-    """Return s = P - r^2/2 e_inf, from its centre point P and its radius."""
+    """Return the sphere s = P - r^2/2 e_inf, from its centre point P and its radius r."""
     return centre - e_inf * scalar(radius * radius / 2)
 
 
 def plane(n_x, n_y, n_z, d):
-    """Return pi = n + d e_inf, from its unit normal n and its distance d from the origin along n."""
+    """Return the plane pi = n + d e_inf, from its unit normal n and its distance d from the origin along n."""
     return vector(n_x, n_y, n_z, inf=d)
 
 
 def line_direct(x_1, x_2):
-    """Return l* = x1 ^ x2 ^ e_inf."""
+    """Return the direct line l* = x1 ^ x2 ^ e_inf through two points."""
     return x_1 ^ x_2 ^ e_inf
 
 
@@ -122,24 +122,24 @@ def inner(o_1, o_2):
 
 
 def norm(o):
-    """Return |o| = sqrt(|o . o|): the entity's length, for either sign of its square."""
+    """Return the norm |o| = sqrt(|o . o|); o . o may be negative."""
     square = abs(inner(o, o))
     return _functions(square).sqrt(square)
 
 
 def euclidean_coordinates(p):
-    """Return (x, y, z) of a point of any scale, after division by its e_0 coefficient, -e_inf . P."""
+    """Return (x, y, z) of a point P of any scale: its coefficients divided by the e_0 coefficient, -e_inf . P."""
     weight = -inner(e_inf, p)
     return p.e1 / weight, p.e2 / weight, p.e3 / weight
 
 
 def centre(o):
-    """Return the centre of a sphere, circle or point pair, as a point of any scale: e_inf reflected in it."""
+    """Return the centre of a sphere, circle or point pair `o`: e_inf reflected in `o`, a point of any scale."""
     return (o * e_inf * o).grade(1)
 
 
 def radius(o):
-    """Return the radius of a sphere or a circle; nan for the circle of disjoint spheres, whose square is positive."""
+    """Return the radius of a sphere or a circle; nan for the imaginary circle of two disjoint spheres."""
     square = inner(o, o) / inner(e_inf | o, e_inf | o)
     if o.grades == (2,):
         square = -square
@@ -148,45 +148,45 @@ def radius(o):
 
 
 def direction(o):
-    """Return (x, y, z) of length 1: the normal of a plane, the direction of a line, both in standard representation."""
+    """Return the unit normal (x, y, z) of a plane or the unit direction of a line, in standard representation."""
     x, y, z = (o.e1, o.e2, o.e3) if o.grades == (1,) else quaternion_coefficients(o)[1:]
     length = _functions(x).sqrt(x * x + y * y + z * z)
     return x / length, y / length, z / length
 
 
 def cos_angle(o_1, o_2):
-    """Return (5): cos(theta) = o1 . o2 / (|o1| |o2|) of two lines or two planes in the same representation.
+    """Return cos(theta) = o1 . o2 / (|o1| |o2|), (5), of two lines or two planes in the same representation.
 
-    Direct lines and standard planes give the cosine between directions or normals; standard lines (c4) and direct
-    planes (c3) give its negative.
+    For direct lines and standard planes this is the cosine of the angle between directions or normals. For standard
+    lines (as in c4) and direct planes (as in c3) it is the negative cosine of that angle.
     """
     return inner(o_1, o_2) / (norm(o_1) * norm(o_2))  # (5)
 
 
 def half_angle(cos_phi):
-    """Return cos(phi/2) and sin(phi/2), both >= 0, from cos(phi); beyond +-1 by roundoff it counts as +-1."""
+    """Return cos(phi/2) and sin(phi/2), both >= 0, from cos(phi). A number outside [-1, 1] is clipped."""
     plus, minus = 1 + cos_phi, 1 - cos_phi
     if not isinstance(cos_phi, sympy.Expr):
         plus, minus = np.clip(plus, 0.0, 2.0), np.clip(minus, 0.0, 2.0)
     sqrt = _functions(cos_phi).sqrt
-    return sqrt(plus / 2), sqrt(minus / 2)  # (6), (7); of an angle between entities (8), (9)
+    return sqrt(plus / 2), sqrt(minus / 2)  # (6), (7); for an angle between entities (8), (9)
 
 
-# Quaternions: 1, i, j, k span them inside the algebra.
+# Quaternions: the part of the algebra spanned by 1, i, j, k.
 
 
 def quaternion(w, q_i, q_j, q_k):
-    """Return w + q_i i + q_j j + q_k k."""
+    """Return the quaternion w + q_i i + q_j j + q_k k."""
     return scalar(w) + i * scalar(q_i) + j * scalar(q_j) + k * scalar(q_k)
 
 
 def quaternion_coefficients(q):
-    """Return (w, q_i, q_j, q_k) of a quaternion. Other blades, absent from a quaternion, are ignored."""
+    """Return (w, q_i, q_j, q_k) of a quaternion. Other blades of `q` are ignored."""
     return q.e, -q.e23, q.e13, -q.e12
 
 
 def rotation(axis, phi):
-    """Return (4), cos(phi/2) + L sin(phi/2): the right-handed rotation by phi (rad) about a standard line, |L| = 1."""
+    """Return cos(phi/2) + L sin(phi/2), (4): the right-handed rotation by phi (rad) about a standard line, |L| = 1."""
     lib = _functions(phi)
     return scalar(lib.cos(phi / 2)) + axis * scalar(lib.sin(phi / 2))  # (4)
 

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Layer 3 of the reference: equations (10)-(18) of the paper as printed, and in double precision with corrections.
 
-`TEXT` is the print, errors included; `solve` evaluates it, with `CORRECTIONS` in place of some lines: the square in the
-x and y rows of (11), and three sums in a form that is equal to the print but does not cancel.  Where the print is 0/0,
-`CONVENTIONS` has a rule.  Table 3 swaps two names: d1 is the upper arm, d2 the forearm.
+`TEXT` has the equations as printed, misprints included. `solve` evaluates them with `CORRECTIONS`: the missing square
+in the x and y rows of (11), and three sums in an equal form that does not cancel. Where a printed line is 0/0,
+`CONVENTIONS` gives its value. d1 is the upper arm and d2 the forearm; table 3 of the paper swaps them.
 
-`solve` is for reachable targets; `solve_clamped` accepts any target and returns flags, as the core does.  Lengths have
-any one unit, angles are in radians, arrays are float64 of shape (N,).
+`solve` is for reachable targets; `solve_clamped` accepts any target and returns flags, as the core does. All lengths
+have the same unit, which may be any; angles are in radians, arrays are float64 of shape (N,).
 """
 
 from fractions import Fraction
@@ -78,16 +78,16 @@ TEXT: dict[str, dict[str, str]] = {
         "pp_3_minus": "2*(p_w_y*pi_swivel_x - p_w_x*pi_swivel_y)",
     },
 }
-"""Equation -> line -> right-hand side as printed; (17) repeats (16). ``sign_raw`` is what (17) first calls sign."""
+"""Equation -> line -> right-hand side as printed. (17) repeats (16); the first of its two lines sign is `sign_raw`."""
 
 LENGTH_RANGE = (1e-15, 1e15)
-"""Accepted arm lengths, for products of six lengths in the range of doubles."""
+"""Accepted arm lengths: products of six lengths stay within the range of doubles."""
 
 REACH_TOLERANCE = 1e-9
-"""Distance out of reach, relative to d1+d2, that `solve` accepts."""
+"""Largest distance of a target out of reach that `solve` accepts, relative to d1+d2."""
 
 _FUNCTIONS = {
-    "sqrt": lambda v: np.sqrt(np.maximum(v, 0.0)),  # tmp1 is 0 for a straight and for a closed arm
+    "sqrt": lambda v: np.sqrt(np.maximum(v, 0.0)),  # tmp1, 0 for a straight or closed arm, may round below 0
     "cos": np.cos,
     "sin": np.sin,
     "Abs": np.abs,
@@ -109,7 +109,7 @@ CORRECTIONS = {
         for name in ("pi_swivel_x", "pi_swivel_y")
     },
     "(12)": {},
-    "(19)": {name: text.removeprefix("2*") for name, text in TEXT["(19)"].items()},  # the print's PP is scaled by 2
+    "(19)": {name: text.removeprefix("2*") for name, text in TEXT["(19)"].items()},  # printed for twice the PP of (12)
     # Section 4.2: the squares of PP_m4 and PP_m5 are nearly equal unless d1 is about 1.
     "(13)": {
         "tmp1": "-pp_i**2 - pp_j**2 - pp_k**2 + pp_1_plus*pp_1_minus + pp_2_plus*pp_2_minus + pp_3_plus*pp_3_minus"
@@ -117,15 +117,15 @@ CORRECTIONS = {
     "(14)": {"c4": f"clip({C4})"} | {name: text.replace(C4, "c4") for name, text in TEXT["(14)"].items()},
     "(15)": {
         "rho_sqr": "p_e_x**2 + p_e_y**2",
-        # d1 - p_e_z, which cancels for an elbow near +z; there it is rho^2 / (d1 + p_e_z), as |p_e| = d1.
+        # d1 - p_e_z cancels for an elbow near +z. Since |p_e| = d1, it equals rho^2 / (d1 + p_e_z).
         "below": "where(p_e_z > 0, rho_sqr/(d1 + Abs(p_e_z)), d1 - p_e_z)",
         "tmp2": "d1**2*rho_sqr*(below**2 + rho_sqr)",  # the printed polynomial, factored
         "elbow_on_axis": "hypot(p_e_x, p_e_y) <= TINY*d1",
     },
     "(17)": {
         "c3": f"clip({TEXT['(17)']['c3']})",
-        # A straight or closed arm has P_w in pi_yz2 for every theta_3. Then p_e x pi_swivel takes its place in
-        # the same formula. Elsewhere an inner product of 0 means Q_3 = 1 or +-k: either sign is right.
+        # For a straight or closed arm, P_w lies in pi_yz2 at every theta_3: p_e x pi_swivel then replaces P_w in
+        # the formula. In other poses an inner product of 0 means Q_3 = 1 or +-k: either sign is right.
         "side_x": "p_e_y*pi_swivel_z - p_e_z*pi_swivel_y",
         "side_y": "p_e_z*pi_swivel_x - p_e_x*pi_swivel_z",
         "side_z": "p_e_x*pi_swivel_y - p_e_y*pi_swivel_x",
@@ -135,21 +135,21 @@ CORRECTIONS = {
     },
     "(18)": {},
 }
-"""Equations in the order of evaluation -> line -> right-hand side in place of the print, or auxiliary line."""
+"""Equation, in the order of evaluation -> line -> replacement of the printed right-hand side, or auxiliary line."""
 
 CONVENTIONS = {
     # (11) has length rho and vanishes on the z axis. A plane is homogeneous, so the unit normal is used there.
     **{f"pi_swivel_{axis}": f"on_axis, normal_{axis}" for axis in "xyz"},
-    # With the wrist at the shoulder any elbow is right; the arm is closed, and points up.
+    # With the wrist at the shoulder, every elbow point is right; by convention the closed arm points up.
     "p_e_x": "at_shoulder, 0.0",
     "p_e_y": "at_shoulder, 0.0",
     "p_e_z": "at_shoulder, d1",
-    # L_m vanishes for an elbow on the z axis. Any half turn that takes e3 there will do: Q_3 compensates for it.
+    # L_m vanishes for an elbow on the z axis. Every half turn that takes e3 to the elbow is right: Q_3 compensates.
     "q12_i": "elbow_on_axis, p_e_z <= 0",
     "q12_j": "elbow_on_axis, 0.0",
     "q12_k": "elbow_on_axis, p_e_z > 0",
 }
-"""Line -> case in which the print is 0/0, and the value there."""
+"""Line -> condition under which the printed line is 0/0, and the value used then."""
 
 
 def _compile(name, text):
@@ -168,7 +168,7 @@ _LINES = {
 
 
 def columns(**values):
-    """Return the arguments as float64 arrays of one shape (N,). ValueError for other shapes, nan and inf."""
+    """Return the arguments broadcast to float64 arrays (N,). Raises ValueError for other shapes, nan and inf."""
     arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=np.float64)) for v in values.values()))
     if arrays[0].ndim != 1:
         raise ValueError(f"inputs must be numbers or of shape (N,), not {arrays[0].shape}")
@@ -179,7 +179,7 @@ def columns(**values):
 
 
 def check_lengths(d1, d2, rows=slice(None)):
-    """Raise ValueError unless the arm lengths of `rows`, targets in reach, lie in LENGTH_RANGE."""
+    """Raise ValueError if an arm length of `rows`, the targets in reach, is outside LENGTH_RANGE."""
     low, high = LENGTH_RANGE
     for name, d in (("d1", d1[rows]), ("d2", d2[rows])):
         if not ((d >= low) & (d <= high)).all():
@@ -189,7 +189,7 @@ def check_lengths(d1, d2, rows=slice(None)):
 def swivel_normal(x, y, z, phi):
     """Return the unit normals (N, 3) of the swivel planes, pi_swivel/|pi_swivel|.
 
-    On the z axis, where (11) is 0, the azimuth is 0. A target at the shoulder counts as one on the positive z axis.
+    On the z axis, where (11) is 0, azimuth 0 is taken. A target at the shoulder counts as a target on +z.
     Raises ValueError for inputs that are not finite or do not broadcast.
     """
     x, y, z, phi = columns(x=x, y=y, z=z, phi=phi)
@@ -214,7 +214,7 @@ def swivel_normal(x, y, z, phi):
 def shoulder_quaternion(n, e):
     """Return Qs (N, 4), k >= 0, from the swivel plane's normal n and the elbow's direction e, unit vectors (N, 3).
 
-    The rotation with columns -n, e x (-n), e is equivalent to (15)-(18), and has no singular pose.
+    The rotation matrix with columns -n, e x (-n), e is equivalent to (15)-(18) but has no singular pose.
     """
     q = quaternion(np.stack((-n, np.cross(e, -n), e), axis=-1))
     return np.where(q[:, 3:] < 0, -q, q)
@@ -224,8 +224,8 @@ def solve(x, y, z, phi, d1, d2):
     """Solve equations (10)-(18) for N reachable targets.
 
     Arguments are numbers or arrays that broadcast to (N,). Returns a dict of arrays (N,): every line of `TEXT` and
-    `CORRECTIONS`; qs_k is >= 0. Never nan, but near poses where a half angle is 0 or pi (arm straight or closed,
-    theta_3 = 0 or pi) the roots of (14) and (17) lose digits, as they do in print; at the pose itself, half of them.
+    `CORRECTIONS`, with qs_k >= 0 and no nan. Where the arm is almost straight or closed, or theta_3 almost 0 or pi,
+    the roots of (14) and (17) lose digits, as in the printed equations; at such a pose they lose half of the digits.
 
     Raises ValueError for inputs that are not finite or do not broadcast, for arm lengths outside LENGTH_RANGE, and for
     targets out of reach by more than REACH_TOLERANCE.
@@ -250,7 +250,7 @@ def solve(x, y, z, phi, d1, d2):
 
 
 def _compare(x, y, z, radius):
-    """Return the exact sign (-1, 0, 1) of |p|^2 - radius^2; close cases use rational numbers."""
+    """Return the exact sign (-1, 0, 1) of x^2 + y^2 + z^2 - radius^2; close cases use rational numbers."""
     distance = np.hypot(np.hypot(x, y), z)
     sign = np.sign(distance - np.abs(radius))
     for n in np.flatnonzero(np.abs(distance - np.abs(radius)) <= 1e-14 * distance):
@@ -261,23 +261,24 @@ def _compare(x, y, z, radius):
 
 
 def pose_flags(x, y, z, d1, d2):
-    """Return the flags (N,) of targets in double precision; exact if d1 + d2 and d1 - d2 are, as for words.
+    """Return the flags (N,) of targets in double precision.
 
-    Raises ValueError for inputs that are not finite or do not broadcast.
+    The flags are exact if d1 + d2 and d1 - d2 are exact, which is always so for words of the core. Raises ValueError
+    for inputs that are not finite or do not broadcast.
     """
     x, y, z, d1, d2 = columns(x=x, y=y, z=z, d1=d1, d2=d2)
     return combine(x, y, z, d1, d2, _compare(x, y, z, d1 + d2) > 0, _compare(x, y, z, d1 - d2) < 0)
 
 
 def solve_clamped(x, y, z, phi, d1, d2):
-    """Return a pose and flags for any N targets: from `solve` where the target can be reached, else the nearest pose.
+    """Return poses and flags of any N targets: the pose of `solve` for a target in reach, else the nearest pose.
 
     Returns a dict of arrays (N,): qs_w, qs_i, qs_j, qs_k (k >= 0), qe_w, qe_i, p_e_x, p_e_y, p_e_z, flags. Raises
-    ValueError for inputs that are not finite or do not broadcast, and for positive lengths outside LENGTH_RANGE.
+    ValueError for inputs that are not finite or do not broadcast, and for lengths that `solve` rejects.
 
-    For a target too far, or bad lengths, the arm is straight and points to the target. For a target too near or at the
-    shoulder it is closed (Qe = 1), and the longer bone points to the target, or along +z for a target at the shoulder.
-    The swivel plane is the target's.
+    If the target is too far or a length is not positive, the arm is straight and points to the target. If the target is
+    too near or at the shoulder, the arm is closed (Qe = 1) and the longer bone points to the target. A target at the
+    shoulder counts as a target on +z. The swivel angle is kept.
     """
     targets = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     flags = pose_flags(*targets[:3], *targets[4:])

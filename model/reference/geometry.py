@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Layer 2 of the reference: section 3 of the paper as geometry in the conformal algebra.
 
-Planes, spheres, circles and lines are constructed, intersected and rotated as in the text, with no component of
-(11)-(18), which `model.reference.equations` has; the two must agree.
+Planes, spheres, circles and lines are constructed, intersected and rotated as in the text. The component equations
+(11)-(18) are not used: they are in `model.reference.equations`, with which the results must agree.
 
-The functions, one per subsection, accept any coefficients of `model.reference.cga`, sympy symbols as well. Names are
-the paper's: capital letters are multivectors, and `pi_...` are planes.
+The functions follow the subsections and accept any coefficients of `model.reference.cga`, including sympy symbols.
+Names are the paper's: capital letters are multivectors, and `pi_...` are planes.
 """
 
 import numpy as np
@@ -16,9 +16,9 @@ from .cga import e1, e3, e_0, e_inf
 
 
 def swivel_plane(P_w, phi):
-    """Return (3.1) the line L_sw from shoulder to wrist, |L_sw|, and the swivel plane, turned by phi (rad) about L_sw.
+    """Return the line L_sw from shoulder to wrist, |L_sw|, and the swivel plane, turned by phi (rad) about L_sw (3.1).
 
-    At phi = 0 the plane contains the z axis, with normal (p_wy, -p_wx, 0). Undefined for P_w on the z axis.
+    At phi = 0 the plane contains the z axis and has the normal (p_wy, -p_wx, 0). It is undefined for P_w on the z axis.
     """
     L_sw = cga.dual(cga.line_direct(e_0, P_w))
     length = cga.norm(L_sw)  # (10)
@@ -29,7 +29,7 @@ def swivel_plane(P_w, phi):
 
 
 def elbow_point_pair(P_w, pi_swivel, d1, d2):
-    """Return (3.2) spheres S_1, S_2 about wrist and shoulder, their circle Z_e, and the possible elbows PP."""
+    """Return spheres S_1 about the wrist, S_2 about the shoulder, their circle Z_e, and the pair PP of elbows (3.2)."""
     S_1 = cga.sphere(P_w, d2)
     S_2 = cga.sphere(e_0, d1)
     Z_e = S_1 ^ S_2
@@ -38,13 +38,13 @@ def elbow_point_pair(P_w, pi_swivel, d1, d2):
 
 
 def elbow_point(PP):
-    """Return (3.2) the point P_e of PP on the side of L_sw to which n x p_w points; n: normal of pi_swivel."""
+    """Return the elbow P_e (3.2): the point of PP on the side of L_sw to which (normal of pi_swivel) x p_w points."""
     pair = cga.dual(PP)
     square = cga.inner(pair, pair)
     if isinstance(square, sympy.Expr):
         root = sympy.sqrt(square)
     else:
-        # Roundoff can make this negative at full stretch and with a closed elbow, where the pair is one point.
+        # Roundoff can make the square negative for a straight or closed arm, where the pair is one point.
         root = np.sqrt(np.maximum(square, 0.0))
     # The two points of a pair are (PP* -+ |PP*|) / (e_inf . PP*); the divisor is a vector.
     direction = e_inf | pair
@@ -53,7 +53,7 @@ def elbow_point(PP):
 
 
 def elbow_quaternion(P_e, P_w):
-    """Return (3.3) L_se, L_ew, c4 and the rotation Q_e at the elbow, about the local x axis."""
+    """Return the bones' lines L_se, L_ew, the cosine c4, and the elbow's rotation Q_e about the local x axis (3.3)."""
     L_se = cga.dual(cga.line_direct(e_0, P_e))
     L_ew = cga.dual(cga.line_direct(P_e, P_w))
     # Lines in standard representation, hence the cosine of the interior angle.
@@ -63,7 +63,7 @@ def elbow_quaternion(P_e, P_w):
 
 
 def elbow_rotation(P_e, d1):
-    """Return (3.4) P_ze, pi_m, pi_e, L_m and the half turn Q_12 that takes the z axis to an elbow off that axis."""
+    """Return P_ze, pi_m, pi_e, L_m and Q_12, the half turn from the z axis to an elbow off that axis (3.4)."""
     P_ze = cga.point(0, 0, d1)
     pi_m = P_ze - P_e
     pi_e = cga.dual(e_0 ^ P_ze ^ P_e ^ e_inf)
@@ -72,7 +72,7 @@ def elbow_rotation(P_e, d1):
 
 
 def wrist_rotation(Q_12, pi_swivel, P_w):
-    """Return (3.5) pi_yz2, c3, sign and the rotation Q_3 about the upper arm that takes the wrist to the target."""
+    """Return pi_yz2, c3, sign and Q_3, the rotation about the upper arm that takes the wrist to the target (3.5)."""
     pi_yz = e1
     pi_yz2 = cga.rotate(Q_12, pi_yz)
     c3 = cga.cos_angle(cga.dual(pi_yz2), cga.dual(pi_swivel))  # (5); planes in direct representation
@@ -86,10 +86,10 @@ def wrist_rotation(Q_12, pi_swivel, P_w):
 
 
 def solve(x, y, z, phi, d1, d2):
-    """Return results, elbow and scalars as arrays (N,) and all multivectors, by name.
+    """Return a dict of results, elbow and scalars as arrays (N,), and of all multivectors, by the paper's names.
 
-    The targets are reachable and off the z axis, with the elbow off the z axis and the arm neither straight nor closed;
-    elsewhere a plane or line of the text vanishes, and results may be nan.
+    Targets must be reachable, wrist and elbow off the z axis, and the arm neither straight nor closed. In other poses a
+    plane or line of the construction vanishes, and results may be nan.
     """
     inputs = np.broadcast_arrays(*np.atleast_1d(x, y, z, phi, d1, d2))
     x, y, z, phi, d1, d2 = (np.asarray(values, dtype=np.float64) for values in inputs)

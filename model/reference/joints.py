@@ -4,11 +4,11 @@
     Qs = Rz(th1) Rx(th2) Rz(th3)                         th4 = 2 atan2(qe_w, -qe_i)
     Qw = (Qs Rx(th4))~ Qh = Rz(th5) Rx(th6) Rz(th7)      hand point = wrist + Qh (tool e3) Qh~
 
-z points along each bone, and all angles are 0 where the arm is straight along z. For a quaternion Rz(a) Rx(b) Rz(c):
+z points along each bone, and all angles are 0 if the arm is straight along z. The angles of Rz(a) Rx(b) Rz(c) are
 
     s = atan2(k, w),  d = atan2(j, i),  a = s + d,  c = s - d,  b = 2 atan2(|(i, j)|, |(w, k)|)
 
-Arrays here have components first: quaternions (4, N), angles (7, N) in radians, between -pi and pi.
+Unless stated otherwise, arrays have components first: quaternions (4, N), angles (7, N) in radians, -pi to pi.
 """
 
 from enum import IntFlag
@@ -20,7 +20,7 @@ from .kinematics import conjugate, product, rotate
 
 
 class Branch(IntFlag):
-    """Bits that select one of the eight solutions for the joints of a pose; the arm itself is the same in all."""
+    """Bits that select one of the eight joint solutions of a pose; the arm is in the same place in all eight."""
 
     SHOULDER = 1  # th1 + pi, -th2, th3 + pi
     ELBOW = 2  # th3 + pi, -th4, th5 + pi
@@ -29,24 +29,24 @@ class Branch(IntFlag):
 
 JOINTS = tuple(f"th{k}" for k in range(1, 8))
 
-BRANCHES = tuple(f"branch_{name.lower()}" for name in Branch.__members__)  # bits of a branch, lowest first
+BRANCHES = tuple(f"branch_{name.lower()}" for name in Branch.__members__)  # names of the bits of a branch, lowest first
 
 TURNED = {"th1": BRANCHES[:1], "th3": BRANCHES[:2], "th5": BRANCHES[1:], "th7": BRANCHES[2:]}
 NEGATED = dict(zip(("th2", "th4", "th6"), BRANCHES, strict=True))
-"""Joint -> the bits of the branch that turn it by half a turn, or the bit that negates it."""
+"""Joint -> branch bits that add half a turn to its angle (TURNED); joint -> branch bit that negates it (NEGATED)."""
 
 TURNED_BY = np.array([[bit in TURNED.get(joint, ()) for bit in BRANCHES] for joint in JOINTS], dtype=int)
 NEGATED_BY = np.array([[bit == NEGATED.get(joint) for bit in BRANCHES] for joint in JOINTS], dtype=int)
-"""The same as tables (7, 3) of 0 and 1."""
+"""TURNED and NEGATED as tables of 0 and 1, joint by branch bit, (7, 3)."""
 
 
 def wrap(angle):
-    """Return angles in -pi to pi."""
+    """Return angles (rad) wrapped to -pi .. pi."""
     return angle - 2 * np.pi * np.rint(angle * (0.5 / np.pi))
 
 
 def branched(joints, branch):
-    """Return joints (7, ...) of branch 0 in another branch, an integer or (...), wrapped."""
+    """Return joints (7, ...) of branch 0 converted to ``branch``, an integer or an array (...); angles are wrapped."""
     bits = np.asarray(branch) >> np.arange(3).reshape(3, *[1] * np.ndim(branch)) & 1
     turned, negated = (np.tensordot(which, bits, 1) & 1 for which in (TURNED_BY, NEGATED_BY))
     turned, negated = (which.reshape(7, *which.shape[1:] or [1] * (joints.ndim - 1)) for which in (turned, negated))
@@ -54,7 +54,7 @@ def branched(joints, branch):
 
 
 def zxz(q):
-    """Return a, b, c of unit quaternions Rz(a) Rx(b) Rz(c), (4, ...)."""
+    """Return the angles a, b, c, (3, ...), of unit quaternions Rz(a) Rx(b) Rz(c), (4, ...)."""
     w, i, j, k = q
     s, d = np.arctan2(k, w), np.arctan2(j, i)
     angles = np.empty((3, *s.shape))
@@ -65,25 +65,25 @@ def zxz(q):
 
 
 def wrist_quaternion(qs, qe, hand):
-    """Return Qw (4, N) from Qs (4, N), qe_w and qe_i (2, N), and Qh (4, N)."""
+    """Return Qw (4, N) from Qs (4, N), the components qe_w and qe_i (2, N) of Qe, and Qh (4, N)."""
     (w, i, j, k), s, c = qs, qe[0], -qe[1]
     return product((w * c - i * s, -w * s - i * c, -j * c - k * s, j * s - k * c), hand)  # (Qs Rx(th4))~ Qh
 
 
 def tool_offset(hand, tool):
-    """Return Qh (tool e3) Qh~, (3, N), of quaternions Qh (4, N)."""
+    """Return the vectors Qh (tool e3) Qh~, (3, N), from wrist to hand point; Qh (4, N), tool lengths (N,)."""
     w, i, j, k = hand
     return np.array((2 * (i * k + w * j), 2 * (j * k - w * i), (w * w + k * k) - (i * i + j * j))) * tool
 
 
 def flexion(qe):
-    """Return th4 (N,) of qe_w and qe_i (2, N)."""
+    """Return th4 (N,) from the components qe_w and qe_i (2, N) of Qe."""
     with np.errstate(divide="ignore"):
         return 2 * np.arctan(qe[0] / np.abs(qe[1]))
 
 
 def angles(qs, th4, qw, branch=0):
-    """Return th1 .. th7 (7, N) of Qs (4, N), th4 (N,) and Qw (4, N), unit quaternions."""
+    """Return th1 .. th7 (7, N) in a branch, from unit quaternions Qs and Qw (4, N) and th4 (N,)."""
     th = np.empty((7, *th4.shape))
     th[:3], th[3], th[4:] = zxz(qs), th4, zxz(qw)
     return branched(th, branch) if np.any(branch) else th
@@ -99,10 +99,11 @@ class Turns(NamedTuple):
 
 
 def bent(qs, th4, qw, branch, upper, fore):
-    """Return the turns of the axes for bent links.
+    """Return the turns of the joint axes from the turns of the bones, for links that are bent.
 
-    upper, fore (4,): upper arm in the frame of axis 3, frame of axis 5 in the forearm's. The elbow's other solution
-    turns the bones by pi about themselves, which changes all joints.
+    upper (4,): orientation of the upper arm in the frame of axis 3; fore (4,): orientation of the
+    frame of axis 5 in the forearm's frame. The branch ELBOW turns each bone by pi about itself, which with bent links
+    changes all joints.
     """
     other = branch & Branch.ELBOW != 0
     half, back = np.array((0.0, 0.0, 0.0, 1.0)), np.array((0.0, 0.0, 0.0, -1.0))
@@ -120,7 +121,7 @@ def turned(a, b, c):
 
 
 def reached(joints, d1, d2, tool):
-    """Return point (N, 3) and orientation (N, 4) of the hand at joints (7, N); tool (N, 3) from the wrist."""
+    """Return the hand's point (N, 3) and orientation (N, 4) at joints (7, N); tool (N, 3) is in the hand's frame."""
     upper = turned(*joints[:3])
     fore = product(upper, turned(0 * joints[3], joints[3], 0 * joints[3]))
     hand = product(fore, turned(*joints[4:])).T
@@ -129,13 +130,13 @@ def reached(joints, d1, d2, tool):
 
 
 def centred(limits):
-    """Return the middles and halves (J, 2) of limits (J, 2), rad; at most a turn each."""
+    """Return centres (J,) and half widths (J,) of limits (J, 2), rad; a range of a turn or more counts as -pi to pi."""
     low, high = np.where((limits[:, 1] - limits[:, 0] >= 2 * np.pi)[:, None], (-np.pi, np.pi), limits).T
     return (low + high) / 2, (high - low) / 2
 
 
 def outside(joints, limits):
-    """Return whether joints (7, ...) are outside their limits (7, 2) in every turn, by more than ROUNDING."""
+    """Return the mask (7, ...) of joints more than ROUNDING outside their limits (7, 2); whole turns are ignored."""
     middle, half = (column.reshape(7, *[1] * (joints.ndim - 1)) for column in centred(limits))
     return np.abs(wrap(joints - middle)) > half + ROUNDING
 
@@ -143,7 +144,7 @@ def outside(joints, limits):
 def settled(joints, limits):
     """Return joints (7, ...) with th1, th3 and th5, th7 moved into their limits (7, 2) where the pose allows it.
 
-    Where th2 or th6 is 0 or pi within STRAIGHT, only the sum or difference of the pair around it counts.
+    If th2 (th6) is within STRAIGHT of 0 or pi, the pose depends only on the sum or difference of th1, th3 (th5, th7).
     """
     middle, half = centred(limits)
     result, beyond = joints, outside(joints, limits)
@@ -161,8 +162,8 @@ def settled(joints, limits):
 
 
 STRAIGHT = 1e-7
-"""Angle (rad) from 0 or pi below which th2 or th6 counts as such for limits; th4 of a straight arm has half of a
-double's digits."""
+"""Angle (rad): :func:`settled` treats th2 and th6 as 0 or pi if they are nearer than this. It is so large because th4
+of a straight arm has only half of a double's digits."""
 
-SINGULAR = 1e-9  # the same for paths
-ROUNDING = 1e-9  # tolerance of a limit (rad)
+SINGULAR = 1e-9  # like STRAIGHT, but for paths (model.motion.swivels)
+ROUNDING = 1e-9  # allowance at a joint limit (rad)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Quaternions as arrays (N, 4) in the order w, i, j, k, and the arm's forward kinematics.
 
-The units are Hamilton's, as the paper's (1)-(3), and Q v Q~ is the right-handed rotation (4). Vectors are arrays
-(N, 3). Nothing here normalizes: a quaternion scales the rotated vector by its squared length.
+The units i, j, k are Hamilton's, as in the paper's (1)-(3), and Q v Q~ is the right-handed rotation (4). Vectors are
+arrays (N, 3). Arguments are not normalized: a quaternion scales the rotated vector by its squared length.
 """
 
 import numpy as np
@@ -23,12 +23,12 @@ def product(p, q):
 
 
 def multiply(a, b):
-    """Return the Hamilton product a b of quaternions (N, 4) and (N, 4), either of which may be (4,)."""
+    """Return the Hamilton product a b of quaternions, each (N, 4) or (4,)."""
     return np.stack(product(*(np.moveaxis(np.asarray(q, dtype=np.float64), -1, 0) for q in (a, b))), axis=-1)
 
 
 def about(axis: int, angle):
-    """Return the quaternions (N, 4), or (4,), of rotations by angles (N,), rad, about x, y or z: 0, 1 or 2."""
+    """Return quaternions (N, 4) of rotations by angles (N,), rad, about axis 0 (x), 1 (y) or 2 (z); (4,) for one."""
     q = np.zeros((*np.shape(angle), 4))
     q[..., 0], q[..., 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
     return q
@@ -40,21 +40,21 @@ def conjugate(q):
 
 
 def rotate(q, v):
-    """Return Q v Q~ for quaternions (N, 4) and vectors (N, 3), either of which may be a single one; (N, 3)."""
+    """Return Q v Q~, (N, 3), for quaternions (N, 4) or (4,) and vectors (N, 3) or (3,)."""
     v = np.asarray(v, dtype=np.float64)
     pure = np.concatenate((np.zeros_like(v[..., :1]), v), axis=-1)
     return multiply(multiply(q, pure), conjugate(q))[..., 1:]
 
 
 def matrix(q):
-    """Return the rotation matrices (N, 3, 3) of unit quaternions (N, 4), or one (3, 3) for a single one (4,)."""
+    """Return the rotation matrices (N, 3, 3) of unit quaternions (N, 4), or (3, 3) for one quaternion (4,)."""
     return np.stack([rotate(q, e) for e in np.eye(3)], axis=-1)
 
 
 def quaternion(m):
-    """Return unit quaternions (N, 4) of rotation matrices (N, 3, 3), of either sign."""
+    """Return unit quaternions (N, 4) of rotation matrices (N, 3, 3); their signs are arbitrary."""
     trace = np.trace(m, axis1=1, axis2=2)
-    # Each row is the quaternion times four times one of its components; the largest diagonal is the safest divisor.
+    # Row n is 4 q_n times the quaternion; the row with the largest diagonal element loses the fewest digits.
     rows = np.empty((len(m), 4, 4))
     rows[:, 0, 0] = 1 + trace
     rows[:, 0, 1:] = rows[:, 1:, 0] = np.stack(
@@ -67,13 +67,13 @@ def quaternion(m):
 
 
 def angle_between(a, b):
-    """Return the angle (N,), rad in 0 to pi, of the rotation from a to b, quaternions (N, 4) of any length and sign."""
+    """Return the angle (N,), 0 to pi rad, of the rotation from a to b: quaternions (N, 4) of any length and sign."""
     relative = multiply(conjugate(a), b)  # the arc cosine of a . b would lose half of the digits of tiny angles
     return 2.0 * np.arctan2(np.linalg.norm(relative[..., 1:], axis=-1), np.abs(relative[..., 0]))
 
 
 def forward(qs, qe, d1, d2):
-    """Return elbow and wrist (N, 3) of the arm with joints Qs (N, 4) and Qe (N, 4), or its first two components.
+    """Return the points (N, 3) of elbow and wrist for the joints Qs (N, 4) and Qe, (N, 4) or only w and i (N, 2).
 
         elbow = Qs (d1 e3) Qs~          wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~
 
@@ -93,10 +93,10 @@ def forward(qs, qe, d1, d2):
 
 
 def continuous(q: ArrayLike, arm: ArrayLike | None = None) -> NDArray[np.float64]:
-    """Return quaternions (N, 4) or (4,) in either order with signs that make them continuous, for interpolation.
+    """Return quaternions (N, 4) or (4,) with signs that make successive rows continuous, for interpolation.
 
-    Q and -Q are the same rotation, and the core keeps k >= 0. Rows of nan are skipped. ``arm`` (N,) names the arm of
-    each row; arms are processed separately.
+    Q and -Q are the same rotation, and the core keeps k >= 0. w may come first or last. Rows of nan are skipped.
+    ``arm`` (N,) names the arm of each row; arms are processed separately.
     """
     q = np.array(q, dtype=np.float64)
     rows = q.reshape(-1, 4)  # a view: a single quaternion is one row

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lean equations in double precision: the paper's results from square roots, without its singular poses.
+"""Lean equations in double precision: the paper's results from square roots, without the paper's singular poses.
 
 docs/generated/lean.md derives them from the paper's (10)-(18). With s = |p|^2, rho^2 = x^2 + y^2, A = (d1 + d2)^2 - s,
 B = s - (d1 - d2)^2 and K = s + d1^2 - d2^2, for a target in reach:
@@ -9,12 +9,12 @@ B = s - (d1 - d2)^2 and K = s + d1^2 - d2^2, for a target in reach:
     cos a = K/(2 d1 |p|)    sin a = sqrt(A) sqrt(B)/(2 d1 |p|)
     Qs = Rz(azimuth + 90 deg) Rx(90 deg - elevation) Rz(phi) Rx(-a)                  the paper's (18)
 
-Each factor of Qs is a quaternion along half its angle, but not of unit length: (1 + c, s)/2, or (s, 1 - c)/2 where
-c < 0, of squared length (1 + |c|)/2. A single root normalizes the product.
+Each factor of Qs except Rz(phi) is computed from the cosine c and sine s of its angle, as a quaternion that is not of
+unit length: (1 + c, s)/2, or (s, 1 - c)/2 if c < 0. Its squared length is (1 + |c|)/2. One root normalizes the product.
 
-Neither function depends on the dataflow of the core (:mod:`model.dataflow.lean`), which tests compare with them.
-:func:`solve_lean` computes the squares of all sines and cosines as ratios of integers: it keeps its relative precision
-next to the z axis, the stretched and the closed arm, where ``equations.solve`` loses up to half of its digits.
+Both functions are independent of the core's dataflow (:mod:`model.dataflow.lean`), and tests compare it with them.
+:func:`solve_lean` computes the squares of all sines and cosines as ratios of integers. It keeps full relative precision
+next to the z axis and for an almost straight or closed arm, where ``equations.solve`` loses up to half of its digits.
 :func:`solve_direct` has the same precision in a tenth of the time.
 """
 
@@ -26,24 +26,24 @@ from .equations import check_lengths, columns, pose_flags
 
 _SPLIT = 2.0**27 + 1
 _LEAST, _MOST = 1e-280, 1e280
-"""Squares between which :func:`solve_direct` computes without integers."""
+"""Range of squared lengths for which :func:`solve_direct` needs no integers."""
 
 
 def _integers(values):
-    """Return doubles (M, N) as Python integers, in one unit for each column."""
+    """Return doubles (M, N) as Python integers; all numbers of a column are in one unit."""
     mantissas, exponents = np.frexp(values)
     exponents = np.where(mantissas == 0, exponents.max(axis=0), exponents)
     return np.ldexp(mantissas, 53).astype(np.int64).astype(object) << (exponents - exponents.min(axis=0)).astype(object)
 
 
 def _root(square, of, sign=1):
-    """Return sign sqrt(square / of) of integers, from 0 to 1 without its sign; 0 where ``of`` is 0."""
+    """Return the root of square / of, both integers, limited to 0 .. 1, with a sign; 0 where ``of`` is 0."""
     square, of = np.where(of > 0, np.minimum(square, of), 0), np.where(of > 0, of, 1)
     return np.where(sign < 0, -1.0, 1.0) * np.sqrt(np.maximum((square / of).astype(np.float64), 0.0))
 
 
 def _shoulder(cosines, half_sines, phi):
-    """Return Qs (4, N) from the cosines and half the sines (3, N) of azimuth and 90 degrees, tilt, and a."""
+    """Return Qs (4, N) from cosines and halved sines (3, N) of azimuth + 90 deg, 90 deg - elevation, and a."""
     toward = cosines >= 0
     lengths = 0.5 * np.abs(cosines) + 0.5
     az_c, tilt_c, bend_c = np.where(toward, lengths, half_sines)
@@ -60,13 +60,13 @@ def _shoulder(cosines, half_sines, phi):
 
 
 def solve_lean(x, y, z, phi, d1, d2):
-    """Return a pose for any N targets, with flags, by the lean equations.
+    """Return poses and flags of any N targets by the lean equations.
 
     x, y, z (wrist target), d1 (upper arm), d2 (forearm) in one unit of length, phi in radians; numbers or arrays that
-    broadcast to (N,). Targets need not be in reach nor lengths positive: such targets get the pose of
-    `equations.solve_clamped`. Returns a dict of arrays (N,): the results, and flags (int64). Never nan, provided that
-    d1 + d2 and d1 - d2 are finite. Raises ValueError for inputs that are not finite or do not broadcast, and for
-    lengths outside `equations.LENGTH_RANGE` of a target in reach.
+    broadcast to (N,). Targets out of reach and targets with lengths <= 0 get the pose of `equations.solve_clamped`.
+    Returns a dict of arrays (N,): the results, and flags (int64). Results are never nan if d1 + d2 and d1 - d2 are
+    finite. Raises ValueError for inputs that are not finite or do not broadcast, and for lengths outside
+    `equations.LENGTH_RANGE` of a target in reach.
     """
     x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     flags = pose_flags(x, y, z, d1, d2)
@@ -80,7 +80,7 @@ def solve_lean(x, y, z, phi, d1, d2):
     s = rho_sq + p_z * p_z
     a, b, k = (upper + fore) ** 2 - s, s - (upper - fore) ** 2, s + upper * upper - fore * fore
     whole, law = (np.where(clamped, 0, square) for square in (4 * upper * fore, 4 * upper * upper * s))
-    # A target out of reach by less than the rounding of d1 + d2 or d1 - d2 is at the limit.
+    # A target out of reach by less than the rounding of d1 + d2 or d1 - d2 counts as at the limit.
     qe_w = np.where(clamped, ~straight, _root(a, whole))
     qe_i = np.where(clamped, -1.0 * straight, -_root(b, whole))
     cosines = np.array(
@@ -102,8 +102,8 @@ def solve_direct(target):
     """Return the results (6, N) and flags (N,) of :func:`solve_lean` within rounding, in a tenth of its time.
 
     target (6, N): finite numbers in the order of FIELDS, lengths positive. Each result depends on its own target only.
-    Plain sums suffice unless A or B is small relative to s. Such targets get exact sums, targets on the axis their
-    conventions; `solve_lean` takes those with squares outside `_LEAST` to `_MOST`.
+    Where A or B is small relative to s, sums have twice the precision of a double. Targets on the z axis follow the
+    conventions of `solve_lean`; targets with squares outside `_LEAST` to `_MOST` are passed to `solve_lean`.
     """
     x, y, z, phi, d1, d2 = target
     with np.errstate(all="ignore"):
@@ -112,7 +112,7 @@ def solve_direct(target):
         p, d_sum, d_dif = np.sqrt(s), d1 + d2, d1 - d2
         squares = np.empty((2, len(x)))  # A, B
         squares[0], squares[1] = (d_sum - p) * (d_sum + p), (p - d_dif) * (p + d_dif)
-        # of the azimuth and 90 degrees, the tilt, the angle at the shoulder
+        # rows: azimuth + 90 deg, 90 deg - elevation, a
         cosines, sines, divisors = np.empty((3, 3, len(x)))
         cosines[0], cosines[1], cosines[2] = -y, z, s + d_sum * d_dif
         sines[0], sines[1] = x, np.sqrt(rho_sq)
@@ -150,14 +150,14 @@ def solve_direct(target):
 
 
 def _two_sum(a, b):
-    """Return a + b rounded, and the rounding error: exact together."""
+    """Return a + b rounded, and the rounding error; their exact sum is a + b."""
     total = a + b
     part = total - a
     return total, (a - (total - part)) + (b - part)
 
 
 def _near_limits(target, law):
-    """Return K, A and B (2, N), limited to 0 .. 4 d1 d2, and too_far and too_near, from sums in twice the precision."""
+    """Return K, (A, B) limited to 0 .. 4 d1 d2, and the reach flags; sums have twice the precision of a double."""
     x, y, z, _, d1, d2 = target
     v = np.array((x, y, z, d1 + d2, d1 - d2))
     high = v * _SPLIT
@@ -173,7 +173,7 @@ def _near_limits(target, law):
     if doubt.any():
         exact = pose_flags(*target[[0, 1, 2, 4, 5]][:, doubt])
         flags[doubt] = exact & (TOO_FAR | TOO_NEAR)
-    # Flags are of the rounded d1 + d2 and d1 - d2, a pose in reach is of the exact ones.
+    # Flags use the rounded d1 + d2 and d1 - d2; a pose in reach uses the exact sums.
     limit += np.where(flags, 0, 2) * v[3:] * _two_sum(d1, np.array((d2, -d2)))[1]
     a, b = limit[0], -limit[1]
     if (short := 16 * d1 < v[3]).any():  # s + d_sum d_dif would cancel

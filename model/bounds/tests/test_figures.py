@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Accuracy figures of the tables, the arithmetic modules and the datapaths, compared with figures.json; limits on
-widening a tolerance.
+"""Compare accuracy figures of tables, arithmetic modules and datapaths with figures.json, and check that tolerances are
+not too wide.
 
     python -m model.bounds.tests.test_figures
 
 writes figures.json in this folder from the current code.  A worse figure is a regression, or a change that must be
-explained where it is made; a much better one shows that the file is old.  Model and RTL are built from the same tables
-and formats, so a worse table leaves them equal; it is detected here.
+explained in its commit; a much better figure shows that the file is outdated.  Model and RTL share tables and formats:
+they remain equal if a table gets worse, and only this test detects it.
 
 Units: fraction of the reach for a hand, radians for an angle, ulps of the result for an arithmetic module.
 
 * ``proved``: the largest error permitted by the proof, for the actual table; rounded up at the fourth digit.
 * ``max``, ``rms``, ``median``: of measured errors, always for the same arguments or targets.
-* ``node rms``: of the error added by rounding an inner word.
-* ``products``: of the lean datapath, the worst of them.
-* ``inner``: the hand of the lean datapath before results are rounded, which masks inner errors at most word lengths.
+* ``NODE rms``: of the error that rounding adds at a node.
+* ``products proved``: the largest error of the lean datapath's products of three factors.
+* ``inner``: hand error of the lean datapath before its results are rounded; that rounding mostly hides inner errors.
 """
 
 import itertools
@@ -44,17 +44,17 @@ FILE = Path(__file__).with_name("figures.json")
 Figures = dict[str, float]
 
 WIDE, SMALL = 18, 16
-"""Bits of a tile: with the second the tables are small."""
+"""Bits of a multiplier tile; SMALL selects small tables."""
 
 TABLES = [(f, WIDE) for f in range(19, 32)] + [(f, SMALL) for f in range(19, 30)]
 PI = np.longdouble("3.14159265358979323846264338")
 
 WORSE = {"proved": 1.0, "max": 1.1, "rms": 1.02, "median": 1.02}
-"""Largest permitted ratio of a figure to its record.  The targets are always the same; a bit fewer in one of many
-words increases an rms by a few percent; the largest error depends on a single target."""
+"""Largest permitted ratio of a figure to the recorded figure.  The targets are always the same. One bit fewer in one of
+many words increases an rms by a few percent; a maximum depends on a single target and varies more."""
 
 BETTER = {"proved": 0.98, "max": 0.0, "rms": 0.9, "median": 0.9}
-"""Smallest permitted ratio; the largest error, of a single target, has none."""
+"""Smallest permitted ratio; none for a maximum, which depends on a single target."""
 
 
 def measured(**errors: np.ndarray) -> Figures:
@@ -67,15 +67,15 @@ def measured(**errors: np.ndarray) -> Figures:
 
 
 def around(first: int, last: int, points: int, seed: int) -> np.ndarray:
-    """Return words in [``first``, ``last``): 60000 random ones, the others around ``points`` equidistant points."""
+    """Return words in [``first``, ``last``): 60000 at random, and the words around ``points`` equidistant points."""
     anywhere = np.random.default_rng(seed).integers(first, last, 60000)
     near = (np.arange(points + 1)[:, None] * ((last - first) // points) + first + np.arange(-8, 8)).ravel()
     return np.concatenate([anywhere, near[(near >= first) & (near < last)]])
 
 
 def reciprocal_root(frac: int, tile: int) -> Figures:
-    """Return the figures of ``rsqrt``.  The mean is measured at the middle of the interval truncated to a mantissa, the
-    largest error at its ends."""
+    """Return the figures of ``rsqrt``.  A mantissa stands for the interval of values truncated to it: the rms error is
+    measured in the middle of the interval, the largest error at its ends."""
     m = around(1 << frac + 1, 1 << frac + 3, 3072, frac)
     y = quadratic.rsqrt(m, frac, tile)
     low, middle, high = (
@@ -107,7 +107,7 @@ def cordic(width: int) -> Figures:
 
 @cache
 def everywhere(width: int) -> np.ndarray:
-    """Return targets of every kind, most near singularities of the paper's equations; the last are out of reach."""
+    """Return targets of every kind, most near singularities of the paper's equations; 2000 are out of reach."""
     return np.concatenate([*(region(name, 1000, width, 12) for name in REGIONS), unreachable(2000, width, 12)])
 
 
@@ -119,7 +119,7 @@ def regular(width: int) -> np.ndarray:
 
 
 def answers(targets: Callable[[int], np.ndarray], width: int, datapath: str) -> Figures:
-    """Return the errors of hand, angles and norms of the targets' results."""
+    """Return the figures of a datapath for the targets: errors of hand, angles and norms."""
     words, lean = targets(width), datapath.startswith("lean")
     clamped = expected_flags(words, width) & UNREACHABLE != 0
     runs = [Run(words[~clamped], width, datapath, solve_lean if lean else solve_clamped)]
@@ -141,7 +141,7 @@ INNER = ("w_q", "i_q", "j_q", "k_q", "elbow_w", "elbow_i")
 
 
 class Local(Real):
-    """Every node in double precision from its operands' words; ``off`` is the error of the node's own rounding."""
+    """Each node in double precision, computed from its operands' words; ``off`` is the node's own rounding error."""
 
     def __init__(self, bits: fixed.Bits) -> None:
         self.off: dict[str, np.ndarray] = {}
@@ -155,11 +155,11 @@ class Local(Real):
         return word
 
 
-NOISE = 1e-14  # noise of double precision, where most words are exact
+NOISE = 1e-14  # an rms error up to this is noise of double precision
 
 
 def nodes(width: int, datapath: str) -> Figures:
-    """Return the rms rounding error of every node. It is absolute: in ulps, a shortened word would go undetected."""
+    """Return each node's rms rounding error. It is absolute: an error in ulps would not reveal a shortened word."""
     words = everywhere(width)
     reached = expected_flags(words, width) & UNREACHABLE == 0
     off = Local(fixed.run(words, width, datapath).bits).off
@@ -178,7 +178,7 @@ GROUPS: dict[str, Callable[[], Figures]] = {
     **{f"lean-{width}-nodes": partial(nodes, width, "lean") for width in (18, 24, 32)},
     **{f"{path}-24-nodes": partial(nodes, 24, path) for path in ("lean16", "paper")},
 }
-"""Module or datapath, its length, and its variant -> its figures."""
+"""Module or datapath, word length and variant -> function that returns the figures."""
 
 TOLERATED = {f"lean-{width}": tolerances.lean(width) for width in WIDTHS}
 """Group -> tolerance of its hand error."""
@@ -200,7 +200,7 @@ def test_figures(name):
 
 @pytest.mark.parametrize("width", (16, 24, 32))
 def test_rounding_of_results_alone(width):
-    """Half an ulp to either side of six results: the worst of 64 combinations in many poses, and in the worst pose."""
+    """Check the largest hand error if all six results are half an ulp off: over 64 sign combinations and many poses."""
     words = random_reachable(1000, width, seed=8)
     q = np.concatenate([Run(words, width).exact, [(0.5**0.5, 0, 0.5**0.5, 0, 0, -1)]])
     arms = np.concatenate([words[:, 4:], [(0, 1)]])
@@ -214,7 +214,7 @@ def test_rounding_of_results_alone(width):
 
 
 def test_rounded_results_of_18_bits_miss_the_tolerance():
-    """Even exact results, rounded, exceed the tolerance in some pose: :func:`tolerances.sought` allows for that."""
+    """Check a pose in which even rounded exact results exceed the tolerance but not :func:`tolerances.sought`."""
     run = Run(np.array([(123447, 0, -594, -131072, 2008, 121725)]), 18)
     (error,) = run.off(np.rint(run.exact * 2**16) / 2**16)[1]
     assert tolerances.lean(18) < error <= tolerances.sought(18)
@@ -222,7 +222,7 @@ def test_rounded_results_of_18_bits_miss_the_tolerance():
 
 
 def rounded(name: str, figure: float) -> float:
-    """Round to four digits; proved figures are rounded up."""
+    """Return a figure rounded to four digits; a proved figure is rounded up."""
     if not name.endswith("proved"):
         return float(f"{figure:.3e}")
     place = 10.0 ** (math.floor(math.log10(figure)) - 3)

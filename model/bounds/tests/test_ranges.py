@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proved ranges of both datapaths: they fit the formats, contain random targets, and name a node whose format is too
-short; stated error growth covers operands with large errors."""
+"""Test the proved ranges of the datapaths: they fit the formats, contain the words of random targets, and name a node
+whose format is too short. The error growth that nodes state covers operands with large errors."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ WIDTHS = (16, 18, 24, 32)
 
 @pytest.mark.parametrize("width", [w if w in (16, 32) else pytest.param(w, marks=pytest.mark.slow) for w in ALL_WIDTHS])
 def test_nothing_saturates_but_by_design(width):
-    """t_e only for clamped targets, where there is no elbow; c4_quo is limited to [-1, 1] by (14)."""
+    """Check that only t_e (for clamped targets, which have no elbow) and c4_quo (limited by (14)) saturate."""
     only_clamped: dict[str, bool] = {}
     for case in ranges.cases(width):
         run = ranges.Ranges(width, case)
@@ -37,7 +37,7 @@ def test_nothing_saturates_but_by_design(width):
 
 
 def shorten(datapath: str, name: str, width: int, spare: int, monkeypatch) -> int:
-    """Shorten a node's format by ``spare`` bits; return its bits."""
+    """Shorten a node's format by ``spare`` bits; return its new width."""
     node = fixed.nodes(datapath, width)[name]
     monkeypatch.setattr(node, "format", replace(node.format, width=node.format.width - spare))
     return node.format.width
@@ -66,8 +66,8 @@ def test_without_a_rule_something_does_not_fit(section, rule, monkeypatch):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_random_targets_stay_inside_the_proved_ranges(width):
-    """Nothing saturates but by design. Before the first restart, in the swivel plane, errors against double precision
-    in regular poses are within the proved ones."""
+    """Check that nothing saturates except by design. In the swivel section, which is before the first restart, check
+    also that errors against double precision in regular poses are within the proved errors."""
     some = random_reachable(20000, width, 7), edges(5000, width, 7), unreachable(5000, width, 7)
     words = np.concatenate([*some, extremes(5000, width, 7), np.array(list(corners(width).values()), dtype=np.int64)])
     bits = fixed.run(words, width, "paper").bits
@@ -106,7 +106,7 @@ def test_every_lean_node_fits(width):
 SHORT = [("u_x", 32, 2), ("inv_law_raw", 18, 1), ("k_scaled", 24, 1), ("qs_i", 16, 1), ("rho_sq", 32, 2)]
 SHORT += [("m_far", 18, 1), ("hand_sq", 24, 3), ("r_z", 32, 2), ("off_x", 18, 1), ("g_w", 16, 1), ("qw_j", 32, 1)]
 SHORT += [("qw_ij", 18, 2)]
-"""Nodes of the lean dataflow and of the whole arm, word lengths, and bits that their formats cannot spare."""
+"""Nodes of the lean dataflow and the whole arm, word lengths, and numbers of bits that their formats cannot spare."""
 
 
 @pytest.mark.parametrize(("name", "width", "spare"), SHORT)
@@ -141,7 +141,7 @@ def test_targets_stay_inside_the_lean_ranges(datapath, width):
 
 
 def usual_targets(bits):
-    """Return the targets, (N,), whose words are all in use: reachable, with a good hand."""
+    """Return the mask (N,) of targets whose words are all used: wrist not clamped, hand good."""
     nodes = (bits.nodes[name].value for name in ("clamp", "bad_hand", "saturated") if name in bits.nodes)
     return ~np.any([np.asarray(value, dtype=bool) for value in nodes], axis=0)
 
@@ -153,12 +153,12 @@ def test_a_node_without_a_rule_is_named(monkeypatch):
 
 
 OFF = 1024
-"""Operand error in ulps, up or down; the operations' own rounding is small compared with it."""
+"""Error of the operands in ulps, up or down; the operations' own rounding is small compared with it."""
 
 
 def grown(bits: fixed.Bits, node, random) -> tuple[float, float]:
-    """Return the error that a node's word has for operands with errors of OFF ulps, and the error that it states; the
-    guard's nodes and words taken as exact have none."""
+    """Return the error of a node's word for operands with errors of OFF ulps, and the error that the node states.
+    Operands from the guard and words taken as exact have no error."""
     usual = usual_targets(bits) & np.ones(np.shape(node.value), dtype=bool)
     values, off = {}, []
     for operand in (bits.nodes[operand.name] for operand in node.operands):
@@ -169,7 +169,7 @@ def grown(bits: fixed.Bits, node, random) -> tuple[float, float]:
         if operand.frac:
             off.append(0.0 if exact else OFF * ulp)
             values[operand.name] = np.asarray(operand.value, dtype=np.float64)
-        if not exact:  # no decision that the error could reverse
+        if not exact:  # exclude targets where the error could reverse a decision
             usual = usual & (np.abs(operand.value) > 2 * OFF)
             values[operand.name] = operand.value + OFF * random.choice((-1.0, 1.0), len(usual))
     error = np.abs(np.asarray(node.value - node.op.real_result(node, values), dtype=np.float64)) * node.format.ulp

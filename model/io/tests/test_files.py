@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Target files, host scaling, words, records in memory; expected flags; built-in trajectories and example files."""
+"""Test target files, host scaling, words, records, expected flags, built-in trajectories and example files."""
 
 import math
 from pathlib import Path
@@ -86,7 +86,6 @@ def test_accepted_forms(read, content):
 
 
 def test_other_columns_are_kept(read):
-    """A time, a name and an empty heading, as in spreadsheets, are kept."""
     result = read('t,Name,y,,PHI,x,z\n0.1,"a, b",2,,0.5,1,3\n0.2,c,2,-,0.5,1,3\n')
     assert_same(result, Targets("t", 1, [2, 2], 3, 0.5, DEFAULT_D1, DEFAULT_D2))
     assert result.others == {"t": ["0.1", "0.2"], "Name": ["a, b", "c"], "column 4": ["", "-"]}
@@ -166,7 +165,7 @@ def test_files_keep_every_bit(tmp_path_factory, table):
 
 
 def test_far_targets_lower_the_exponent_until_the_headroom_ends():
-    """An arm that reaches 1 ends the format at 2, and at 2 * 2^HEADROOM_BITS with all headroom used."""
+    """Check the exponent: for a reach of 1 the format ends at 2, or at 2 * 2^HEADROOM_BITS with all headroom used."""
     arm = {"d1": 0.5, "d2": 0.5}
     limit = 2.0 * 2**HEADROOM_BITS
     for x, exponent in (
@@ -195,7 +194,7 @@ def test_a_target_without_words_is_named_with_its_row(read, rows, message):
 
 
 def test_rounding_and_saturation():
-    """Lengths round half to even; the edge below 2 saturates instead of wrapping; angles wrap at a turn."""
+    """Check that lengths round half to even, that a length just below 2 saturates, and that angles wrap."""
     words, exponent = to_words(targets(x=math.nextafter(2, 0), y=-2.0, d1=0.5, d2=0.5), 16)
     assert exponent == 0
     assert words[0].tolist() == [2**15 - 1, -(2**15), 0, 0, 2**13, 2**13]
@@ -244,8 +243,8 @@ NAMES = list(trajectories.TRAJECTORIES)
 
 @pytest.mark.parametrize("name", NAMES)
 def test_trajectory(name):
-    """Targets are in reach, and off singular poses where the fixed tolerance holds; hands move at most 5 cm (8 % of the
-    reach) per step and change their step by less than 2 cm."""
+    """Check that targets are in reach, that regular trajectories stay off singular poses, and that motion is smooth:
+    hands move by less than 5 cm (8 % of the reach) per step, and successive steps differ by less than 2 cm."""
     targets = trajectories.make(name)
     assert targets.name == name and len(targets) == 100
     for width in (16, 32):
@@ -286,7 +285,7 @@ FLAGS = [0, TOO_FAR, TOO_FAR, 0, TOO_NEAR]
 
 
 def in_python_integers(x, y, z, phi, d1, d2) -> int:
-    """Return the flags of one target, independently of :mod:`model.io.flags`."""
+    """Return the flags of one target, computed without :mod:`model.io.flags`."""
     flags = ON_AXIS * (x == y == 0) | AT_SHOULDER * (x == y == z == 0)
     if d1 <= 0 or d2 <= 0:
         return flags | BAD_LENGTH

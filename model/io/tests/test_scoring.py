@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scores: each figure against a known error, each reason to fail, and the files."""
+"""Test scores: compare each figure with a known error; check each reason to fail, and the files."""
 
 import csv
 import dataclasses
@@ -23,7 +23,7 @@ ULP = 2.0**-30
 
 
 class Case:
-    """Trajectory and run of an ideal core, double precision rounded to words; tests corrupt it."""
+    """Trajectory run on an ideal core: double precision rounded to words. Tests corrupt the results."""
 
     def __init__(self, targets, width=32, predicted=1e-6):
         self.targets, self.width = targets, width
@@ -103,7 +103,7 @@ def test_an_ideal_core_passes(name):
 
 
 def test_hand_error_is_measured_at_the_users_target():
-    """A target 0.4 ulp from its word is sent to the core as that word; the rounding counts as its error."""
+    """Check that rounding a target to its word counts as an error, for targets 0.4 ulp from their words."""
     words, exponent = to_words(make("reach"), 16)
     on_grid = from_words(words, exponent, 16, "reach")
     aside = dataclasses.replace(on_grid, x=on_grid.x + 0.4 * 2.0 ** (-14 - exponent))
@@ -165,7 +165,7 @@ def test_each_fault_fails_and_is_named(case, fault):
 
 
 def test_bars_by_regularity_word_length_and_request(case):
-    """The table has a tolerance for regular targets at W = 32 only; the user's tolerance replaces it."""
+    """Check that only regular targets at W = 32 have a tolerance, and that the user's tolerance replaces it."""
     near = Case(make("punch"), predicted=1e-12)
     assert case.score().hand_error_tolerance == REGULAR
     for other in (near, Case(make("reach"), width=31)):
@@ -177,7 +177,7 @@ def test_bars_by_regularity_word_length_and_request(case):
 
 
 def test_the_fixed_bar_and_the_worst_target():
-    """The fixed tolerance applies from 0.2 rad on; the target with the largest error is named with its pose."""
+    """Check that the tolerance applies from 0.2 rad on, and that the worst target is named with its pose."""
     for distance, tolerance in ((0.19, None), (0.21, REGULAR)):
         polar = np.array([1.0, distance])
         result = Case(arm(0.4 * np.sin(polar), z=0.4 * np.cos(polar))).score()
@@ -195,7 +195,7 @@ def test_clamped_targets_are_judged_apart():
     assert case.flags.tolist() == [0, TOO_FAR, TOO_NEAR]
     result = case.score()
     assert result.passed and result.flagged == 2
-    # In the file, the distance to the target itself; in the score, to the nearest reachable point.
+    # hand_error is the distance to the target itself; the score uses the nearest reachable point.
     assert result.per_target.hand_error[1] == pytest.approx(math.hypot(0.7, 0.1) / 0.6 - 1, rel=1e-6)
     assert result.per_target.hand_error[2] == pytest.approx(0.05 / 0.6, rel=1e-6)
     assert result.hand_error_max == result.per_target.hand_error[0] < 1e-8
@@ -234,7 +234,7 @@ def test_lost_rows_and_predictions_without_bound_are_refused(case):
 
 
 def test_results_file_gives_every_bit_back_and_can_be_read_again(tmp_path):
-    """Other columns of the target file are kept, unless a result has the same name."""
+    """Check also that other columns of the target file are kept, unless a result has the same name."""
     case = Case(make("two_arms"))
     others = {"t": [str(n) for n in range(100)], "na,me": ["x;y"] * 100, "flags": ["?"] * 100}
     case.targets = dataclasses.replace(case.targets, others=others)

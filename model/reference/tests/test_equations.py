@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Layer 3, equations (10)-(18) and the lean equations: against forward kinematics, the print, and each other.
+"""Test layer 3: compare (10)-(18) and the lean equations with forward kinematics, the printed text, and each other.
 
-Largest errors of `solve`, measured over 10^5 targets of `random_targets`: with theta_3 0.05 rad or more from 0 and pi,
-hand 2e-14 of the reach and shoulder 3e-14 rad against the rotation matrix; with any theta_3, 1e-11 and 3e-11, at the
-pose nearest to 0 or pi. At such a pose itself both are about 1e-8. `solve_lean` has 1.4e-15 over the whole workspace;
-next to singular poses it is 1e-15 rad from the print evaluated with 80 digits, `solve` up to 3e-8 rad.
+Largest errors of `solve`, measured over 10^5 targets of `random_targets`: hand 2e-14 of the reach and shoulder 3e-14
+rad (against the rotation matrix) if theta_3 is 0.05 rad or more from 0 and pi; 1e-11 and 3e-11 for any theta_3; about
+1e-8 for theta_3 = 0 or pi. The errors of `solve_lean` are 1.4e-15 over the whole workspace. Next to singular poses,
+`solve_lean` is within 1e-15 rad of the printed equations evaluated with 80 digits, `solve` within 3e-8 rad.
 """
 
 from fractions import Fraction
@@ -24,9 +24,9 @@ from model.reference.lean_equations import solve_direct, solve_lean
 PHIS = np.linspace(-np.pi, np.pi, 17)
 
 HALF_OF_THE_DIGITS = 6e-8
-"""Bound (rad, and relative to the reach) for the roots of (14) and (17) at a half angle of 0 or pi/2."""
+"""Bound of errors (rad, and relative to the reach) where a root of (14) or (17) is at a half angle of 0 or pi/2."""
 
-ROUNDOFF = 5e-15  # bound (rad, and relative to the reach) for the lean equations
+ROUNDOFF = 5e-15  # bound of the lean equations' errors (rad, and relative to the reach)
 
 
 def direct(*targets):
@@ -60,7 +60,7 @@ def directions(rng, size):
 
 
 def workspace(size, seed):
-    """Return reachable targets of all poses: any direction, distance and swivel."""
+    """Return reachable targets at any direction, distance and swivel angle."""
     rng = np.random.default_rng(seed)
     d1, d2 = rng.uniform(0.2, 1, (2, size))
     distance = rng.uniform(np.abs(d1 - d2), d1 + d2)
@@ -68,8 +68,8 @@ def workspace(size, seed):
 
 
 def random_targets(size, seed):
-    """Return targets of `workspace` off the singular poses: the elbow's interior angle is 0.05 rad or more from 0 and
-    pi, wrist and elbow are 0.05 rad or more from the z axis. theta_3 is not restricted."""
+    """Return targets of `workspace` off singular poses: the elbow's interior angle is 0.05 rad or more from 0 and pi,
+    and wrist and elbow are 0.05 rad or more from the z axis. theta_3 is not restricted."""
     targets = workspace(4 * size, seed)
     x, y, z, _, d1, d2 = targets
     interior = np.arccos((d1**2 + d2**2 - x**2 - y**2 - z**2) / (2 * d1 * d2))
@@ -90,7 +90,7 @@ def elbow_direction(targets):
 
 
 def hand_error(result, targets):
-    """Return the distance of the forward kinematics' wrist from the target, over the reach."""
+    """Return the distance from the target to the wrist by forward kinematics, divided by the reach."""
     *p, _, d1, d2 = targets
     _, wrist = kinematics.forward(shoulder(result), elbow(result), d1, d2)
     return np.linalg.norm(wrist - np.stack(p, axis=-1), axis=1) / (np.asarray(d1) + d2)
@@ -116,8 +116,8 @@ def assert_defined(result):
 
 
 def assert_pose(targets):
-    """Assert that `solve` gives a defined pose, with the hand at the target and the shoulder of the matrix form, which
-    has no singular poses."""
+    """Assert that `solve` puts the hand at the target, with a defined pose and the shoulder of the matrix form, which
+    has no singular poses. Return the result."""
     result = solve(*targets)
     assert_defined(result)
     assert hand_error(result, targets).max() < HALF_OF_THE_DIGITS, "hand"
@@ -133,7 +133,6 @@ RESULT = solve(*TARGETS)
 
 
 def test_poses_agree_with_forward_kinematics():
-    """Hand, elbow, the rotation with columns -n, e x (-n), e, and the law of cosines."""
     x, y, z, _, d1, d2 = TARGETS
     regular = (RESULT["q3_scalar"] > np.sin(0.05 / 2)) & (np.abs(RESULT["q3_k"]) > np.sin(0.05 / 2))  # theta_3
     assert_pose(TARGETS)
@@ -162,7 +161,7 @@ def test_unit_of_length_does_not_matter(solver, exponent):
 
 
 def solve_print(*target):
-    """Return the results of (10)-(18) as printed, except for the square in (11), of six numbers by mpmath."""
+    """Return the results of (10)-(18) for six numbers by mpmath, as printed but with the missing square in (11)."""
     functions = {"sqrt": mpmath.sqrt, "cos": mpmath.cos, "sin": mpmath.sin, "Abs": abs}
     values = dict(zip(("p_w_x", "p_w_y", "p_w_z", "phi", "d1", "d2"), map(mpmath.mpf, target), strict=True))
     for number, lines in TEXT.items():
@@ -174,8 +173,8 @@ def solve_print(*target):
 
 @pytest.mark.parametrize("region", sorted(set(REGIONS) - {"most unequal lengths"}))
 def test_agrees_with_the_print_next_to_singular_poses(region):
-    """Double precision is insufficient for the paper's equations there: they are evaluated with 80 digits. Where the
-    print is 0/0, on the z axis and at the limits of the reach, only flags are compared."""
+    """Evaluate the printed equations with 80 digits, since double precision is insufficient here. Where they are 0/0,
+    on the z axis and at the limits of the reach, compare only flags."""
     words = stimuli.region(region, 150, 32, seed=2)
     asked = from_words(words, 0, 32, region)
     lean = solve_lean(*(getattr(asked, field) for field in FIELDS))
@@ -196,7 +195,7 @@ def test_agrees_with_the_print_next_to_singular_poses(region):
 
 @pytest.mark.parametrize("z", [0.5, -0.5])
 def test_target_on_the_z_axis_takes_azimuth_0(z):
-    """Both equations give the limit of a target that approaches the axis along +x."""
+    """Check that `solve` and `solve_lean` return the limit of a target that approaches the axis along +x."""
     targets = columns(0, 0, z, PHIS, 0.4, 0.3)
     result, lean = assert_pose(targets), solve_lean(*targets)
     assert (lean["flags"] == ON_AXIS).all() and hand_error(lean, targets).max() < ROUNDOFF
@@ -228,13 +227,11 @@ SINGULAR = {
 
 @pytest.mark.parametrize("kind", SINGULAR)
 def test_exact_singular_poses(kind):
-    """The target is reached exactly, with its swivel angle."""
     assert_pose(columns(*SINGULAR[kind]))
 
 
 @both
 def test_defined_at_the_ends_of_the_number_range(solver):
-    """All lengths and offsets, on and near each axis."""
     lengths = [1e-15, 1e-6, 1.0, 1e15]
     offsets = [0.0, 5e-324, 1e-300, 1e-160, 1e-100, 1e-31, 1e-29, 1e-16, 1e-8, 0.5, 1.0]
     d, x, y, z, phi = np.array(np.meshgrid(lengths, offsets, offsets, offsets, [0.0, 1.0, np.pi])).reshape(5, -1)
@@ -246,7 +243,7 @@ def test_defined_at_the_ends_of_the_number_range(solver):
 
 
 def test_lean_equations_at_extreme_lengths():
-    """Targets of extreme size are clamped; length ratios up to 10^30 cost no precision in Qs and Qe."""
+    """Check that targets of extreme size are clamped, and that length ratios up to 10^30 cost no precision."""
     big = [-4e307, -1.0, 0.0, 5e-324, 1e-300, 4e307]
     x, y, z, d1, d2 = np.array(np.meshgrid(big, big, big, big, big)).reshape(5, -1)
     size, longer, shorter = np.max(np.abs((x, y, z)), axis=0), np.maximum(d1, d2), np.minimum(d1, d2)
@@ -263,7 +260,7 @@ def test_lean_equations_at_extreme_lengths():
 
 
 def test_lean_roots_are_exact_next_to_the_limits():
-    """Qe against rational numbers, with lengths up to 10^14 apart and targets within an ulp of the limits."""
+    """Compare Qe with rational numbers, for length ratios up to 10^14 and targets within about an ulp of a limit."""
     rng = np.random.default_rng(10)
     d1 = rng.uniform(0.5, 1, 400)
     d2 = d1 * 10 ** rng.uniform(-14, 0, 400)
@@ -280,14 +277,14 @@ def test_lean_roots_are_exact_next_to_the_limits():
 
 
 def test_flags_are_exact_at_the_limits():
-    """Squares that fill two doubles: 2, 3, 6 and 7 times whole numbers of 50 bits."""
+    """Check targets exactly at a limit, 2^2 + 3^2 + 6^2 = 7^2, in units of 50 bits: their squares fill two doubles."""
     unit = np.random.default_rng(11).integers(2**49, 2**50, 500).astype(float)
     for d1, d2 in ((3, 4), (4, 3), (1, 8), (8, 1)):
         assert (direct(2 * unit, -3 * unit, 6 * unit, 0.3, d1 * unit, d2 * unit)["flags"] == 0).all()
 
 
 def exact_squares(*lengths):
-    """Return the squares of the parts of Qe."""
+    """Return the squares of qe_w and qe_i as fractions."""
     x, y, z, d1, d2 = (Fraction(float(v)) for v in lengths)
     s = x * x + y * y + z * z
     return {"qe_w": ((d1 + d2) ** 2 - s) / (4 * d1 * d2), "qe_i": (s - (d1 - d2) ** 2) / (4 * d1 * d2)}
@@ -310,7 +307,7 @@ CLAMPED = {
         for d1, d2 in ((0, 0.3), (0.3, 0), (-0.1, 0.3), (0.3, -1), (0, 0), (-1, -1))
     },
 }
-"""Case -> positions, lengths, flags, elbow and wrist along the direction of the target, closed or straight."""
+"""Case -> positions, lengths, flags, distances of elbow and wrist along the target, True for a closed arm."""
 
 
 @pytest.mark.parametrize("case", CLAMPED)
@@ -333,7 +330,7 @@ def test_clamped_arms_lie_along_the_target(case):
 
 
 def test_words_of_the_core():
-    """Every kind of small word, all corners of large ones: flags by the integer rule, the same poses."""
+    """Compare flags with the integer rule, and poses with each other, for random, small and extreme words."""
     rng = np.random.default_rng(5)
     words = rng.integers(-(2**31), 2**31, (3000, 6))
     words[:2000] = rng.integers(-3, 4, (2000, 6))
