@@ -118,7 +118,8 @@ def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.n
 
 
 def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.ndarray:
-    """Return the KEPT targets with the largest errors in unit number `unit`, worst first, at most ALIKE of one kind."""
+    """Return up to `KEPT` targets, those with the largest errors first, and at most `ALIKE` of one kind. `unit` chooses
+    the row of :func:`hand_errors`."""
     seen: dict[bytes, int] = {}
     chosen = []
     for n in np.argsort(-hand_errors(words, width, datapath)[0, unit], kind="stable").tolist():

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Selections, sign changes and sums of the lean dataflow and the whole arm; the folded program has steps for them.
+"""Selections, sign changes and sums of the lean dataflow and the whole arm, for which the folded program has special
+steps.
 
 The quaternion h(c, s) turns by the angle whose cosine is c and whose sine is s.  It is not normalized: (1 + c, s)/2, or
 (s, 1 - c)/2 where c < 0.  The larger of its two parts, (1 + |c|)/2, is also its squared length.

@@ -22,9 +22,9 @@ Rounding.  ``Mul3`` omits or estimates the product of the two low parts and roun
 round down, results are rounded half up to W - 2 fraction bits.
 
 Proofs.  Each range has its reason and, as ``proof``, the facts from which z3 derives it (:mod:`tb.formal.lean_proofs`):
-``=node`` is the node's equation, ``node`` its range; ``~node`` states that its word is within its error, ``#node`` that
-its word, which is exact, is 0, one ulp, or at least two.  Other names are lemmas, stated after their nodes.  A range
-without ``proof`` follows from the node's equation and its operands' ranges.
+``=node`` is the node's equation and ``node`` its range.  ``~node`` states that the node's word is within its error.
+``#node`` states that the node's word, which is exact, is 0, one ulp, or at least two ulps.  Other names are lemmas,
+stated after their nodes.  A range without ``proof`` follows from the node's equation and its operands' ranges.
 """
 
 from . import choices
@@ -370,8 +370,8 @@ def root(d: Dataflow, f: Lean, name: str, value: Node, width: int) -> tuple[Node
 
 
 def limited(d: Dataflow, name: str, within: Within, fmt: Format, why: Limited = TWO) -> Node:
-    """Build ``name``, which is ``name``_raw limited to ``fmt``: lengths that are powers of two may give 2, or for
-    inv_12 1, which becomes the largest word."""
+    """Build ``name``: ``name``_raw, limited to the largest word of ``fmt``. Lengths that are powers of two may give a
+    value one ulp above it: 2, or 1 for inv_12."""
     return d.node(name, choices.limited(d.nodes[f"{name}_raw"]), fmt, ends=SATURATE, within=within, limited=why)
 
 

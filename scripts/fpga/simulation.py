@@ -89,7 +89,8 @@ endmodule
     def stimuli(self, clocks: int, width: int) -> np.ndarray:
         """Return uint64 (clocks,): the wrapper's input pins in each clock, bit k for in[k]. valid and ready are high in
         three of four clocks, other pins in half of them. rst is high in the first 8 clocks and in one in the middle.
-        Hand poses of words of ``width`` bits are shifted in and held; ``ik_axi`` gets jobs."""
+        Wrappers with a pin ``hold`` shift in hand poses, in words of ``width`` bits, and hold each for some clocks. For
+        ``ik_axi`` there are register writes that start jobs."""
         draw = np.random.default_rng(1)
         shifted = draw.integers(0, 2, clocks).astype(bool)
         pins = {

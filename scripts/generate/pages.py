@@ -54,7 +54,8 @@ NAMES = {of: name for of, (name, *_) in KINDS.items()} | {"fifo": "output FIFO"}
 
 
 def by_region() -> Iterator[tuple[str, ...]]:
-    """Yield rows: region, then for each datapath median and largest hand error / reach, largest angle error (rad)."""
+    """Yield a row per region: its name, then for each datapath the median and the largest hand error, both divided by
+    the reach, and the largest angle error in rad."""
     for name in REGIONS:
         errors = [model_errors(region(name, TARGETS, WIDTH, 1), WIDTH, path) for path in DATAPATHS]
         yield name, *(error(v) for hand, angle in errors for v in (np.median(hand), hand.max(), angle))

@@ -32,8 +32,8 @@ from tb.sim.job import KEPT, Difference, Run, answer, limits_port, report
 class Scoreboard:
     """Scoreboard that compares every named node of every target with the model, in the clock where the node is valid.
 
-    ``handle_of(node)`` returns the signal of a node. Call ``expect`` with targets in order of admission, enter each
-    admitted target in ``in_clock``, and call ``sample`` once per clock.
+    ``handle_of(node)`` returns the signal of a node. Call ``expect`` with targets in order of admission. When a
+    target is admitted, set ``in_clock[clock] = target``. Call ``sample`` once per clock.
     """
 
     def __init__(self, handle_of, nodes: Iterable[Node]) -> None:

@@ -44,7 +44,8 @@ class ProofError(Exception):
 class Proof:
     """Proof of the properties of module ``top``, with parameters ``sets``.
 
-    * ``others``: other modules to read, from the RTL or this folder; ``part`` deletes instances of modules not read.
+    * ``others``: other modules to read, from the RTL or this folder.
+    * ``part``: True to delete the instances of all modules that are not read.
     * ``properties``: module -> name of its property file; by default ``top`` has the file of the same name.
     * ``script``: additional Yosys commands; ``claims``: additional commands for the proof but not for its covers.
     * ``depth``: number of clocks within which all covers must be reached; 0 if there are no covers.

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test ``ik_vector`` and ``ik_fold_angle`` against their model, ``ik_double`` and the joint limits by definition."""
+"""Test ``ik_vector`` and ``ik_fold_angle`` against their model; test ``ik_double`` and the joint limits against their
+definitions."""
 
 import itertools
 import random

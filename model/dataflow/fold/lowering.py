@@ -133,7 +133,7 @@ class Lowering:
     # ---- sums and products ---------------------------------------------------------------------------------------
 
     def _weight(self, node: Node) -> int:
-        """Return the weight of an inner word; the LSBs of all inner words are at the same bit of a memory word."""
+        """Return the weight of the LSB of an inner word, which is at the same bit of a memory word for all of them."""
         return self.inner - 1 - node.format.frac
 
     def sum(self, node: Node, terms: tuple[tuple[int, Any], ...]) -> None:

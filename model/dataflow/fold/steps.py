@@ -229,7 +229,7 @@ def word_of(operand: Operand) -> str:
 
 
 def row_reads(placed: Placed) -> list[int]:
-    """Return the clocks in which the step reads a table row's argument."""
+    """Return the clocks in which the step reads the word that selects a row of a table."""
     bend = [placed.at + BEND] if placed.step.a is None else []
     return bend + [placed.at + ROW] * bool(placed.step.rows)
 

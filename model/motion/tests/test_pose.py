@@ -114,7 +114,8 @@ def test_order_and_scipy(reachable):
 
 
 def test_continuous():
-    """Check that quaternions of an arm do not jump, even if rows of two arms alternate; only signs change."""
+    """Check that ``continuous`` changes only signs, and that the quaternions of an arm then do not jump from row to
+    row, even if rows of two arms alternate."""
     t = np.linspace(0, 2 * np.pi, 400)
     circle = np.column_stack((0.1 * np.cos(t), 0.35 + 0.1 * np.sin(t), 0.2 * np.sin(t / 2)))
     other = np.random.default_rng(3).permutation(circle)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that generated files are up to date, headers equal the model and documents name existing files."""
+"""Check that generated files are up to date, that headers have the model's values, and that the files named in
+documents exist."""
 
 import re
 import subprocess

@@ -56,7 +56,8 @@ def columns(targets: Targets) -> list[np.ndarray]:
 
 
 def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> Bound:
-    """Bind ``solve``, which solves all targets once. ``errors`` maps its result to hand errors."""
+    """Return a :class:`Bound` whose first part calls ``solve``, which solves all targets, a number of times; ``errors``
+    maps the result of ``solve`` to hand errors."""
 
     def again(times: int = 1) -> Any:
         with np.errstate(all="ignore"):
