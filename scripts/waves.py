@@ -88,7 +88,8 @@ class Signals(dict[tuple[str, ...], Signal]):
         raise TargetError(f"{self.vcd}: no {'.'.join((self.top, *path))} in this VCD")
 
     def changes(self) -> Iterator[tuple[int, dict[str, str]]]:
-        """Yield each time of a change with a dict, identifier -> bits from then on; the dict is reused each time."""
+        """Yield each time at which signals change, and a dict with the new bits of all signals by identifier. The dict
+        is the same object each time."""
         sizes = {signal.code: signal.size for signal in self.values()}
         now, bits, changed = 0, dict.fromkeys(sizes, "x"), False
         with open(self.vcd, "rb") as stream:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tolerances of hand error / reach and of the norm error, for scores, the soak and the list of worst targets.
+"""Tolerances for the hand error, divided by the reach, and for the norm error.
 
-A prediction (:mod:`model.bounds.predict`) explains an error and is never a tolerance.  The paper's equations have no
-tolerance near their singular poses, where their error grows without bound: there bits, flags and norms are checked, and
-accuracy only on request (``TOLERANCE=``).
+Scores, the soak and the list of worst targets use them.  A prediction (:mod:`model.bounds.predict`) explains an error
+and is never a tolerance.  The paper's equations have no tolerance near their singular poses, because their error grows
+without bound.  At these poses bits, flags and norms are checked, and accuracy only on request (``TOLERANCE=``).
 """
 
 import numpy as np

@@ -150,8 +150,9 @@ class Within:
 
 @dataclass(frozen=True)
 class Rule:
-    """Range of a node of the paper datapath in each case; ``why`` is the reason.  ``limit`` narrows the range computed
-    from the operands, ``word`` is the range of the rounded word, ``error`` limits the error computed from operands."""
+    """Rule for one node of the paper datapath in each :class:`Case`.  ``limit`` narrows the range computed from the
+    operands, and ``why`` is the reason.  ``word`` is the range of the rounded word.  ``error`` is an upper limit for
+    the error computed from the operands."""
 
     why: str
     limit: Callable[[Case], Limits]

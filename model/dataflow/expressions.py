@@ -36,7 +36,7 @@ set, so no length becomes 0."""
 
 
 class FreeError(Exception):
-    """Comparison for which proofs have no formula: of a rounded word, unless only its sign is needed."""
+    """Error of a comparison of a rounded word, unless only its sign is compared: proofs have no formula for it."""
 
 
 def round_shift(words, shift: int):

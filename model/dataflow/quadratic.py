@@ -225,8 +225,9 @@ def place(form: Form, m, frac: int):
 
 
 def rounding(form: Form, frac: int) -> int:
-    """Return the constant added to c0, with ``sum_frac`` fraction bits: 3/8 ulp of the result, because a truncated
-    mantissa makes the root too large by up to a quarter ulp, minus half of the tiles' truncation."""
+    """Return the rounding constant that is added to c0; it has ``sum_frac`` fraction bits.  It is 3/8 ulp of the result
+    minus half of what the tiles' truncation takes away at most.  It is less than half an ulp because a truncated
+    mantissa makes the root too large by up to a quarter ulp."""
     return (3 << form.sum_frac - frac - 3) - (form.tiles + 1) // 2
 
 

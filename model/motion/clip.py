@@ -130,7 +130,7 @@ def _words(name: str) -> list[str]:
 
 
 def _called(clip: Clip, pattern: str) -> list[int]:
-    """Return the joints whose last words match a pattern."""
+    """Return the joints whose names end with words that match ``pattern``."""
     words = [[] if node.end else _words(node.name) for node in clip.nodes]
     last = [["".join(name[first:]) for first in range(len(name))] for name in words]
     return [joint for joint, names in enumerate(last) if any(re.fullmatch(pattern, name) for name in names)]

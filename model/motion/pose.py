@@ -188,7 +188,8 @@ def _table(
 
 
 def _refuse(table: Floats, wrong: NDArray[np.bool_], reason: str) -> None:
-    """Raise ValueError if any of ``wrong`` (6, N) is True; the message names the field and its first columns."""
+    """Raise ValueError if any of ``wrong`` (6, N) is True; the message names the wrong field and its
+    first wrong columns."""
     for name, rows in (("points", wrong[:3].any(axis=0)), *zip(FIELDS[3:], wrong[3:], strict=True)):
         refuse(name, rows, reason)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulation of mapped netlists side by side with the RTL: a netlist that differs gets no figures."""
+"""Simulation of mapped netlists side by side with the RTL. A netlist whose outputs differ is not measured."""
 
 from __future__ import annotations
 

@@ -58,7 +58,8 @@ def test_hand_poses_of_a_file(cli, simulator, width, axis):
 
 @pytest.mark.parametrize("robot", ["human", "t.urdf"])
 def test_poses_of_a_robot(cli, simulator, robot):
-    """Check that the robot's joints lead to the tip, and that without phi they are within its limits where possible."""
+    """Check that the computed joints put the robot's tip at the given pose.  If the file has no phi, also check that
+    the joints are within the robot's limits wherever a feasible swivel angle exists."""
     path = urdf(Path("t.urdf"), CHAINS["reversed"], limits=[(-0.5, 5.6), *[(-2.0, 2.0)] * 5, None])
     arm = ROBOTS.get(robot) or Arm.from_urdf(path)
     low, high = arm.limits.T

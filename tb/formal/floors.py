@@ -49,7 +49,8 @@ def integer(text: str, names: dict[str, str]) -> str:
 
 
 def _read(text: str, pattern: str, names: dict[str, str]) -> str:
-    """Return the SMT term of a pattern's group in a text. Raises LookupError unless the pattern matches once."""
+    """Find ``pattern`` in ``text`` and translate its group to an SMT term; ``names`` maps names of the text to SMT
+    names. Raises LookupError unless the pattern matches exactly once."""
     expressions = re.findall(pattern, text)
     if len(expressions) != 1:
         raise LookupError(f"not exactly one {pattern!r}")

@@ -55,7 +55,8 @@ def root(NW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0) -> Tests:
     N, Q = signed(NW), signed(QW)
 
     def near_squares():
-        """Return the least radicand of many roots, and the radicand before it: a wrong floor shows there first."""
+        """Return, for each of many roots, the least radicand that has this root, and the radicand one below it, because
+        a wrong floor shows first at these."""
         last = math.isqrt(N[-1] << SH)
         roots = [random.randint(0, last) for _ in range(500)] + [Q[-1], Q[-1] + 1]
         roots += [random.getrandbits(random.randint(1, max(QW - 2, 1))) for _ in range(500)]

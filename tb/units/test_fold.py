@@ -130,7 +130,8 @@ def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
         return {"word": mantissa, "zero": int(t == 0), "pairs": pairs}
 
     def sums() -> Ports:
-        """Return a sum of random length, or 0. For the kind "inverse" nine in ten are inverted."""
+        """Return the ports for a random sum.  Its number of bits is random as well.  For the kind "inverse" its bits
+        are inverted in nine of ten calls."""
         kind = random.randrange(len(kinds))
         t = random.getrandbits(random.randint(0, XW))
         t ^= words * (kinds[kind] == "inverse" and random.random() < 0.9)

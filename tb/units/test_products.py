@@ -49,7 +49,8 @@ def mul(AW: int, BW: int, SH: int, OW: int, SQUARE: int = 0, **delays: int) -> T
 
 
 def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int = 0, **delays: int) -> Tests:
-    """Check the sum of tiles, each truncated two bits below q's LSB, rounded half up, modulo 2^OW."""
+    """Check a product that is a sum of tiles.  Each tile is truncated two bits below q's LSB.  The sum is rounded half
+    up and taken modulo 2^OW."""
     A, B, Q = signed(AW), signed(BW), signed(OW)
     a_last, b_last = (1 << bits for bits in unseen(AW, BW, TILE))
     a_low, b_low = 1 << max(AW - TILE, 0), 1 << max(BW - min(TILE, 18), 0)

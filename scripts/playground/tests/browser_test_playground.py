@@ -199,8 +199,8 @@ NOW = "(({ joints, one }) => [joints.map(({ at }) => at), one.words, one.turn])(
 @pytest.mark.parametrize("touch", [False, True])
 @pytest.mark.parametrize("name", playground.ARMS)
 def test_the_hand_turns_and_the_joints_follow(page, name, touch):
-    """A ring, by pointer or keys, turns the hand about the ring's axis, while the hand's point stays. The joints equal
-    those of the arm in double precision, and the same ones are marked as beyond their limits."""
+    """A ring, by pointer or keys, turns the hand about the ring's axis, while the hand's point stays. The joint angles
+    equal those of the arm in double precision, and the page marks the joints that this arm has beyond its limits."""
     arm = playground.ARMS[name]
     page.choose("robot", name)
     step(page, LEAN + 2)

@@ -222,7 +222,8 @@ def test_a_figure_at_rest_faces_forward(shown, up, sides):
 
 @pytest.mark.parametrize("axis", ["torso", "0.3,1,0"])
 def test_joint_angles(shown, axis):
-    """Elevation and azimuth match the torso's axes; flexion matches the angle between the bones."""
+    """Compare the upper arm's elevation and azimuth, which refer to the torso's axes, and the flexion between the
+    bones."""
     mine = clips.read(figure.write(Path("t.bvh").absolute(), up="z", frames=40))
     data = shown("--trajectory", "t.bvh", f"--axis={axis}")
     elbow, wrist, angles = (np.array(data[key]) for key in ("elbow", "wrist", "angles"))
