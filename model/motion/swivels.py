@@ -106,7 +106,8 @@ def feasible_swivel(
     """Return all swivel angles for which the seven joints of hand poses are within their limits.
 
     The arguments are those of :func:`solve`; ``bent`` is (upper, fore) of an :class:`Arm` with bent links.  Without
-    limits all angles are feasible.  Isolated angles are intervals of length 0.  Raises ValueError like :func:`solve`.
+    limits all angles of a pose in reach are feasible.  A pose out of reach has no feasible angle.  Isolated angles are
+    intervals of length 0.  Raises ValueError like :func:`solve`.
     """
     hands = Hands.checked(hand, tool, branch, order)
     wrists = np.asarray(points, dtype=np.float64) - hands.offset.T
