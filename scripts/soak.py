@@ -8,7 +8,7 @@ above their prediction (`model.bounds.predict`) are only counted. For the whole 
 with that wrist, and errors are relative to the tolerance.
 
 --worst searches the bit-true model of the lean datapath or of the whole arm for the largest errors. Each round changes
-words of the worst targets of the previous round. For the whole arm, the errors are those of the hand's point and of its
+words of the worst targets of the previous round. The whole arm has errors of the hand's point and of its
 orientation. Poses with a reach below 1 do not count, because the host scales every pose to a reach of 1 or more.
 """
 

@@ -232,7 +232,7 @@ def elbow(d: Dataflow) -> None:
     """Build section 3.2: the point pair (12), in the form (19), and the elbow point (13).
 
     PP is homogeneous, so common factors do not matter.  It has the factor 2, as in (19), and a power of 2, because
-    the target's unit of length is 2^j times finer than that of d1 and d2.  p_e is in the unit of d1 and d2.
+    the target's unit of length is 2^j times finer than the unit of d1 and d2.  p_e is in the unit of d1 and d2.
     """
     n = d.nodes
     d.at("elbow", "(12)")

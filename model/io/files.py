@@ -136,7 +136,7 @@ def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
 
 
 def _check_header(path: str, row: int, header: list[str]) -> list[str]:
-    """Return the column names, those of targets in lower case.  Raises TargetError for an invalid header."""
+    """Return the column names, with targets' columns in lower case.  Raises TargetError for an invalid header."""
     columns = [cell.strip() for cell in header]
     of_hands = OF_HANDS if {column.lower() for column in columns} & set(QUATERNION) else ()
     columns = [column.lower() if column.lower() in (*FIELDS, *of_hands) else column for column in columns]

@@ -103,7 +103,7 @@ class PerTarget:
     """Points and errors of each target: points (N, 3) in scaled lengths and the user's frame; errors (N,) relative to
     the reach, tool included, or in rad.
 
-    `judged_error` is `hand_error`, but for an unreachable target (`clamped`) the distance from the clamped pose's hand.
+    `judged_error` is `hand_error`, or the distance from the clamped pose's hand if the target is unreachable (`clamped`).
     """
 
     elbow: np.ndarray

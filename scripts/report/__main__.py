@@ -72,7 +72,7 @@ def _numbers(array: np.ndarray, digits: int = DIGITS) -> Any:
 def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[str, Any]:
     """Return the page's data for one trajectory: lists over its targets, lengths in the user's unit.
 
-    The results of the first datapath are at the top level, those of the others in "beside", under the same names.
+    The results of the first datapath are at the top level, the others' results in "beside", under the same names.
     """
     targets, width = item.targets, done[0][1].width
     # Decode the input words, so that the swivel plane is the one passed to the core.
@@ -166,7 +166,7 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
 
 
 def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> dict[str, list[str]]:
-    """Return the files to link to, by trajectory name; "" has those of all trajectories. folders: one per datapath."""
+    """Return the files to link to, by trajectory name; "" has the files of all trajectories. folders: one per datapath."""
     names = [item.targets.name for item in prepared]
     links: dict[str, list[str]] = {name: [] for name in (*names, "")}
     for folder in folders:

@@ -44,7 +44,7 @@ def test_simulations_that_pass_are_added(tmp_path, monkeypatch):
 
 
 def test_only_unchanged_files_of_a_copy_count(tmp_path, monkeypatch):
-    """A copy with AXI rules adds to the counts of the original file; the echo does not add to those of ik_lean."""
+    """A copy with AXI rules adds to the counts of the original file; the echo does not add to ik_lean's counts."""
     monkeypatch.setenv("IK_COVERAGE", str(tmp_path / "counts"))
     root = echoing(tmp_path / "echo")["root"]
     (rules,) = [path for path in with_rules([root / "rtl/ik_axis.v"], tmp_path) if path.parent == tmp_path]

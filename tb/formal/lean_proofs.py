@@ -112,7 +112,7 @@ class Rules(Questions):
         return self.proved
 
     def says(self, name: str) -> str:
-        """Return a sentence that says what question ``name`` proves, for the table in build/proofs."""
+        """Return a sentence on what question ``name`` proves, for the table in build/proofs."""
         return self.exact.lemmas[name][0] if name in self.lemmas else self.exact.within(name).why
 
     def claim(self, name: str) -> str:

@@ -2,7 +2,7 @@
 """Lean dataflow and whole arm as steps of the fold datapath.
 
 :class:`Lowering` collects the steps of all nodes; each node's operation adds its steps (``Operation.lower``).  The code
-here depends on some names: those of inputs and results, and ``bend_swap``.
+here depends on the names of inputs and results, and on ``bend_swap``.
 
 Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
 bits.  The first bit of a word of ``weight`` w weighs -2^w.  The product of two words, of weights w and w', has
@@ -111,7 +111,7 @@ class Lowering:
     # ---- masks ---------------------------------------------------------------------------------------------------
 
     def operand_registers(self, mask: Node, of: Node) -> set[str]:
-        """Return the registers that a mask needs of its operand: those of a mask, or sign and zero flag of a word."""
+        """Return the registers that a mask needs of its operand: a mask's registers, or a word's sign and zero flag."""
         if of.format == self.flow.bit:
             return self.made_of[of.name]
         if of.name in POSITION:  # a register with the mask's name holds whether the sum of their squares is 0
@@ -369,7 +369,7 @@ HALF_ROW = "1/2 of r_z"  # step of the constant in the third row
 
 
 class ArmLowering(Lowering):
-    """Whole arm as steps, which include those of the lean dataflow, and as vectors of the angle unit.
+    """Whole arm as steps, which include the lean dataflow's steps, and as vectors of the angle unit.
 
     The hand's words have weight 1, as results do, so that their products have the weight of inner words' products.  The
     sums of their squares wrap at 8.  A wrist coordinate is summed as half its value.

@@ -175,7 +175,7 @@ def page(figures: dict, fpga: dict) -> str:
     """Return table6.md."""
 
     def clock_of(row: dict) -> float:
-        """Return the clock (MHz) of a hardware row: the datapath's or, for memory to memory, that of ``ik_axi``."""
+        """Return the clock (MHz) of a hardware row: the datapath's or, for memory to memory, ``ik_axi``'s."""
         return clock(fpga, row["datapath"] if row["path"] == STREAMS else "memory", row["width"])
 
     machine = figures["machine"]

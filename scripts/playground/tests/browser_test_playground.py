@@ -136,7 +136,7 @@ def test_words_equal_the_model(page, width):
 
 
 def test_every_axis_gives_the_hand_its_target(page):
-    """For every axis the wrist is at the target in the user's frame, while the quaternions differ."""
+    """The wrist is at the target in the user's frame for every axis, while the quaternions differ."""
     seen = set()
     for axis in playground.data([])["axes"]:
         page.choose("axis", axis)
@@ -200,7 +200,7 @@ NOW = "(({ joints, one }) => [joints.map(({ at }) => at), one.words, one.turn])(
 @pytest.mark.parametrize("name", playground.ARMS)
 def test_the_hand_turns_and_the_joints_follow(page, name, touch):
     """A ring, by pointer or keys, turns the hand about the ring's axis, while the hand's point stays. The joint angles
-    equal those of the arm in double precision, and the page marks the joints that this arm has beyond its limits."""
+    equal the arm's in double precision, and the page marks the joints that this arm has beyond its limits."""
     arm = playground.ARMS[name]
     page.choose("robot", name)
     step(page, LEAN + 2)
