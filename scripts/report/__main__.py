@@ -166,7 +166,8 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
 
 
 def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> dict[str, list[str]]:
-    """Return the files to link to, by trajectory name; "" has the files of all trajectories. folders: one per datapath."""
+    """Return the files to link to, by trajectory name; "" has the files of all trajectories. folders: one per
+    datapath."""
     names = [item.targets.name for item in prepared]
     links: dict[str, list[str]] = {name: [] for name in (*names, "")}
     for folder in folders:

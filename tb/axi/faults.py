@@ -116,7 +116,8 @@ async def bus_errors(bench):
 
 @bench_test(seed=7)
 async def errors_on_both(bench):
-    """One of two errors, on a read and on a write of the same job, is reported; the first WRITTEN results are in memory."""
+    """One of two errors, on a read and on a write of the same job, is reported; the first WRITTEN results are in
+    memory."""
     numbers = bench.random
     for k in range(ROUNDS):
         count = numbers.randint(20, 90)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Software in table 6: C, numpy, JAX and EAIK. Each solves its targets repeatedly.
 
-The lean equations for arrays are the equations of equations.c, without flags, for targets in reach. Each sum is rounded.
+The lean equations for arrays are the equations of equations.c, without flags, for targets in reach. Each sum is
+rounded.
 
 The others find one pose from the hand's position and the swivel angle. EAIK solves another problem: in closed form, it
 finds all sets of joint angles of this arm from the full pose of the hand. EAIK gets the forearm's frame in the model's
@@ -31,8 +32,8 @@ the hand errors / reach (N,), nan for a target without an answer."""
 
 @dataclass(frozen=True)
 class Contender:
-    """Software in the comparison. ``bind`` binds it to targets. ``lacks`` names the program that is missing on this computer;
-    such software is not measured. ``most`` limits the number of random targets."""
+    """Software in the comparison. ``bind`` binds it to targets. ``lacks`` names the program that is missing on this
+    computer; such software is not measured. ``most`` limits the number of random targets."""
 
     key: str
     group: str
