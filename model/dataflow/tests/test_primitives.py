@@ -128,7 +128,17 @@ def factors(draw):
 @example((-1, (1 << 21) - 1, 20, 22, 22, TILE))
 @example((-(1 << 24), (1 << 24) - 1, 23, 25, 25, 25))
 def test_mul3_is_within_its_error(case):
-    """Check only the error; tb/units/test_products.py compares the bits with their definition."""
     a, b, shift, *widths = case  # widths and tile
     least, greatest = mul3_error(shift, *widths)
     assert Fraction(least) < mul3(a, b, shift, *widths) - Fraction(a * b, 1 << shift) <= Fraction(greatest)
+
+
+@given(factors())
+@example((1, 4, 3, 5, 5, TILE))
+@example((-1, 4, 3, 5, 5, TILE))
+@example((-3, 4, 3, 5, 5, TILE))
+@example((-(1 << 32), (1 << 32) - (1 << 15), 31, 33, 33, TILE))
+def test_mul3_without_low_parts_rounds_half_up(case):
+    a, b, shift, *widths = case
+    a, b = (word >> bits << bits for word, bits in zip((a, b), cuts(*widths), strict=True))
+    assert mul3(a, b, shift, *widths) == math.floor(Fraction(a * b, 1 << shift) + Fraction(1, 2))
