@@ -9,9 +9,14 @@ import pytest
 
 from scripts.setup.bootstrap import EXTRAS, PROGRAMS, STAMP
 from tb.sim.env import ROOT
+from tb.sim.sources import closure
 
 STAMPED = json.loads((ROOT / STAMP).read_text())["ready"] if (ROOT / STAMP).exists() else []
 """Optional extras that set-up has installed."""
+
+
+def pytest_addoption(parser):
+    parser.addoption("--module", help="run only the benches that compare this module of rtl/ with the model")
 
 
 def pytest_itemcollected(item):
@@ -41,8 +46,18 @@ def is_missing(need: str) -> bool:
     )
 
 
-def pytest_collection_modifyitems(items):
-    """Sort files by their longest test, longest first. Tests of a file stay together because they share fixtures."""
+def modules(item) -> set[str]:
+    """Return the modules of rtl/ that a test compares with the model: those inside its `bench` markers' modules."""
+    marks = item.iter_markers("bench")
+    return {path.stem for mark in marks for path in closure(*mark.args, **mark.kwargs)}
+
+
+def pytest_collection_modifyitems(config, items):
+    """Apply --module. Sort files by their longest test, longest first. Tests of a file stay together because they share
+    fixtures."""
+    if module := config.getoption("module"):
+        config.hook.pytest_deselected(items=[item for item in items if module not in modules(item)])
+        items[:] = [item for item in items if module in modules(item)]
     longest: dict = {}
     for item in items:
         longest[item.path] = max(longest.get(item.path, 0), cost(item))

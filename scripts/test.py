@@ -6,14 +6,16 @@
 Each test is in one gate. With Verilator, only tests that start a simulator run; no other test depends on the simulator.
 """
 
+import difflib
 import os
 import sys
 from types import SimpleNamespace
 
 import click
 
-from scripts.console import command, option, sim_option
+from scripts.console import InputError, command, option, sim_option
 from tb.sim.env import CORES, ROOT
+from tb.sim.sources import sources
 
 GATES = {
     "quick": "not slow and not release",
@@ -34,7 +36,11 @@ PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "-
         click.Argument(["gate"], type=click.Choice(GATES)),
         sim_option(),
         option("--cores", "dividers and roots", click.Choice(CORES), default=CORES[0]),
-        option("--only", "quick and slow tests of this file, or whose names match", metavar="FILE|PATTERN"),
+        option(
+            "--only",
+            "quick and slow tests of this file, of this Verilog module, or whose names match",
+            metavar="FILE|MODULE|PATTERN",
+        ),
     ],
     passes="all tests pass",
     fails="a test fails",
@@ -45,10 +51,24 @@ def main(options: SimpleNamespace) -> int:
         marks += " and sim"
     words = [*BROWSER] if options.gate == "browser" else []
     if options.only:
-        words += [options.only] if (ROOT / options.only.partition("::")[0]).exists() else ["-k", options.only]
+        words += selection(options.only)
     os.chdir(ROOT)
     os.environ.update(SIM=options.sim, IK_CORES=options.cores)
     os.execv(PYTEST[0], [*PYTEST, *words, "-m", marks])
+
+
+def selection(only: str) -> list[str]:
+    """Return pytest's arguments for a file, a module of rtl/ or a pattern. Raises InputError for an unknown module."""
+    modules = [path.stem for path in sources()]
+    if (ROOT / only.partition("::")[0]).exists():
+        return [only]
+    if only in modules:
+        return ["tb", f"--module={only}"]
+    if only.startswith("ik_") and only.isidentifier() and not any(only in module for module in modules):
+        raise InputError(
+            f"argument --only: no module {only}; near: {', '.join(difflib.get_close_matches(only, modules))}"
+        )
+    return ["-k", only]
 
 
 if __name__ == "__main__":

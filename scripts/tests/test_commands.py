@@ -66,6 +66,7 @@ BAD_INPUT = [
     ("icebreaker none", "'none': No such file"),
     ("formal --only nothing", "--only 'nothing'"),
     ("playground --width 17", "lean-W32,"),
+    ("test quick --only ik_mull", "no module ik_mull; near: ik_mul,"),
 ]
 """Rows: command line, words of its error message, and, if needed, content of the input file `in.*`."""
 

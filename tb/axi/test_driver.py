@@ -20,7 +20,7 @@ from tb.axi.binding import CODES, FLAGS, REGISTER, SOURCE, Driver, Uio, compiled
 from tb.axi.ik_regs import OFFSETS
 from tb.axi.instances import echoing, named
 from tb.sim.env import simulator
-from tb.sim.runner import simulate
+from tb.sim.shared import passes
 
 COUNT = 400  # capacity of each buffer in records of 32 bytes; the longest call has more targets
 
@@ -361,7 +361,8 @@ INSTANCES = [SMALL] if ICARUS else [SMALL, {"W": 18, "DATA_W": 128, "ADDR_W": 64
 
 def run(library, tests: str, parameters: dict[str, int], env: dict[str, str], **options) -> None:
     env = {"IK_DRIVER": str(library), "COCOTB_TEST_FILTER": tests, **env}
-    simulate("ik_axi", "tb.axi.driver", parameters=parameters, env=env, seed=1, **options)
+    options |= {"toplevel": "ik_axi", "module": "tb.axi.driver", "parameters": parameters, "env": env}
+    passes(f"driver-{named(parameters)}", **options)
 
 
 @pytest.mark.sim

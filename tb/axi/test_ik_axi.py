@@ -5,7 +5,7 @@ import pytest
 
 from tb.axi.instances import CORE, ECHO, echoing, named
 from tb.sim.env import simulator
-from tb.sim.runner import simulate
+from tb.sim.shared import passes
 
 MODULES = "tb.axi.ik_axi,tb.axi.faults,tb.axi.registers"
 FEW = "one_record|limits|stalled=(none|all)"
@@ -22,10 +22,12 @@ def run(modules: str, parameters: dict[str, int], jobs: int, tests: str = "", **
     env = {"IK_AXI_JOBS": str(jobs), "IK_AXI_FAULTS": str(faults), **options.pop("env", {})}
     if tests:
         env["COCOTB_TEST_FILTER"] = tests
-    simulate("ik_axi", modules, parameters=parameters, env=env, seed=1, **options)
+    label = f"ik_axi-{env.get('IK_AXI_CORE', 'core')}-{named(parameters)}"
+    passes(label, toplevel="ik_axi", module=modules, parameters=parameters, env=env, **options)
 
 
 @pytest.mark.sim
+@pytest.mark.bench("ik_axi", without=("ik_axis", "ik_arm"))
 @pytest.mark.cost(40)
 @pytest.mark.parametrize(
     "parameters",

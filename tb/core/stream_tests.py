@@ -6,6 +6,8 @@ of their simulation time. tb/axi/rules checks the AXI4-Stream rules in every clo
 """
 
 import os
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 
 import cocotb
 import numpy as np
@@ -16,14 +18,19 @@ from model.dataflow.fold.program import program
 from tb.core.functional_coverage import STALLS, every_kind
 from tb.core.pipeline import PATTERNS, Pipeline, pause
 
+test = cocotb.test(timeout_time=10, timeout_unit="ms")
 
-async def started(dut, nodes: bool = False) -> Pipeline:
-    """Return the bench after reset. With ``nodes`` it compares every node, not only the results."""
+
+@asynccontextmanager
+async def started(dut, nodes: bool = False) -> AsyncIterator[Pipeline]:
+    """Yield the bench after reset; at the end check all that it compared. With ``nodes`` it compares every
+    node, not only the results."""
     bench = Pipeline(dut, nodes)
     if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator has no X
         cocotb.start_soon(bench.unknown_while_idle())
     await bench.reset(clocks=int(os.environ.get("IK_RESET", "4")))
-    return bench
+    yield bench
+    bench.check()
 
 
 def datapath_latency(bench: Pipeline) -> int:
@@ -44,41 +51,41 @@ def places(bench: Pipeline) -> int:
     return 2 + (first > bench.period + max(made.loads.values()))
 
 
-@cocotb.test()
+@test
 async def one_result_per_clock(dut):
     """Check that unstalled results leave in consecutive clocks (folded core: one per period), all with the specified
     latency, and that DIGIT selects the kind of each divider and root."""
-    bench = await started(dut, nodes=True)
-    bench.send(bench.mixed(200 if bench.period == 1 else 20, seed=1))
-    await bench.finish()
-    clocks = [row[3] for row in bench.results]
-    assert (np.diff(clocks) == bench.period).all(), f"results come {sorted(set(np.diff(clocks)))} clocks apart"
-    expected = fixed.latency(bench.datapath, bench.width)
-    assert set(bench.latencies) == {expected}, f"latencies {sorted(set(bench.latencies))}, expected {expected}"
-    # largest specified latency: up to W = 18, from W = 19
-    limits = {"paper": (363, 363), "fold": (115, 115), "arm": (105, 130), "fold_arm": (320, 320)}
-    most = limits.get(bench.datapath.removesuffix("16"), (38, 44))[bench.width > 18]
-    assert expected <= most, f"latency {expected}, more than {most}"
-    recurrences = [node for node in bench.scoreboard.nodes if node.kind in ("div", "root")]
-    for node in recurrences:  # of the paper's datapath
-        digit = hasattr(getattr(bench.module(node), f"u_{node.name}"), "g_digit")
-        assert digit == (int(dut.DIGIT.value) == 1), f"{node.name} is of the other kind than DIGIT selects"
-    assert bool(recurrences) == (bench.datapath == "paper")
+    async with started(dut, nodes=True) as bench:
+        bench.send(bench.mixed(200 if bench.period == 1 else 20, seed=1))
+        await bench.finish()
+        clocks = [row[3] for row in bench.results]
+        assert (np.diff(clocks) == bench.period).all(), f"results come {sorted(set(np.diff(clocks)))} clocks apart"
+        expected = fixed.latency(bench.datapath, bench.width)
+        assert set(bench.latencies) == {expected}, f"latencies {sorted(set(bench.latencies))}, expected {expected}"
+        # largest specified latency: up to W = 18, from W = 19
+        limits = {"paper": (363, 363), "fold": (115, 115), "arm": (105, 130), "fold_arm": (320, 320)}
+        most = limits.get(bench.datapath.removesuffix("16"), (38, 44))[bench.width > 18]
+        assert expected <= most, f"latency {expected}, more than {most}"
+        recurrences = [node for node in bench.scoreboard.nodes if node.kind in ("div", "root")]
+        for node in recurrences:  # of the paper's datapath
+            digit = hasattr(getattr(bench.module(node), f"u_{node.name}"), "g_digit")
+            assert digit == (int(dut.DIGIT.value) == 1), f"{node.name} is of the other kind than DIGIT selects"
+        assert bool(recurrences) == (bench.datapath == "paper")
 
 
-@cocotb.test()
+@test
 @cocotb.parametrize(idle=list(PATTERNS), stall=list(PATTERNS))
 async def stalls(dut, idle, stall):
     """Cross input gaps with output stalls. Without gaps, a "long" stall fills the FIFO."""
-    bench = await started(dut)
-    for port, pattern, seed in ((bench.source, idle, 1), (bench.sink, stall, 2)):
-        port.set_pause_generator(pause(pattern, seed))
-    count = (700 if (idle, stall) == ("none", "long") else 60) if bench.period == 1 else 12
-    bench.send(bench.mixed(count, seed=3))
-    await bench.finish()
+    async with started(dut) as bench:
+        for port, pattern, seed in ((bench.source, idle, 1), (bench.sink, stall, 2)):
+            port.set_pause_generator(pause(pattern, seed))
+        count = (700 if (idle, stall) == ("none", "long") else 60) if bench.period == 1 else 12
+        bench.send(bench.mixed(count, seed=3))
+        await bench.finish()
 
 
-@cocotb.test()
+@test
 @cocotb.parametrize(idle=[False, True], stall=[False, True])
 async def every_flag_in_every_region(dut, idle, stall):
     """Send targets near each singular pose and far from all, with and without gaps and waiting results.
@@ -86,97 +93,101 @@ async def every_flag_in_every_region(dut, idle, stall):
     Pauses are random, so targets whose coverage bin is still empty are sent again, up to 9 times. An extra target goes
     first, since the first target always follows idle clocks.
     """
-    bench = await started(dut, nodes=not idle and not stall)
-    random = np.random.default_rng(7)
-    for port, pauses in ((bench.source, idle), (bench.sink, stall)):
-        if pauses:
-            port.set_pause_generator(bool(number) for number in iter(lambda: random.integers(8), None))
-    path, targets = bench.path, bench.around(every_kind(bench.width))
-    arm = bool(path.side)
-    if arm:
-        targets = np.concatenate([targets, every_kind(bench.width, arm)])
-    for _ in range(10):
-        bench.send(np.concatenate([targets[-1:], targets]))
-        await bench.finish()
-        targets = every_kind(bench.width, arm, path.name if arm else path.rtl, STALLS[idle + 2 * stall])
-        if not len(targets):
-            break
+    async with started(dut, nodes=not idle and not stall) as bench:
+        random = np.random.default_rng(7)
+        for port, pauses in ((bench.source, idle), (bench.sink, stall)):
+            if pauses:
+                port.set_pause_generator(bool(number) for number in iter(lambda: random.integers(8), None))
+        path, targets = bench.path, bench.around(every_kind(bench.width))
+        arm = bool(path.side)
+        if arm:
+            targets = np.concatenate([targets, every_kind(bench.width, arm)])
+        for _ in range(10):
+            bench.send(np.concatenate([targets[-1:], targets]))
+            await bench.finish()
+            targets = every_kind(bench.width, arm, path.name if arm else path.rtl, STALLS[idle + 2 * stall])
+            if not len(targets):
+                break
 
 
-@cocotb.test()
+@test
 async def full(dut):
     """Check that the core admits :func:`places` targets while m_axis_tready is low; then take all results."""
-    bench = await started(dut)
-    most, more = places(bench), 50 if bench.period == 1 else 5
-    bench.sink.pause = True
-    bench.send(bench.mixed(most + more, seed=4))
-    await ClockCycles(dut.clk, most * bench.period + datapath_latency(bench) + 20, FallingEdge)
-    assert len(bench.admitted) == most, f"{len(bench.admitted)} targets admitted, there are {most} places"
-    assert dut.s_axis_tready.value == 0, "tready is high without a place"
-    assert dut.m_axis_tvalid.value == 1, "tvalid waits for tready"
-    bench.sink.pause = False
-    await bench.finish()
+    async with started(dut) as bench:
+        most, more = places(bench), 50 if bench.period == 1 else 5
+        bench.sink.pause = True
+        bench.send(bench.mixed(most + more, seed=4))
+        await ClockCycles(dut.clk, most * bench.period + datapath_latency(bench) + 20, FallingEdge)
+        assert len(bench.admitted) == most, f"{len(bench.admitted)} targets admitted, there are {most} places"
+        assert dut.s_axis_tready.value == 0, "tready is high without a place"
+        assert dut.m_axis_tvalid.value == 1, "tvalid waits for tready"
+        bench.sink.pause = False
+        await bench.finish()
 
 
-@cocotb.test()
+@test
 @cocotb.parametrize(after=["few", "many", "out", "full"])
 async def reset_in_traffic(dut, after):
     """Reset with few or many targets in flight, while results leave, or with a full FIFO. Check that all targets are
     dropped and that later targets give results."""
-    bench = await started(dut)
-    latency = datapath_latency(bench)
-    bench.sink.pause = after == "full"
-    bench.send(bench.mixed(1000, seed=5))
-    clocks = {"few": 3, "many": latency // 2, "out": latency + bench.period + 30, "full": 2 * latency + 20}
-    await ClockCycles(dut.clk, clocks[after])
-    await bench.reset(clocks=1)
-    before = len(bench.results)
-    assert (before > 0) == (after == "out"), f"{before} results before the reset"
-    bench.sink.pause = False
-    await ClockCycles(dut.clk, latency + 20, FallingEdge)
-    assert len(bench.results) == before, "a target from before the reset was answered"
-    bench.send(bench.mixed(50 if bench.period == 1 else 5, seed=6))
-    await bench.finish()
+    async with started(dut) as bench:
+        latency = datapath_latency(bench)
+        bench.sink.pause = after == "full"
+        bench.send(bench.mixed(1000, seed=5))
+        clocks = {"few": 3, "many": latency // 2, "out": latency + bench.period + 30, "full": 2 * latency + 20}
+        await ClockCycles(dut.clk, clocks[after])
+        await bench.reset(clocks=1)
+        before = len(bench.results)
+        assert (before > 0) == (after == "out"), f"{before} results before the reset"
+        bench.sink.pause = False
+        await ClockCycles(dut.clk, latency + 20, FallingEdge)
+        assert len(bench.results) == before, "a target from before the reset was answered"
+        bench.send(bench.mixed(50 if bench.period == 1 else 5, seed=6))
+        await bench.finish()
 
 
-@cocotb.test()
+@test
 async def reset_in_any_clock(dut):
     """Reset for one clock after 1 to 200 clocks of traffic with gaps and stalls; check the later results.
 
     Every 11th number of clocks is simulated; `make formal` proves all.
     """
-    bench = await started(dut)
-    for clocks in range(1, 201, 11):
-        for port, seed in ((bench.source, clocks), (bench.sink, clocks + 1)):
-            port.set_pause_generator(pause("bursts", seed))
-        bench.send(bench.mixed(clocks // bench.period + 3, seed=clocks))
-        await ClockCycles(dut.clk, clocks)
-        await bench.reset(clocks=1)
-        for port in (bench.source, bench.sink):
-            port.clear_pause_generator()
-            port.pause = False
-        bench.send(bench.mixed(2, seed=clocks))
-        await bench.finish()
+    async with started(dut) as bench:
+        for clocks in range(1, 201, 11):
+            for port, seed in ((bench.source, clocks), (bench.sink, clocks + 1)):
+                port.set_pause_generator(pause("bursts", seed))
+            bench.send(bench.mixed(clocks // bench.period + 3, seed=clocks))
+            await ClockCycles(dut.clk, clocks)
+            await bench.reset(clocks=1)
+            for port in (bench.source, bench.sink):
+                port.clear_pause_generator()
+                port.pause = False
+            bench.send(bench.mixed(2, seed=clocks))
+            await bench.finish()
 
 
-@cocotb.test()
+@test
 async def not_ready_under_reset(dut):
     """Check that tready falls as soon as reset is asserted, so that no target is admitted under reset."""
-    bench = await started(dut)
-    bench.send(bench.mixed(2, seed=8))
-    while dut.s_axis_tready.value != 1:
-        await FallingEdge(dut.clk)
-    dut.rst.value = 1
-    await Timer(1, unit="ns")
-    assert dut.s_axis_tready.value == 0, "tready is high under reset"
+    async with started(dut) as bench:
+        bench.send(bench.mixed(2, seed=8))
+        for _ in range(1000):
+            await FallingEdge(dut.clk)
+            if dut.s_axis_tready.value == 1:
+                break
+        assert dut.s_axis_tready.value == 1, (
+            "s_axis_tready stays low for 1000 clocks after a reset, with a target waiting"
+        )
+        dut.rst.value = 1
+        await Timer(1, unit="ns")
+        assert dut.s_axis_tready.value == 0, "tready is high under reset"
 
 
-@cocotb.test()
+@test
 async def ready_before_valid(dut):
     """Check that without targets a pipeline is ready, the folded core is not, and no result leaves."""
-    bench = await started(dut)
-    for _ in range(20):
-        await FallingEdge(dut.clk)
-        assert dut.s_axis_tready.value == (bench.period == 1), "tready waits for tvalid"
-        assert dut.m_axis_tvalid.value == 0, "a result without a target"
-    bench.check()
+    async with started(dut) as bench:
+        for _ in range(20):
+            await FallingEdge(dut.clk)
+            assert dut.s_axis_tready.value == (bench.period == 1), "tready waits for tvalid"
+            assert dut.m_axis_tvalid.value == 0, "a result without a target"

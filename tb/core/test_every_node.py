@@ -38,7 +38,8 @@ def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) 
     ends = np.random.default_rng(6).integers(-(1 << width - 1), 1 << width - 1, (7, 2))
     limits = list(map(tuple, ends.tolist())) if MODELS[datapath].side else None
     (done,) = simulate([Job("nodes", words)], **options, native=True, limits=limits)
-    assert done.bit_mismatches == 0, done.first_mismatch
+    if done.bit_mismatches:
+        pytest.fail(done.first_mismatch, pytrace=False)
     expected = answer(words, width, datapath, limits)
     assert (done.results == expected.results).all() and (done.flags == expected.flags).all()
     return done
@@ -64,8 +65,14 @@ def targets(datapath: str, width: int) -> np.ndarray:
     return np.concatenate(words)
 
 
+def case(datapath: str, width: int, *marks: pytest.MarkDecorator):
+    return pytest.param(datapath, width, marks=[pytest.mark.bench(MODELS[datapath].entity), *marks])
+
+
 @pytest.mark.sim
-@pytest.mark.parametrize(("datapath", "width"), [*QUICK, *(pytest.param(*one, marks=pytest.mark.slow) for one in SLOW)])
+@pytest.mark.parametrize(
+    ("datapath", "width"), [*(case(*one) for one in QUICK), *(case(*one, pytest.mark.slow) for one in SLOW)]
+)
 def test_targets_of_every_kind(datapath, width):
     run(datapath, width, targets(datapath, width))
 
@@ -75,6 +82,7 @@ if ICARUS:  # Verilator takes minutes to compile digit recurrences
     @pytest.mark.sim
     @pytest.mark.slow
     @pytest.mark.cost(40)
+    @pytest.mark.bench("ik_paper")
     def test_digit_recurrences():
         run("paper", 32, mixed(40, 32, 4), "digit")
 

@@ -17,6 +17,7 @@ from tb.core.test_streams import SETS
 from tb.sim.env import simulator
 from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
+from tb.sim.shared import passes
 from tb.sim.sources import sources
 
 ALWAYS_READY = ("m_axi_rready", "m_axi_bready")
@@ -114,4 +115,5 @@ def test_a_reset_of_one_clock_replaces_initial_values(top, parameters, tmp_path)
     stop = "always @(posedge clk) if (w_en === 1'bx) $finish;"  # Icarus would skip such a write
     memory.write_text(memory.read_text().replace("endmodule", f"{stop}\nendmodule"))
     env = {"COCOTB_TEST_FILTER": BARE, "IK_RESET": "0"}
-    simulate(top, MODULES[top], parameters=parameters, env=env, root=tmp_path, name="bare")
+    options = {"toplevel": top, "module": MODULES[top], "parameters": parameters, "env": env, "root": tmp_path}
+    passes("-".join(["bare", top, *map(str, parameters.values())]), name="bare", **options)

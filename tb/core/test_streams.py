@@ -2,14 +2,14 @@
 """Run each test of stream_tests.py as a pytest case. All cases of a parameter set share one build and simulation."""
 
 import re
-import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable
 
 import pytest
 
 from model.dataflow.datapaths import MODELS
 from tb.core import stream_tests
 from tb.sim.env import simulator
-from tb.sim.runner import simulate
+from tb.sim.shared import Shared
 
 # One set per datapath; tag widths 3 and 8. At W = 23 the paper datapath takes 255 clocks, for which a FIFO of 256 slots
 # would be too short. Streams do not depend on the word length. So Icarus, which is slow, runs lean at W = 18; on the
@@ -30,29 +30,21 @@ TESTS = [test.name for generator in GENERATORS for test in generator.generate_te
 pytestmark = [pytest.mark.sim, pytest.mark.cost(60)]
 
 
-@pytest.fixture(scope="module")
-def failures(request, tmp_path_factory):
-    """Run the selected tests of a parameter set; return the messages of those that failed."""
-    datapath, width, tag_width = (SETS | BYTES)[request.param]
-    top = "ik_axis_bytes" if request.param in BYTES else MODELS[datapath].top
-    items = [item for item in request.session.items if item.path == request.path and hasattr(item, "callspec")]
-    chosen = [item.callspec.params for item in items]
-    names = [params["name"] for params in chosen if params["failures"] == request.param]
-    results = tmp_path_factory.mktemp("streams") / "results.xml"
-    parameters = {"W": width, "TAG_W": tag_width, **MODELS[datapath].parameters}
-    wanted = "|".join(re.escape(f"stream_tests.{name}") + "$" for name in names)
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("COCOTB_RESULTS_FILE", str(results))
-        env = {"COCOTB_TEST_FILTER": wanted}
-        try:
-            simulate(top, "tb.core.stream_tests", parameters=parameters, env=env, seed=1)
-        except SystemExit as ended:
-            if not str(ended).startswith("FAILED"):
-                raise
-    cases = list(ElementTree.parse(results).iter("testcase"))
-    assert {case.get("name") for case in cases} >= set(names), "a test did not run"
-    failed = {case.get("name"): case.find("failure") for case in cases}
-    return {name: str(failure.attrib) for name, failure in failed.items() if failure is not None}
+def shared(key: str) -> Shared:
+    """Return the simulation of a parameter set."""
+    datapath, width, tag_width = (SETS | BYTES)[key]
+    options = {
+        "toplevel": "ik_axis_bytes" if key in BYTES else MODELS[datapath].top,
+        "module": "tb.core.stream_tests",
+        "parameters": {"W": width, "TAG_W": tag_width, **MODELS[datapath].parameters},
+        "seed": 1,
+    }
+
+    def chosen(names: list[str]) -> dict:
+        wanted = "|".join(re.escape(f"stream_tests.{name}") + "$" for name in names)
+        return options | {"env": {"COCOTB_TEST_FILTER": wanted}}
+
+    return Shared(f"streams-{key}", chosen)
 
 
 LARGE = ("paper-23", "arm-18", "fold_arm-24") if simulator() == "icarus" else ()
@@ -61,22 +53,32 @@ WHOLE = [key for key in SETS if key not in SOME]
 FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out")
 
 
-# With one list of pairs instead of two decorators, pytest would simulate a set again for each of its cases.
-@pytest.mark.parametrize("name", TESTS)
-@pytest.mark.parametrize("failures", WHOLE, indirect=True)
-def test_streams(failures, name):
-    assert name not in failures, failures[name]
+def around(key: str) -> pytest.MarkDecorator:
+    """Return the marker of the modules around the datapath; test_every_node.py has the datapaths' markers."""
+    top = "ik_axis_bytes" if key in BYTES else MODELS[(SETS | BYTES)[key][0]].top
+    return pytest.mark.bench(top, without={path.entity for path in MODELS.values()})
 
 
-@pytest.mark.parametrize("name", [name for name in TESTS if any(part in name for part in FEW)])
-@pytest.mark.parametrize("failures", SOME, indirect=True)
-def test_some_streams(failures, name):
-    assert name not in failures, failures[name]
+def cases(keys: Iterable[str], parts: Iterable[str] = ("",)):
+    """Return a decorator: a case for each parameter set and each test whose name contains one of ``parts``."""
+    names = [name for name in TESTS if any(part in name for part in parts)]
+    sets = {key: shared(key) for key in keys}
+    rows = [pytest.param(sets[key], name, id=f"{key}-{name}", marks=around(key)) for key in sets for name in names]
+    return pytest.mark.parametrize(("simulation", "name"), rows)
+
+
+@cases(WHOLE)
+def test_streams(request, simulation, name):
+    simulation.check(request, name)
+
+
+@cases(SOME, FEW)
+def test_some_streams(request, simulation, name):
+    simulation.check(request, name)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in TESTS if "idle=bursts/stall=bursts" in name or "after=out" in name])
-@pytest.mark.parametrize("failures", BYTES, indirect=True)
-def test_words_of_whole_bytes(failures, name):
+@cases(BYTES, ["idle=bursts/stall=bursts", "after=out"])
+def test_words_of_whole_bytes(request, simulation, name):
     """Check that ``ik_axis_bytes`` ignores the padding of targets, which is random here, and sign-extends results."""
-    assert name not in failures, failures[name]
+    simulation.check(request, name)

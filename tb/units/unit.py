@@ -50,7 +50,7 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
     """Return the arguments of :func:`tb.sim.runner.simulate` that simulate all pairs as instances in one top."""
     from tb.sim.wrapper_top import TOP, top_of
 
-    named = {"_".join([case.module, *(f"{k}{v}" for k, v in values.items())]): (case, values) for case, values in pairs}
+    named = {instance_of(case, values): (case, values) for case, values in pairs}
     benches = {name: (case.bench.__module__, case.bench.__name__, values) for name, (case, values) in named.items()}
     return {
         "toplevel": TOP,
@@ -62,17 +62,37 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
     }
 
 
-def runs(*cases: Case) -> Callable:
-    """Return a pytest test that simulates all cases with their `few` parameter sets, then (slow) with `more`."""
+def instance_of(case: Case, parameters: Parameters) -> str:
+    """Return the name of an instance, for example ik_exact_W5_SQUARE0."""
+    return "_".join([case.module, *(f"{k}{v}" for k, v in parameters.items())])
 
-    groups = ["few", *([pytest.param("more", marks=pytest.mark.slow)] if any(case.more for case in cases) else [])]
+
+def runs(*cases: Case) -> Callable:
+    """Return a pytest test with a case per module for its `few` parameter sets, and a slow one for `more`.
+
+    The selected modules of a group share a simulation.
+    """
+    from tb.sim.shared import Shared
+
+    def shared(group: str) -> Shared:
+        pairs = {case.module: [(case, values) for values in getattr(case, group)] for case in cases}
+        module_of = {instance_of(*pair): module for module, of in pairs.items() for pair in of}
+        return Shared(
+            f"{cases[0].bench.__module__}-{group}",
+            lambda names: simulation(pair for name in names for pair in pairs[name]),
+            lambda test: module_of[test.partition(".")[0]],
+        )
+
+    rows = []
+    for group, slow in (("few", []), ("more", [pytest.mark.slow])):
+        one = shared(group)
+        for module in (case.module for case in cases if getattr(case, group)):
+            rows.append(pytest.param(one, module, id=f"{module}-{group}", marks=[*slow, pytest.mark.bench(module)]))
 
     @pytest.mark.sim
-    @pytest.mark.parametrize("group", groups)
-    def test(group):
-        from tb.sim.runner import simulate
-
-        simulate(**simulation((case, values) for case in cases for values in getattr(case, group)))
+    @pytest.mark.parametrize(("simulation", "name"), rows)
+    def test(request, simulation, name):
+        simulation.check(request, name)
 
     test.cases = cases
     return test

@@ -5,13 +5,14 @@ A bug must fail the bench: by the named rule at the named port or, if no rule is
 """
 
 import re
+from pathlib import Path
 
 import pytest
 
 from tb.axi.instances import echoing
 from tb.sim.env import simulator
-from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
+from tb.sim.shared import failures, passes
 from tb.sim.sources import RULES
 from tb.sim.wrapper_top import TOP, top_of
 
@@ -108,18 +109,20 @@ def echo(tmp_path_factory):
     return echoing(tmp_path_factory.mktemp("echo"))
 
 
-def ends_with(finding: str, text: str) -> None:
-    """Check that the first broken rule in ``text`` has the port and rule of ``finding``, and a time."""
-    port, rule = finding.split()
-    line = re.search(r"error: rule (\w+) \([^)]+\) is broken at (\S+), \d+ ns", text)
-    assert line, text[-3000:]
-    assert line[1] == rule and line[2].endswith(f".rules_{port}"), line[0]
+def fails_with(finding: str, folder: Path, **options) -> None:
+    """Simulate at W = 18; check that a test fails, and that a rule's message names the expected rule and port."""
+    wrong = [message for _, message in failures(folder / "log", parameters={"W": 18}, **options) if message]
+    assert wrong, "the tests pass"
+    if " " in finding:
+        port, rule = finding.split()
+        assert re.fullmatch(rf"rule {rule} \([^)]+\) is broken at \S+\.rules_{re.escape(port)}, \d+ ns", wrong[0])
 
 
 @pytest.mark.sim
 def test_every_rule_fails_its_own_trace():
     env = {"COCOTB_TEST_FILTER": "legal_traces|each_rule"}
-    simulate(TOP, "tb.axi.rules.rules", top=top_of(PORTS, [RULES / "ik_rules.v"]), env=env)
+    top = top_of(PORTS, [RULES / "ik_rules.v"])
+    passes("rules", toplevel=TOP, module="tb.axi.rules.rules", top=top, env=env)
 
 
 only_icarus = pytest.mark.skipif(simulator() != "icarus", reason="the same monitors; Icarus builds them in a second")
@@ -128,24 +131,32 @@ only_icarus = pytest.mark.skipif(simulator() != "icarus", reason="the same monit
 @pytest.mark.sim
 @only_icarus
 @pytest.mark.parametrize(("finding", "bench", "test", "file", "old", "new"), cases(BUGS))
-def test_seeded_bug_is_detected(finding, bench, test, file, old, new, tmp_path, caplog):
+def test_seeded_bug_is_detected(finding, bench, test, file, old, new, tmp_path):
     bug = Bug(finding, file, old, new)
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "20", "COCOTB_MAX_FAILURES": "1", "COCOTB_TEST_FILTER": test}
     stream = bench == STREAMS
     top, options = ("ik_axis", {"root": copy_rtl(tmp_path, bug)}) if stream else ("ik_axi", echoing(tmp_path, bug))
-    with pytest.raises(SystemExit, match=r"^FAILED \d+ tests"):
-        options["name"] = f"rules-{finding.replace(' ', '-')}"
-        simulate(top, bench, parameters={"W": 18}, env=env, seed=1, **options)
-    if " " in finding:
-        ends_with(finding, caplog.text)
+    options["name"] = f"rules-{finding.replace(' ', '-')}"
+    fails_with(finding, tmp_path, toplevel=top, module=bench, env=env, **options)
+
+
+@pytest.mark.sim
+@only_icarus
+def test_tests_after_a_broken_rule_are_not_run(tmp_path):
+    (row,) = (row for row in BUGS if row[0] == QUICK[0])
+    options = {"root": copy_rtl(tmp_path, Bug(row[0], *row[3:])), "name": f"rules-{row[0].replace(' ', '-')}"}
+    env = {"COCOTB_TEST_FILTER": "tests.full|ready_before|not_ready"}
+    messages = failures(tmp_path / "log", toplevel="ik_axis", module=STREAMS, parameters={"W": 18}, env=env, **options)
+    (name, first), *others = messages
+    assert name == "full"
+    assert first.startswith("rule PAYLOAD_STAYS (IHI 0051A 2.2.1) is broken at ik_axis.rules_m_axis, ")
+    assert [message for _, message in others] == ["not run: the simulation ended in full"] * 2
 
 
 @pytest.mark.sim
 @only_icarus
 @pytest.mark.parametrize(("finding", "test", "forced", "when"), cases(FORCED))
-def test_a_wrong_driver_is_named(finding, test, forced, when, echo, caplog):
+def test_a_wrong_driver_is_named(finding, test, forced, when, echo, tmp_path):
     env = {"IK_AXI_CORE": "echo", "IK_FORCE": forced, "IK_WHEN": when, "COCOTB_TEST_FILTER": f"rules.{test}$"}
     top, options = ("ik_axi", echo) if test == "memory" else ("ik_axis", {})
-    with pytest.raises(SystemExit, match=r"^FAILED \d+ tests"):
-        simulate(top, "tb.axi.rules.rules", parameters={"W": 18}, env=env, seed=1, **options)
-    ends_with(finding, caplog.text)
+    fails_with(finding, tmp_path, toplevel=top, module="tb.axi.rules.rules", env=env, **options)

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""cocotb tests as pytest cases: one simulation for all that pytest has selected, and a message that names the cause."""
+
+import logging
+import os
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from unittest.mock import patch
+from xml.etree import ElementTree
+
+import pytest
+
+from tb.sim import coverage
+
+LOGS = coverage.build("log")
+RULE = re.compile(r"error: (rule \w+ \([^)]+\) is broken at \S+, (\d+) ns)")
+ENDED = "ended prematurely"
+"""Part of cocotb's message if the simulator stops during a test; all later tests get the same message."""
+NOT_RUN = "not run: "
+
+
+class Shared:
+    """A simulation that several pytest cases share.
+
+    ``label`` names the log. ``options(names)`` returns the arguments of :func:`tb.sim.runner.simulate` for the selected
+    cases, and ``case_of(test)`` the name of the case to which a cocotb test belongs. A pytest case has the parameters
+    ``simulation``, an object of this class, and ``name``.
+    """
+
+    def __init__(self, label: str, options: Callable[[list[str]], dict], case_of: Callable[[str], str] = str) -> None:
+        self.log, self.options, self.case_of = LOGS / f"{label}.log", options, case_of
+        self.messages: dict[str, list[str]] = {}
+
+    def check(self, request: pytest.FixtureRequest, name: str) -> None:
+        """Fail with the message of the case's first cocotb test that did not pass; skip if it was not run.
+
+        The first case simulates.
+        """
+        if not self.messages:
+            chosen = [item.callspec.params for item in request.session.items if hasattr(item, "callspec")]
+            names = [params["name"] for params in chosen if params.get("simulation") is self]
+            try:
+                for test, message in failures(self.log, **self.options(names)):
+                    self.messages.setdefault(self.case_of(test), []).append(message)
+            except SystemExit as ended:
+                self.messages = dict.fromkeys(names, [str(ended)])
+        judge(self.messages[name], self.log)
+
+
+def passes(label: str, **options) -> None:
+    """Simulate, and fail with the message of the first cocotb test that did not pass. ``label`` names the log."""
+    log = LOGS / f"{label}.log"
+    try:
+        messages = [message for _, message in failures(log, **options)]
+    except SystemExit as ended:
+        messages = [str(ended)]
+    judge(messages, log)
+
+
+def judge(messages: list[str], log: Path) -> None:
+    """Fail with the first message that is not empty, or skip if the first such test was not run."""
+    if wrong := [message for message in messages if message]:
+        more = f" ({len(wrong) - 1} more fail)" if wrong[1:] else ""
+        text = f"{wrong[0]}{more}; log: {os.path.relpath(log)}"
+        pytest.skip(text) if text.startswith(NOT_RUN) else pytest.fail(text, pytrace=False)
+
+
+def failures(log: Path, **options) -> list[tuple[str, str]]:
+    """Simulate, and return the name of each cocotb test with its message, empty if it passed. ``log`` gets the output.
+
+    A test that breaks a bus rule, which ends the simulation, has the rule as its message; later tests are "not run".
+    Raises :class:`SystemExit` with the first error of the log if no test has started.
+    """
+    from tb.sim.runner import simulate  # benches import this module inside the simulator as well
+
+    results = log.with_suffix(".xml")
+    results.unlink(missing_ok=True)
+    with logged(log), patch.dict(os.environ, {"COCOTB_RESULTS_FILE": str(results)}):
+        try:
+            simulate(**options)
+        except SystemExit as ended:
+            if not results.exists():
+                lines = [line for line in log.read_text().splitlines() if re.search("error", line, re.I)]
+                raise SystemExit(f"{ended} {lines[0] if lines else ''}") from None
+    rule = RULE.search(log.read_text())
+    messages, stopped = [], ""
+    for case in ElementTree.parse(results).iter("testcase"):
+        name, failure, message = case.get("name"), case.find("failure"), ""
+        stop = float(case.find("properties/property[@name='sim_time_stop']").get("value"))
+        if failure is not None and stopped:
+            message = f"{NOT_RUN}{stopped}"
+        elif failure is not None:
+            message = failure.get("message") or failure.get("type") or "failed"
+            broken = rule is not None and int(rule[2]) <= stop
+            if broken or ENDED in message:
+                message = rule[1] if broken else "the simulator stopped during the test"
+                stopped = f"the simulation ended in {name}"
+        messages.append((name, message))
+    return messages
+
+
+@contextmanager
+def logged(path: Path) -> Iterator[None]:
+    """Write the output of simulations to a file instead of pytest's report."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    logger, handler = logging.getLogger("cocotb"), logging.FileHandler(path, mode="w")
+    logger.addHandler(handler)
+    with patch.object(logger, "propagate", False):
+        try:
+            yield
+        finally:
+            logger.removeHandler(handler)
+            handler.close()
