@@ -62,7 +62,8 @@ def passes(label: str, **options) -> None:
 def judge(messages: list[str], log: Path) -> None:
     """Fail with the first message that is not empty, or skip if the first such test was not run."""
     if wrong := [message for message in messages if message]:
-        more = f" ({len(wrong) - 1} more fail)" if wrong[1:] else ""
+        others = sum(not message.startswith(NOT_RUN) for message in wrong[1:])
+        more = f" ({others} more fail)" if others else ""
         text = f"{wrong[0]}{more}; log: {os.path.relpath(log)}"
         pytest.skip(text) if text.startswith(NOT_RUN) else pytest.fail(text, pytrace=False)
 
