@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run tests with pytest, for `make test`, `make test-all`, `make test-browser` and `make release-check`.
 
-    python -m scripts.test quick|slow|browser|release [--sim icarus|verilator] [--only FILE|PATTERN] ...
+    python -m scripts.test quick|slow|browser|release [--sim icarus|verilator] [--only FILE|MODULE|PATTERN] [--waves]
 
 Each test is in one gate. With Verilator, only tests that start a simulator run; no other test depends on the simulator.
 """
@@ -13,7 +13,7 @@ from types import SimpleNamespace
 
 import click
 
-from scripts.console import InputError, command, option, sim_option
+from scripts.console import InputError, command, option, sim_option, switch
 from tb.sim.env import CORES, ROOT
 from tb.sim.sources import sources
 
@@ -41,6 +41,7 @@ PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "-
             "quick and slow tests of this file, of this Verilog module, or whose names match",
             metavar="FILE|MODULE|PATTERN",
         ),
+        switch("--waves", "record simulations; keep a VCD and a GTKWave save file of each that fails, in build/waves"),
     ],
     passes="all tests pass",
     fails="a test fails",
@@ -53,7 +54,7 @@ def main(options: SimpleNamespace) -> int:
     if options.only:
         words += selection(options.only)
     os.chdir(ROOT)
-    os.environ.update(SIM=options.sim, IK_CORES=options.cores)
+    os.environ.update(SIM=options.sim, IK_CORES=options.cores, IK_WAVES="1" * options.waves)
     os.execv(PYTEST[0], [*PYTEST, *words, "-m", marks])
 
 

@@ -19,12 +19,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
-from typing import NamedTuple
 
 import click
 import numpy as np
 from vcd.gtkw import GTKWColor, GTKWFlag, GTKWSave
-from vcd.reader import TokenKind, VCDParseError, tokenize
 from vcd.writer import VCDWriter
 
 from model.dataflow import fixed
@@ -35,6 +33,7 @@ from model.io.files import Place
 from model.io.words import JOINTS, TargetError
 from scripts.console import WORD_LENGTH, command, output
 from tb.sim.job import Difference, answer
+from tb.sim.waves import Signals
 
 TOPS = sorted({path.top for path in MODELS.values()})
 VCD, ALIGNED = "waves.vcd", "aligned.vcd"
@@ -46,63 +45,6 @@ Nodes = Sequence[Node]
 SHOWN_BITS = 64  # longest word that GTKWave shows as a decimal number
 
 STREAMS = ("s_axis_tvalid", "s_axis_tready", "s_axis_tuser", "m_axis_tvalid", "m_axis_tready", "m_axis_tuser")
-
-
-class Signal(NamedTuple):
-    """Signal of a VCD. name: GTKWave's name, with all scopes; code: identifier in the file; size: number of bits."""
-
-    name: str
-    code: str
-    size: int
-
-
-class Signals(dict[tuple[str, ...], Signal]):
-    """Dict of the signals in a VCD: path below the top -> signal. Raises TargetError for a path that the VCD lacks."""
-
-    def __init__(self, vcd: Path) -> None:
-        super().__init__()
-        self.vcd, self.top = vcd, ""
-        scopes: list[str] = []
-        try:
-            with open(vcd, "rb") as stream:
-                for token in tokenize(stream):
-                    if token.kind is TokenKind.SCOPE:
-                        scopes.append(token.scope.ident)
-                        self.top = self.top or next((top for top in TOPS if top == scopes[-1]), "")
-                    elif token.kind is TokenKind.UPSCOPE:
-                        scopes.pop()
-                    elif token.kind is TokenKind.VAR and self.top in scopes:
-                        below = scopes[scopes.index(self.top) + 1 :]
-                        name = ".".join([*scopes, token.var.ref_str])
-                        self[(*below, token.var.reference)] = Signal(name, token.var.id_code, token.var.size)
-                    elif token.kind is TokenKind.TIMESCALE:
-                        self.timescale = f"{int(token.timescale.magnitude)} {token.timescale.unit.value}"
-                    elif token.kind is TokenKind.ENDDEFINITIONS:
-                        break
-        except VCDParseError as error:
-            raise TargetError(f"{vcd}: {error}") from None
-        if not self:
-            raise TargetError(f"{vcd}: no module {' or '.join(TOPS)} in this VCD")
-
-    def __missing__(self, path: tuple[str, ...]) -> Signal:
-        raise TargetError(f"{self.vcd}: no {'.'.join((self.top, *path))} in this VCD")
-
-    def changes(self) -> Iterator[tuple[int, dict[str, str]]]:
-        """Yield each time at which signals change, and a dict with the new bits of all signals by identifier. The dict
-        is the same object each time."""
-        sizes = {signal.code: signal.size for signal in self.values()}
-        now, bits, changed = 0, dict.fromkeys(sizes, "x"), False
-        with open(self.vcd, "rb") as stream:
-            for token in tokenize(stream):
-                if token.kind in (TokenKind.CHANGE_SCALAR, TokenKind.CHANGE_VECTOR) and token.data.id_code in sizes:
-                    bits[token.data.id_code] = _bits(token.data.value, sizes[token.data.id_code])
-                    changed = True
-                elif token.kind is TokenKind.CHANGE_TIME:
-                    if changed:
-                        yield now, bits
-                    now, changed = token.time_change, False
-        if changed:
-            yield now, bits
 
 
 def place(datapath: str, node: Node) -> tuple[str, ...]:
@@ -171,7 +113,7 @@ class _Save:
     def __init__(self, stream, vcd: Path) -> None:
         self.stream = stream
         self.writer = GTKWSave(stream)
-        self.signals = Signals(vcd)
+        self.signals = Signals(vcd, TOPS)
 
     def plain(self, path: tuple[str, ...], shown: str = "hex") -> None:
         """Add a signal: binary if it is a single bit, else in the format ``shown``."""
@@ -223,7 +165,7 @@ class Recording:
 
 def read(vcd: Path, datapath: str, nodes: Nodes) -> Recording:
     """Read the VCD of a run of one trajectory. Raises TargetError for a VCD of another design."""
-    signals = Signals(vcd)
+    signals = Signals(vcd, TOPS)
     words: dict[str, list[str]] = {node.name: [] for node in nodes}
     shown = [(words[node.name], signals[place(datapath, node)].code) for node in nodes]
     clk = signals[("clk",)].code
@@ -242,13 +184,6 @@ def read(vcd: Path, datapath: str, nodes: Nodes) -> Recording:
     if len(edges) < 2:
         raise TargetError(f"{vcd}: no clock in this VCD")
     return Recording(words, admitted, signals.timescale, edges[0], edges[1] - edges[0])
-
-
-def _bits(value: int | str, width: int) -> str:
-    """Return all ``width`` bits of a value in a VCD, which omits leading digits."""
-    if isinstance(value, int):
-        return format(value, f"0{width}b")
-    return value.lower().rjust(width, value[0].lower() if value[0] in "xXzZ" else "0")
 
 
 def model_bits(node: Node, target: int) -> str:

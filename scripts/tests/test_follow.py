@@ -13,10 +13,11 @@ from model.io.stimuli import random_reachable
 from model.io.words import to_words
 from scripts import follow, trajectory, waves
 from scripts.tests.conftest import admissions, nodes_of
-from scripts.waves import Signals, place
+from scripts.waves import TOPS, place
 from tb.sim.env import simulator as simulator_of_tests
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import Job, simulate
+from tb.sim.waves import Signals
 
 WIDTH = 18
 
@@ -33,7 +34,7 @@ def check_aligned(vcd, nodes, first, wrong=(), datapath="lean"):
     """Check the words of an aligned VCD against the model, and its names and scopes against the design."""
     paths = {node.name: place(datapath, node) for node in nodes}
     last = max(node.time for node in nodes)
-    seen, gaps, signals = [], [], Signals(vcd)
+    seen, gaps, signals = [], [], Signals(vcd, TOPS)
     assert set(signals) == {*paths.values(), ("target",), ("differs",)}
     for time, bits in signals.changes():
         column = {path: bits[signal.code] for path, signal in signals.items()}
@@ -130,7 +131,7 @@ def test_a_hand_pose(command, simulator):
     label = f"w_1 +{time_of['w_1']}"
     assert marker(Path("o/waves.gtkw")) == ((admitted[2] + time_of["w_1"]) * 10_000, [label])
     assert marker(Path("o/aligned.gtkw")) == ((admitted[2] + max(time_of.values())) * 10_000, [label])
-    assert traced(Path("o/aligned.gtkw")) <= {signal.name for signal in Signals(Path("o/aligned.vcd")).values()}
+    assert traced(Path("o/aligned.gtkw")) <= {signal.name for signal in Signals(Path("o/aligned.vcd"), TOPS).values()}
     assert Path("o/aligned.gtkw").read_text().startswith('[dumpfile] "aligned.vcd"\n')
 
 
@@ -190,7 +191,7 @@ def test_a_recording_of_the_paper_datapath(command, tmp_path):
     assert ran.bit_mismatches == 0
     read = waves.read(vcd, "paper", nodes)
     assert len(read.admitted) == 3 and not list(waves.differences(read, nodes))
-    known = Signals(vcd)
+    known = Signals(vcd, TOPS)
     assert vcd.stat().st_size < 30e6 and not {"line", "mem"} & {path[-1] for path in known}
     waves.align(vcd, words, 32, "paper")
     check_aligned(tmp_path / "aligned.vcd", nodes, read.admitted, datapath="paper")

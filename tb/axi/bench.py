@@ -11,7 +11,7 @@ import cocotb
 import numpy as np
 from cocotb.clock import Clock
 from cocotb.queue import Queue
-from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge, Timer
+from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge, SimTimeoutError, Timer, with_timeout
 from cocotb.utils import get_sim_time
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiReadBus, AxiResp, AxiWriteBus
 from cocotbext.axi.axi_slave import AxiSlaveRead, AxiSlaveWrite
@@ -22,12 +22,14 @@ from model.dataflow.datapaths import MODELS
 from model.io.stimuli import arm_targets, mixed
 from model.io.words import ARM_RECORDS, RECORDS
 from tb.axi.ik_regs import FIELDS, OFFSETS
+from tb.sim.timeout import timed_test
 
 SEED = int(os.environ.get("IK_AXI_SEED", "0"))
 """Seed that changes the jobs, targets and pauses of every test."""
 
 PERIOD = 10  # clock period in ns
 BURSTS = 8  # maximum number of outstanding bursts in each direction
+ACCESS = 5000  # maximum number of clocks from the start of a register access to its response
 PATIENCE = 50000  # maximum number of clocks without a handshake on the memory port
 
 ARM = bool(getattr(getattr(getattr(cocotb, "top", None), "ARM", None), "value", 0))
@@ -264,12 +266,19 @@ class Bench:
         await RisingEdge(self.dut.clk)
 
     async def write(self, register: str, value: int) -> AxiResp:
-        return (await self.lite.write(OFFSETS[register], value.to_bytes(4, "little"))).resp
+        access = self.lite.write(OFFSETS[register], value.to_bytes(4, "little"))
+        return (await self._answer(access, f"write of {register}")).resp
 
     async def read(self, register: str) -> int:
-        answer = await self.lite.read(OFFSETS[register], 4)
+        answer = await self._answer(self.lite.read(OFFSETS[register], 4), f"read of {register}")
         assert answer.resp == AxiResp.OKAY, f"{register}: {answer.resp}"
         return int.from_bytes(answer.data, "little")
+
+    async def _answer(self, access, what: str):
+        try:
+            return await with_timeout(access, ACCESS * PERIOD, "ns")
+        except SimTimeoutError:
+            raise AssertionError(f"no answer to the {what} for {ACCESS} clocks") from None
 
     async def fields(self, register: str) -> dict[str, int]:
         value = await self.read(register)
@@ -356,7 +365,7 @@ def bench_test(**options) -> Callable:
     """Return a decorator that makes a cocotb test: start a bench with ``options``, run the test, check the bench."""
 
     def decorate(function):
-        @cocotb.test()
+        @timed_test()
         @functools.wraps(function)
         async def run(dut, **parameters):
             bench = await started(dut, **options)

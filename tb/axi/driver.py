@@ -18,6 +18,7 @@ from model.io.flags import BAD_HAND, OVER_BIT
 from model.io.words import FIELDS, Targets, result_values, to_words
 from tb.axi.bench import ARM, BYTES, CHANNELS, LAYOUT, Bench, started
 from tb.axi.binding import REGISTER, Driver
+from tb.sim.timeout import timed_test
 
 LIBRARY = Path(os.environ["IK_DRIVER"])
 
@@ -194,7 +195,7 @@ async def ready(dut, interrupt: bool, seed: int = 1, **options) -> Platform:
 MODES = cocotb.parametrize(interrupt=[False, True])
 
 
-@cocotb.test()
+@timed_test()
 async def ik_init(dut):
     """ik_init reports the core's parameters and aborts a job that was already running."""
     bench = await started(dut)
@@ -213,9 +214,9 @@ async def ik_init(dut):
     bench.check()
 
 
-@cocotb.test()
 @MODES
 @cocotb.parametrize(stalled=[False, True])
+@timed_test()
 async def solves(dut, interrupt, stalled):
     """Solve one target, exactly one buffer of targets, and more than two buffers of targets."""
     platform = await ready(dut, interrupt)
@@ -227,9 +228,9 @@ async def solves(dut, interrupt, stalled):
     platform.bench.check()
 
 
-@cocotb.test()
 @cocotb.parametrize(on=["read", "write"])
 @cocotb.parametrize(answer=["slverr", "decerr"])
+@timed_test()
 async def bus_error(dut, on, answer):
     """A bus error in the second job of a call: the call returns its code and the results written before the error."""
     platform = await ready(dut, interrupt=True)
@@ -246,7 +247,7 @@ async def bus_error(dut, on, answer):
     bench.check()
 
 
-@cocotb.test()
+@timed_test()
 async def busy(dut):
     """During another host's job, even one that just started, a call returns busy and leaves the job undisturbed."""
     platform = await ready(dut, interrupt=True)
@@ -267,8 +268,8 @@ async def busy(dut):
     bench.check()
 
 
-@cocotb.test()
 @MODES
+@timed_test()
 async def aborted(dut, interrupt):
     """An abort from another thread during a call soft-resets the core and leaves the bus quiet."""
     platform = await ready(dut, interrupt, seed=3)
@@ -289,8 +290,8 @@ async def aborted(dut, interrupt):
     bench.check()
 
 
-@cocotb.test()
 @MODES
+@timed_test()
 async def memory_hangs(dut, interrupt):
     """A call times out when the memory hangs; further calls return busy until the memory responds."""
     platform = await ready(dut, interrupt, polls=60)

@@ -13,6 +13,7 @@ from model.io.stimuli import arm_limits
 from model.io.trajectories import make
 from model.io.words import to_words
 from tb.axi.bench import ARM, BURSTS, BYTES, CHANNELS, LAYOUT, Bench, bench_test, started
+from tb.sim.timeout import timed_test
 
 JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))
 """Random jobs: half without pauses, half with pauses on all channels; JOBS // 20 more for each memory channel alone."""
@@ -74,8 +75,8 @@ async def neighbours(bench):
         await bench.solve(source, destination, count)
 
 
-@cocotb.test()
 @cocotb.parametrize(stalled=["none", "all", *CHANNELS[:-1]])
+@timed_test(10 + JOBS)
 async def many_jobs(dut, stalled):
     """Run random jobs, mostly small, on disjoint areas, with pauses on no channel, all channels or one memory channel.
 
@@ -125,7 +126,7 @@ async def limits(dut):
 
 
 if ARM and os.environ.get("IK_AXI_CORE") != "echo":  # COCOTB_TEST_FILTER runs skipped tests as well
-    limits = cocotb.test()(limits)
+    limits = timed_test()(limits)
 
 
 @cocotb.parametrize(blocked=["r", "aw", "w", "b"])
@@ -177,8 +178,8 @@ async def counters(bench):
     assert 60 < waited < clocks
 
 
-@cocotb.test()
 @cocotb.parametrize(latency=LATENCIES)
+@timed_test()
 async def rates(dut, latency):
     """Require 95 % use of the read bus without added latency. Append a row to the file named by IK_AXI_RATES."""
     words = None if ARM else to_words(make("reach"), 32)[0]

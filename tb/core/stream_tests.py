@@ -17,8 +17,7 @@ from model.dataflow import fixed
 from model.dataflow.fold.program import program
 from tb.core.functional_coverage import STALLS, every_kind
 from tb.core.pipeline import PATTERNS, Pipeline, pause
-
-test = cocotb.test(timeout_time=10, timeout_unit="ms")
+from tb.sim.timeout import timed_test
 
 
 @asynccontextmanager
@@ -51,7 +50,7 @@ def places(bench: Pipeline) -> int:
     return 2 + (first > bench.period + max(made.loads.values()))
 
 
-@test
+@timed_test()
 async def one_result_per_clock(dut):
     """Check that unstalled results leave in consecutive clocks (folded core: one per period), all with the specified
     latency, and that DIGIT selects the kind of each divider and root."""
@@ -73,8 +72,8 @@ async def one_result_per_clock(dut):
         assert bool(recurrences) == (bench.datapath == "paper")
 
 
-@test
 @cocotb.parametrize(idle=list(PATTERNS), stall=list(PATTERNS))
+@timed_test()
 async def stalls(dut, idle, stall):
     """Cross input gaps with output stalls. Without gaps, a "long" stall fills the FIFO."""
     async with started(dut) as bench:
@@ -85,8 +84,8 @@ async def stalls(dut, idle, stall):
         await bench.finish()
 
 
-@test
 @cocotb.parametrize(idle=[False, True], stall=[False, True])
+@timed_test()
 async def every_flag_in_every_region(dut, idle, stall):
     """Send targets near each singular pose and far from all, with and without gaps and waiting results.
 
@@ -110,7 +109,7 @@ async def every_flag_in_every_region(dut, idle, stall):
                 break
 
 
-@test
+@timed_test()
 async def full(dut):
     """Check that the core admits :func:`places` targets while m_axis_tready is low; then take all results."""
     async with started(dut) as bench:
@@ -125,8 +124,8 @@ async def full(dut):
         await bench.finish()
 
 
-@test
 @cocotb.parametrize(after=["few", "many", "out", "full"])
+@timed_test()
 async def reset_in_traffic(dut, after):
     """Reset with few or many targets in flight, while results leave, or with a full FIFO. Check that all targets are
     dropped and that later targets give results."""
@@ -146,7 +145,7 @@ async def reset_in_traffic(dut, after):
         await bench.finish()
 
 
-@test
+@timed_test()
 async def reset_in_any_clock(dut):
     """Reset for one clock after 1 to 200 clocks of traffic with gaps and stalls; check the later results.
 
@@ -166,7 +165,7 @@ async def reset_in_any_clock(dut):
             await bench.finish()
 
 
-@test
+@timed_test()
 async def not_ready_under_reset(dut):
     """Check that tready falls as soon as reset is asserted, so that no target is admitted under reset."""
     async with started(dut) as bench:
@@ -183,7 +182,7 @@ async def not_ready_under_reset(dut):
         assert dut.s_axis_tready.value == 0, "tready is high under reset"
 
 
-@test
+@timed_test()
 async def ready_before_valid(dut):
     """Check that without targets a pipeline is ready, the folded core is not, and no result leaves."""
     async with started(dut) as bench:

@@ -16,6 +16,7 @@ from model.io.stimuli import arithmetic_corners, arm_targets, mixed
 from tb.core import worst_targets
 from tb.sim.env import simulator
 from tb.sim.job import Run, answer
+from tb.sim.shared import marked, moment, recording
 from tb.sim.simulate import Job, simulate
 
 GROUPS = worst_targets.groups(worst_targets.read(worst_targets.LIST))
@@ -37,9 +38,13 @@ def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) 
     options = {"simulator": simulator(), "datapath": datapath, "width": width, "cores": cores}
     ends = np.random.default_rng(6).integers(-(1 << width - 1), 1 << width - 1, (7, 2))
     limits = list(map(tuple, ends.tolist())) if MODELS[datapath].side else None
-    (done,) = simulate([Job("nodes", words)], **options, native=True, limits=limits)
-    if done.bit_mismatches:
-        pytest.fail(done.first_mismatch, pytrace=False)
+    vcd = recording(f"every_node-{datapath}-{width}")
+    (done,) = simulate([Job("nodes", words)], **options, native=True, limits=limits, waves=vcd)
+    if message := done.first_mismatch:
+        message += marked(vcd, "first", MODELS[datapath].top, moment(message, 0, 0))
+        pytest.fail(message, pytrace=False)
+    if vcd:
+        vcd.unlink()
     expected = answer(words, width, datapath, limits)
     assert (done.results == expected.results).all() and (done.flags == expected.flags).all()
     return done

@@ -8,7 +8,6 @@ registers, memories and X at random; there, several seeds also run streams and j
 import re
 from collections.abc import Iterator
 
-import cocotb
 import pytest
 from cocotb.triggers import Timer
 
@@ -19,6 +18,7 @@ from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.shared import passes
 from tb.sim.sources import sources
+from tb.sim.timeout import timed_test
 
 ALWAYS_READY = ("m_axi_rready", "m_axi_bready")
 
@@ -27,7 +27,7 @@ DRIVEN |= {"s_axi_rready", "m_axi_rvalid", "m_axi_bvalid", *(f"m_axi_{c}ready" f
 """Handshake inputs of ``ik_axis``, ``ik_arm`` and ``ik_axi``."""
 
 
-@cocotb.test()
+@timed_test()
 async def power_up(dut):
     names = [handle._name for handle in dut if handle._name.islower()]
     ports = [name for name in names if name[:3] in ("s_a", "m_a") or name == "irq"]

@@ -23,6 +23,7 @@ from model.io.stimuli import arm_limits, arm_targets, mixed
 from tb.sim.env import ROOT
 from tb.sim.job import answer, limits_port
 from tb.sim.runner import simulate
+from tb.sim.timeout import timed_test
 
 PERIOD = 40  # clock period in ns
 BIT = int(os.environ.get("IK_BIT", "6"))  # clocks per bit
@@ -122,7 +123,7 @@ async def still_works(at: Board, seed: int = 5) -> None:
     assert at.lit() == "G"
 
 
-@cocotb.test()
+@timed_test()
 async def out_of_reset(dut):
     """The green LED is off until the PLL locks, then on; nothing is sent before a target arrives."""
     dut.BTN_N.value = 1
@@ -137,8 +138,8 @@ async def out_of_reset(dut):
     await still_works(at)
 
 
-@cocotb.test()
 @cocotb.parametrize(skew=(-0.03, 0.0, 0.03))
+@timed_test()
 async def every_bit(dut, skew):
     """Send targets with two stop bits and clock skew. Hand poses have longer answers, so a pause follows each."""
     at = await board(dut, skew=skew)
@@ -152,7 +153,7 @@ async def every_bit(dut, skew):
     await at.nothing()
 
 
-@cocotb.test()
+@timed_test()
 async def answer_at_once(dut):
     """A single target is answered after its last byte; the answer has no gaps."""
     at = await board(dut)
@@ -167,7 +168,7 @@ async def answer_at_once(dut):
     assert at.answers(bytes(at.sink.read_nowait())) == expected
 
 
-@cocotb.test()
+@timed_test()
 async def wrong_bits(dut):
     """A frame with a wrong bit gets no answer and lights the red LED. A wrong first byte starts no frame: the LED stays
     off. A frame is rejected if only one byte of its CRC matches."""
@@ -185,7 +186,7 @@ async def wrong_bits(dut):
         await still_works(at, seed=k)
 
 
-@cocotb.test()
+@timed_test()
 async def cut_frames(dut):
     """A truncated frame is dropped after a pause; bytes between frames are ignored."""
     at = await board(dut)
@@ -206,7 +207,7 @@ async def cut_frames(dut):
     assert await at.heard(1) == expected
 
 
-@cocotb.test()
+@timed_test()
 async def noise(dut):
     """A low pulse shorter than half a bit is no start bit, neither when idle nor within a frame."""
     at = await board(dut)
@@ -227,7 +228,7 @@ async def noise(dut):
     assert at.lit() == "G"
 
 
-@cocotb.test()
+@timed_test()
 async def no_stop_bit(dut):
     """A byte without a stop bit ends its frame at once. As the first byte, it starts no frame."""
     at = await board(dut)
@@ -252,7 +253,7 @@ async def no_stop_bit(dut):
     assert at.lit() == "G"
 
 
-@cocotb.test()
+@timed_test()
 async def button(dut):
     """The button aborts a frame being received, a target in the core and an answer being sent; the red LED goes off."""
     at = await board(dut)
@@ -280,7 +281,7 @@ async def lights(led) -> None:
     await FallingEdge(led)
 
 
-@cocotb.test()
+@timed_test()
 async def more_than_it_can_take(dut):
     """Targets with one stop bit arrive faster than answers leave. Whole frames are dropped; all answers are right."""
     at = await board(dut, stop_bits=1)
@@ -298,7 +299,7 @@ def kept(some: bytes, before: int, lost: list[int]) -> bytes:
     return bytes(byte for k, byte in enumerate(some) if before + k not in lost)
 
 
-@cocotb.test()
+@timed_test()
 async def program(dut):
     """A host program that uses the board through a pseudo-terminal exits with status 0.
 

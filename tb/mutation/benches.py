@@ -65,7 +65,7 @@ class Replaced:
         file.write_text(text)
         others.write_text(CORE.sub(r"  if (1) begin : \2\n  \1\3\4  end\n", others.read_text()))
         (place / LIST).write_text(f"{file.name}\n{others.name}\n")
-        options = self.given | {"env": self.given["env"] | {"COCOTB_MAX_FAILURES": "1"}}
+        options = self.given | {"env": self.given.get("env", {}) | {"COCOTB_MAX_FAILURES": "1"}}
         status, output = finished(command(**options, sim="icarus", root=place, build=place / "sim"), seconds)
         if status is None:
             return TIMEOUT, ""
@@ -78,8 +78,7 @@ def unit_benches() -> dict[str, Case]:
     """Return a dict: module of rtl/ -> its unit bench."""
     benches = {}
     for file in sorted((ROOT / "tb" / "units").glob("test_*.py")):
-        for test in vars(importlib.import_module(f"tb.units.{file.stem}")).values():
-            benches |= {case.module: case for case in getattr(test, "cases", ())}
+        benches |= {case.module: case for case in importlib.import_module(f"tb.units.{file.stem}").CASES}
     return benches
 
 

@@ -4,6 +4,7 @@
 Every set of toplevel, parameters and options has its own folder under ``build/sim``, kept between runs.
 """
 
+import asyncio
 import fcntl
 import hashlib
 import json
@@ -16,7 +17,7 @@ from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 
-from cocotb_test.simulator import Icarus, Verilator
+import cocotb_test.simulator
 
 from tb.sim import coverage
 from tb.sim.env import ROOT, cores, simulator, use_environment
@@ -40,8 +41,10 @@ MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # compiler flag missing from the Py
 UNOPTIMIZED = ["OPT_FAST=-O0", "OPT_SLOW=-O0"]
 """Make arguments: compiling takes a third less time. Python takes nine tenths of the simulation time anyway."""
 WITH_DIGIT = ("ik_axis", "ik_axis_bytes", "ik_axi")  # toplevels that have the parameter DIGIT
+DEPTH = {"ik_axis": 4, "ik_arm": 5, "ik_axi": 8}
+"""Toplevel -> depth of its waves, which leaves out delay lines and operators; other toplevels are recorded whole."""
 TRACED = ROOT / "tb" / "sim" / "waves.vlt"
-"""List of scopes omitted from a Verilator waveform. For Icarus, ``ik_waves.v`` limits the depth instead."""
+"""List of scopes that Verilator leaves out of the waves of the toplevels in `DEPTH`."""
 
 
 @contextmanager
@@ -81,7 +84,7 @@ def runtime(folder: Path, kind: str, header: bool = True):
 
 @contextmanager
 def _signals():
-    """Restore the SIGINT and SIGTERM handlers that cocotb-test replaces."""
+    """Restore the SIGINT and SIGTERM handlers, which cocotb-test 0.3.0 replaces for good."""
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
@@ -107,6 +110,7 @@ def simulate(
     start: int = 1,
     built: bool = False,
     build: Path | None = None,
+    seconds: float | None = None,
 ) -> Path:
     """Run the cocotb tests of ``module`` on ``toplevel``; return the results file.
 
@@ -115,7 +119,8 @@ def simulate(
     ``core``, the kind of dividers and roots, is behavioural or digit (default: variable ``IK_CORES``, else
     behavioural). ``top`` is the text of a toplevel outside ``rtl/``. ``start`` is the seed of initial register values
     under Verilator. ``built`` reuses the build of an earlier call that differs only in env and seeds. ``build`` is
-    another folder for builds. Raises ``SystemExit`` when a test or the build fails, as cocotb-test does.
+    another folder for builds. ``seconds`` limits each command. Raises ``SystemExit`` when a test or the build fails, as
+    cocotb-test does, or at the limit.
     """
     use_environment()
     sim = simulator(sim)
@@ -146,44 +151,70 @@ def simulate(
         "timescale": "1ns/1ps",
     }
     if sim == "icarus":
-        recorded = toplevel in ("ik_axis", "ik_arm")
-        options["toplevel"] = [toplevel, "ik_waves"] if recorded else toplevel
-        options["defines"] = ["IK_ARM"] if toplevel == "ik_arm" else []
+        options["toplevel"] = [toplevel, "ik_waves"]
+        options["defines"] = [f"IK_TOP={toplevel}", f"IK_DEPTH={DEPTH.get(toplevel, 0)}"]
         options["verilog_sources"].append(str(ROOT / "tb" / "sim" / "ik_waves.v"))
         options["plus_args"] = [f"+waves={waves}"] if waves else []
     else:
         options["compile_args"] = [
             *VERILATOR_ARGS,
-            *(["--trace-vcd", str(TRACED)] if waves else []),
+            *(["--trace-vcd", *[str(TRACED)] * (toplevel in DEPTH)] if waves else []),
             *(coverage.FLAGS if coverage.folder() else []),
         ]
         options["timescale"] = None
         random_start = [word.format(start) for word in RANDOM_START]
         options["plus_args"] = [*random_start, *(["--trace", "--trace-file", str(waves)] if waves else [])]
-    # cocotb-test compares the ages of sources only, not of included files
+    # cocotb-test 0.3.0 compares the ages of sources only, not of included files
     built_as = folder / f"{toplevel}.vvp"
     if sim == "icarus" and built_as.exists():
         options["force_compile"] = max(path.stat().st_mtime for path in headers(root)) > built_as.stat().st_mtime
+
+    def run(kind, **others) -> Path:
+        simulator = kind(**options, **others)
+        simulator.seconds = seconds
+        return Path(simulator.run())
+
     with _signals():
         if not built and sim == "icarus":
             with alone(folder):
                 try:
-                    Icarus(compile_only=True, **options).run()
+                    run(Icarus, compile_only=True)
                 except BaseException:
                     built_as.unlink(missing_ok=True)  # a partial file would look up to date
                     raise
         elif not built:
             with alone(folder), runtime(folder, "waves" if waves else "plain") as shared:
-                Verilator(compile_only=True, make_args=[*shared, *UNOPTIMIZED], **options).run()
+                run(Verilator, compile_only=True, make_args=[*shared, *UNOPTIMIZED])
         if sim == "icarus":
-            return Path(Icarus(**options).run())
+            return run(Icarus)
         with coverage.counting(root) as counts:
             options["plus_args"] += counts
-            return Path(Built(**options).run())
+            return run(Built)
+
+
+class Limited(cocotb_test.simulator.Simulator):
+    """Simulator with a time limit for each command: cocotb-test 0.3.0 has none."""
+
+    seconds: float | None = None
+
+    async def _exec(self, command: list[str]) -> None:
+        limit = asyncio.get_running_loop().call_later(self.seconds or 1e9, lambda: self.process.kill())
+        await super()._exec(command)
+        if self.process.returncode and limit.when() <= asyncio.get_running_loop().time():
+            raise SystemExit(f"{Path(command[0]).name} was ended after {self.seconds:g} s")
+        limit.cancel()
+
+
+class Icarus(Limited, cocotb_test.simulator.Icarus):
+    pass
+
+
+class Verilator(Limited, cocotb_test.simulator.Verilator):
+    pass
 
 
 class Built(Verilator):
-    """Run of an existing Verilator build."""
+    """Run of an existing Verilator build, which cocotb-test 0.3.0 would build again."""
 
     def build_command(self) -> list[list[str]]:
         """Return the command that starts the program; the base class's commands would build it again."""

@@ -13,12 +13,19 @@ from xml.etree import ElementTree
 import pytest
 
 from tb.sim import coverage
+from tb.sim.waves import mark
 
-LOGS = coverage.build("log")
+LOGS, WAVES = coverage.build("log"), coverage.build("waves")
+SECONDS = 1800.0
+"""Time limit of a command that compiles or simulates."""
 RULE = re.compile(r"error: (rule \w+ \([^)]+\) is broken at \S+, (\d+) ns)")
 ENDED = "ended prematurely"
 """Part of cocotb's message if the simulator stops during a test; all later tests get the same message."""
 NOT_RUN = "not run: "
+REWRITTEN = re.compile(r"(?<=.)\nassert .*", re.S)
+"""Values of the asserted expression, which cocotb 2.1 appends to the message of an assertion."""
+INSTANCE = re.compile(r"(?<==)(ik_\w+)\..*")
+"""Instance that a unit test drives, and the check, in the test's name."""
 
 
 class Shared:
@@ -72,34 +79,69 @@ def failures(log: Path, **options) -> list[tuple[str, str]]:
     """Simulate, and return the name of each cocotb test with its message, empty if it passed. ``log`` gets the output.
 
     A test that breaks a bus rule, which ends the simulation, has the rule as its message; later tests are "not run".
-    Raises :class:`SystemExit` with the first error of the log if no test has started.
+    If IK_WAVES is set, the simulation is recorded, and each message names a GTKWave save file that marks the failure.
+    Raises :class:`SystemExit` with the first error of the log if no test has ended.
     """
     from tb.sim.runner import simulate  # benches import this module inside the simulator as well
 
-    results = log.with_suffix(".xml")
+    results, vcd = log.with_suffix(".xml"), recording(log.stem)
     results.unlink(missing_ok=True)
     with logged(log), patch.dict(os.environ, {"COCOTB_RESULTS_FILE": str(results)}):
         try:
-            simulate(**options)
+            simulate(**options, waves=vcd, seconds=SECONDS)
         except SystemExit as ended:
             if not results.exists():
-                lines = [line for line in log.read_text().splitlines() if re.search("error", line, re.I)]
-                raise SystemExit(f"{ended} {lines[0] if lines else ''}") from None
+                text = log.read_text()
+                if rule := RULE.search(text):
+                    raise SystemExit(rule[1]) from None
+                lines = re.findall("^.*error.*$", text, re.I | re.M)[:1] or re.findall(r"running \S+ \(.*", text)[-1:]
+                raise SystemExit(": ".join([str(ended), *lines])) from None
     rule = RULE.search(log.read_text())
     messages, stopped = [], ""
     for case in ElementTree.parse(results).iter("testcase"):
         name, failure, message = case.get("name"), case.find("failure"), ""
-        stop = float(case.find("properties/property[@name='sim_time_stop']").get("value"))
+        start, stop = (
+            float(case.find(f"properties/property[@name='sim_time_{end}']").get("value")) for end in ("start", "stop")
+        )
         if failure is not None and stopped:
             message = f"{NOT_RUN}{stopped}"
         elif failure is not None:
-            message = failure.get("message") or failure.get("type") or "failed"
+            message = REWRITTEN.sub("", failure.get("message") or failure.get("type") or "failed")
             broken = rule is not None and int(rule[2]) <= stop
             if broken or ENDED in message:
                 message = rule[1] if broken else "the simulator stopped during the test"
                 stopped = f"the simulation ended in {name}"
+            instance = INSTANCE.search(name)
+            scope = instance[1] if instance else options["toplevel"]
+            message += marked(vcd, instance[0] if instance else name, scope, moment(message, start, stop))
         messages.append((name, message))
+    if vcd and not any(message for _, message in messages):
+        vcd.unlink()
     return messages
+
+
+def recording(label: str) -> Path | None:
+    """Return the path of the VCD that a simulation writes; None unless IK_WAVES is set."""
+    if not os.environ.get("IK_WAVES"):
+        return None
+    WAVES.mkdir(parents=True, exist_ok=True)
+    return WAVES / f"{label}.vcd"
+
+
+def marked(vcd: Path | None, test: str, scope: str, time: float) -> str:
+    """Write a save file that marks the time (ns) at which a test failed; return its path as the end of a message."""
+    if not vcd:
+        return ""
+    save = vcd.with_name(f"{vcd.stem}-{test}.gtkw".replace("/", "-"))
+    mark(vcd, scope, time, save)
+    return f"; waves: {os.path.relpath(save)}"
+
+
+def moment(message: str, start: float, stop: float) -> float:
+    """Return the time in ns to which a test's message refers: its first "clock N" counts from the test's start."""
+    if found := re.search(r"\b(?:clock (\d+)|(\d+) ns)\b", message):
+        return start + 10 * int(found[1]) if found[1] else int(found[2])
+    return stop
 
 
 @contextmanager

@@ -8,15 +8,18 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from cocotb.triggers import Event
 from cocotb_test.simulator import Icarus
 
-from tb.sim import runner, subprocesses
+from tb.sim import runner, shared, subprocesses
 from tb.sim.env import ROOT, cores, environment, simulator, verilator_root
 from tb.sim.sources import closure, code, digest, headers, sources
+from tb.sim.timeout import timed_test
 
 
 @pytest.fixture
@@ -125,6 +128,30 @@ def test_a_changed_header_is_compiled_again(tmp_path, monkeypatch):
         runner.simulate("ik_trig", "none", sim="icarus")
     forced = [options["force_compile"] for options in calls]
     assert forced == [False, False, True, True]  # each call compiles, then runs
+
+
+@timed_test(0.001)
+async def forever(dut):
+    await Event().wait()
+
+
+@timed_test()
+async def busy(dut):
+    time.sleep(600)
+
+
+@pytest.mark.parametrize(
+    ("test", "message"),
+    [
+        ("forever", r"no end after 0.001 ms; it waits in tb/sim/test_runner.py, line \d+: await Event\(\).wait\(\)"),
+        ("busy", r"vvp was ended after 3 s: running tb.sim.test_runner.busy \(1/1\)"),
+    ],
+)
+def test_a_test_that_hangs_is_ended(test, message, monkeypatch):
+    monkeypatch.setattr(shared, "SECONDS", 3 if test == "busy" else 60)
+    options = {"sim": "icarus", "module": "tb.sim.test_runner", "env": {"COCOTB_TEST_FILTER": test}}
+    with pytest.raises(pytest.fail.Exception, match=message):
+        shared.passes(f"hangs-{test}", toplevel="ik_delay", **options)
 
 
 RTL = ROOT / "rtl"

@@ -20,8 +20,9 @@ from tb.units.unit import (
     Tests,
     Vector,
     checks,
+    cocotb_tests,
+    pytest_cases,
     rounded,
-    runs,
     sets_of,
     shuffled,
     signed,
@@ -176,10 +177,12 @@ def fold_limit(W: int) -> Tests:
     return checks(inputs, {"over": BIT}, of_joint, near, latency=1, fits=lambda joint, *_: joint)
 
 
-test_angles = runs(
+CASES = (
     Case("ik_vector", vector, sets_of("W", (6,), (24,)), sets_of("W", (5,), (17,), (32,))),
     Case("ik_fold_angle", fold_angle, sets_of("W", (5,), (32,)), sets_of("W", (6,), (17,))),
     Case("ik_double", double, sets_of("IW OW", (8, 4), (36, 32))),
     Case("ik_limit", limit, sets_of("W", (4,), (32,))),
     Case("ik_fold_limit", fold_limit, sets_of("W", (4,), (32,))),
 )
+test_angles = pytest_cases(CASES)
+vectors = cocotb_tests(CASES)

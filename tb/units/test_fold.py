@@ -8,7 +8,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
 from model.dataflow.fold.steps import CUTS, NORMS
-from tb.units.unit import Case, Tests, runs, sets_of
+from tb.units.unit import Case, Tests, cocotb_tests, pytest_cases, sets_of
 
 Ports = dict[str, int]  # port -> word in one clock
 
@@ -143,7 +143,7 @@ def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
     return {"normals": normals}
 
 
-test_fold = runs(
+CASES = (
     Case("ik_fold_memory", memory, sets_of("D AD DOWN RW", (26, 26, 11, 11), (33, 31, 11, 11))),
     Case(
         "ik_fold_mul", mul, sets_of("D TILE WORD ROOT SINE", (26, 16, 25, 5, 4), (29, 18, 29, 8, 7), (35, 18, 33, 8, 7))
@@ -152,3 +152,5 @@ test_fold = runs(
         "ik_fold_norm", norm, sets_of("W D XW LAST DROP", (18, 26, 38, 11, 1), (24, 33, 50, 17, 2), (32, 35, 66, 29, 0))
     ),
 )
+test_fold = pytest_cases(CASES)
+vectors = cocotb_tests(CASES)

@@ -11,7 +11,7 @@ from functools import partial
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
-from tb.units.unit import Case, Tests, checks, runs, sets_of, unsigned
+from tb.units.unit import Case, Tests, checks, cocotb_tests, pytest_cases, sets_of, unsigned
 
 LATENCY = 2  # clocks from writing a word to offering it
 
@@ -54,7 +54,7 @@ class Fifo:
         self.clock = 0
         self.queue: deque[tuple[int, int]] = deque()  # (word, clock of writing)
         self.read: list[tuple[int, int]] = []  # (word, clock of leaving)
-        Clock(dut.clk, 10, unit="ns").start()
+        Clock(dut.clk, 10, unit="ns").start(start_high=False)
 
     def word(self) -> int:
         return random.getrandbits(self.width)
@@ -145,8 +145,10 @@ def fifo(W: int, LOG2: int) -> Tests:
     return {name: partial(started, test) for name, test in tests.items()}
 
 
-test_storage = runs(
+CASES = (
     Case("ik_delay", delay, sets_of("W N", (8, 0), (70, 5)), sets_of("W N", (8, 1), (32, 40))),
     Case("ik_ring", ring, sets_of("W N", (40, 18)), sets_of("W N", (8, 3), (16, 12), (96, 65), (2, 300))),
     Case("ik_fifo", fifo, sets_of("W LOG2", (16, 2)), sets_of("W LOG2", (8, 1), (208, 5))),
 )
+test_storage = pytest_cases(CASES)
+vectors = cocotb_tests(CASES)

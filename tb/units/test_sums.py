@@ -4,7 +4,21 @@
 import itertools
 
 from model.dataflow.formats import GUARD, Latency
-from tb.units.unit import BIT, Case, Tests, checks, halves, rounded, runs, sets_of, signed, some, unsigned, wrapped
+from tb.units.unit import (
+    BIT,
+    Case,
+    Tests,
+    checks,
+    cocotb_tests,
+    halves,
+    pytest_cases,
+    rounded,
+    sets_of,
+    signed,
+    some,
+    unsigned,
+    wrapped,
+)
 
 
 def sums(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, SAT: int = 1, **delays: int) -> Tests:
@@ -112,7 +126,7 @@ def more(last: str) -> list[dict[str, int]]:
 
 
 delayed = sets_of("IW SH OW SUB_B", (4, 1, 3, 1), DA=2, DB=1) + sets_of("IW SH OW SUB_B", (4, 1, 3, 1), DB=3)
-test_sums = runs(
+CASES = (
     Case("ik_sum2", sums, few("B") + delayed, more("B")),
     Case("ik_sum3", sums, few("C"), more("C")),
     Case(
@@ -124,3 +138,5 @@ test_sums = runs(
     Case("ik_half", half, sets_of("W MINUS", (8, 0), (32, 1)), sets_of("W MINUS", (8, 1), (32, 0))),
     Case("ik_pick", pick, [{"W": 32}], [{"W": 4}]),
 )
+test_sums = pytest_cases(CASES)
+vectors = cocotb_tests(CASES)

@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Framework for the unit testbenches of ``rtl/lib`` and ``rtl/fold``.
 
-A bench is a function that maps a module's parameters to the cocotb tests of an instance; most are one call of
-:func:`checks`. All benches of a file share a simulation (:func:`runs`). Most references share no arithmetic with RTL
-and model: they use Python integers and fractions. The others are functions of the model.
+A bench is a function that maps a module's parameters to the checks of an instance; most are one call of
+:func:`checks`. All benches of a file share a simulation: pytest sees :func:`pytest_cases`, cocotb sees
+:func:`cocotb_tests`. Most references share no arithmetic with RTL and model: they use Python integers and fractions.
+The others are functions of the model.
 """
 
-import importlib
+import inspect
 import itertools
-import json
 import math
 import os
 import random
+import re
 from collections.abc import Awaitable, Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import partial
@@ -21,11 +22,14 @@ import cocotb
 import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
+from cocotb.utils import get_sim_time
+
+from tb.sim.timeout import timed_test
 
 Vector = tuple[int, ...]
 Parameters = dict[str, int]
 Tests = dict[str, Callable[..., Awaitable[None]]]
-"""Name -> cocotb test, a function of ``dut``."""
+"""Name -> check, a coroutine function of ``dut``."""
 
 SEED = int(os.environ.get("COCOTB_RANDOM_SEED", "1"))
 """Seed of all unit simulations; the environment overrides it."""
@@ -50,13 +54,11 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
     """Return the arguments of :func:`tb.sim.runner.simulate` that simulate all pairs as instances in one top."""
     from tb.sim.wrapper_top import TOP, top_of
 
-    named = {instance_of(case, values): (case, values) for case, values in pairs}
-    benches = {name: (case.bench.__module__, case.bench.__name__, values) for name, (case, values) in named.items()}
+    pairs = list(pairs)
     return {
         "toplevel": TOP,
-        "module": "tb.units.unit",
-        "top": top_of({name: (case.module, values) for name, (case, values) in named.items()}),
-        "env": {"IK_SETS": json.dumps(benches)},
+        "module": pairs[0][0].bench.__module__,
+        "top": top_of({instance_of(case, values): (case.module, values) for case, values in pairs}),
         "name": "units",
         "seed": SEED,
     }
@@ -67,20 +69,20 @@ def instance_of(case: Case, parameters: Parameters) -> str:
     return "_".join([case.module, *(f"{k}{v}" for k, v in parameters.items())])
 
 
-def runs(*cases: Case) -> Callable:
+def pytest_cases(cases: Sequence[Case]) -> Callable:
     """Return a pytest test with a case per module for its `few` parameter sets, and a slow one for `more`.
 
     The selected modules of a group share a simulation.
     """
-    from tb.sim.shared import Shared
+    from tb.sim.shared import INSTANCE, Shared
 
     def shared(group: str) -> Shared:
         pairs = {case.module: [(case, values) for values in getattr(case, group)] for case in cases}
         module_of = {instance_of(*pair): module for module, of in pairs.items() for pair in of}
         return Shared(
-            f"{cases[0].bench.__module__}-{group}",
+            f"{cases[0].bench.__module__.rpartition('.')[2]}-{group}",
             lambda names: simulation(pair for name in names for pair in pairs[name]),
-            lambda test: module_of[test.partition(".")[0]],
+            lambda test: module_of[INSTANCE.search(test)[1]],
         )
 
     rows = []
@@ -94,7 +96,6 @@ def runs(*cases: Case) -> Callable:
     def test(request, simulation, name):
         simulation.check(request, name)
 
-    test.cases = cases
     return test
 
 
@@ -104,6 +105,36 @@ def sets_of(names: str, *rows: Vector, **others: int) -> list[Parameters]:
 
 
 # ---- inside a simulation (cocotb) ------------------------------------------------------------------------------------
+
+
+def cocotb_tests(cases: Sequence[Case]):
+    """Return the cocotb test with a parameter value for each check of each instance in the simulated top.
+
+    Outside a simulation there are no instances. The parameters of an instance are read from the design.
+    """
+    benches = {case.module: case.bench for case in cases}
+    checks = []
+    for instance in getattr(cocotb, "top", ()):
+        module = max((name for name in benches if f"{instance._name}_".startswith(f"{name}_")), key=len)
+        tests = benches[module](**parameters_of(instance, inspect.signature(benches[module])))
+        checks += [cocotb.Param((instance, test), f"{instance._name}.{name}") for name, test in tests.items()]
+
+    @cocotb.parametrize(check=checks)
+    @timed_test(name="vectors")
+    async def vectors(top, check):
+        instance, test = check
+        await test(dut=instance)
+
+    return vectors
+
+
+def parameters_of(instance, signature: inspect.Signature) -> Parameters:
+    """Return an instance's parameters that a bench takes; one that takes any others gets the delays of ports."""
+    names = {name for name, one in signature.parameters.items() if one.kind is not one.VAR_KEYWORD}
+    delays = r"D[A-Z]" if names < signature.parameters.keys() else ""
+    handles = {handle._name: handle for handle in instance}
+    chosen = [name for name in handles if name in names or re.fullmatch(delays, name)]
+    return {name: int(handles[name].value) for name in chosen}
 
 
 def checks(
@@ -175,7 +206,7 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
     results = [getattr(dut, name) for name in outputs]
     rising, falling = RisingEdge(dut.clk), FallingEdge(dut.clk)
     rows = [vectors[0]] * before + vectors + [vectors[-1]] * (latency + before)
-    got = []
+    got, times = [], []
     for clock in range(before, len(rows)):
         await rising
         for handle, k, mask, late in ports:
@@ -183,12 +214,13 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
         await falling
         if clock >= latency + 2 * before:
             got.append([str(handle.value) for handle in results])
+            times.append(get_sim_time("ns"))
     columns = expected(*zip(*vectors, strict=True))
     wanted = [list(map(_written, row, outputs.values())) for row in zip(*columns, strict=True)]
     wrong = [k for k, rows in enumerate(zip(got, wanted, strict=True)) if rows[0] != rows[1]]
     assert not wrong, (
         f"{dut._name}, latency {latency}, seed {SEED}: {len(wrong)} of {len(vectors)} vectors differ; "
-        f"vector {wrong[0]}, {dict(zip(inputs, vectors[wrong[0]], strict=True))}: "
+        f"vector {wrong[0]} at {times[wrong[0]]:.0f} ns, {dict(zip(inputs, vectors[wrong[0]], strict=True))}: "
         f"{dict(zip(outputs, got[wrong[0]], strict=True))} instead of {wanted[wrong[0]]}"
     )
 
@@ -279,20 +311,3 @@ def rounded(value: int, places: int) -> int:
 def wrapped(value: int, words: range) -> int:
     """Wrap a value to the range of words."""
     return (value - words[0]) % size(words) + words[0]
-
-
-# ---- tests of this simulation's instances; IK_SETS names their benches ----------------------------------------------
-
-
-def _on(instance: str, test: Callable):
-    """Return a test of the top that runs ``test`` with the instance as ``dut``."""
-
-    async def narrowed(top):
-        await test(dut=getattr(top, instance))
-
-    return narrowed
-
-
-for _instance, (_file, _function, _parameters) in json.loads(os.environ.get("IK_SETS", "{}")).items():
-    for _name, _test in getattr(importlib.import_module(_file), _function)(**_parameters).items():
-        globals()[f"{_instance}.{_name}"] = cocotb.test(name=f"{_instance}.{_name}")(_on(_instance, _test))

@@ -13,6 +13,7 @@ from tb.axi.bench import CHANNELS as AXI_CHANNELS
 from tb.axi.bench import started
 from tb.axi.rules.traces import BASES, BREAKS, LEGAL, Trace, X, names, over
 from tb.core.pipeline import Pipeline
+from tb.sim.timeout import timed_test
 
 ADDRESS, CHANNEL = "ik_rules_address", "ik_rules_channel"
 CHANNELS = {name: CHANNEL for name in ("aw", "w", "b", "ar", "r")}
@@ -56,7 +57,7 @@ class Port:
         }
 
 
-@cocotb.test()
+@timed_test()
 async def legal_traces(top):
     for name, base in BASES.items():
         port = Port(top, name)
@@ -65,7 +66,7 @@ async def legal_traces(top):
             assert not broken, f"{name} {over_it}: {broken}"
 
 
-@cocotb.test()
+@timed_test()
 async def each_rule(top):
     """Each trace breaks exactly its rules, and every rule of every port has a trace."""
     ports = {name: Port(top, name) for name in PARTS}
@@ -110,7 +111,7 @@ async def force(dut) -> None:
         await FallingEdge(dut.clk)
 
 
-@cocotb.test()
+@timed_test()
 async def stream(dut):
     """Send more targets than the core has slots, while no result is accepted."""
     bench = Pipeline(dut)
@@ -121,7 +122,7 @@ async def stream(dut):
     await ClockCycles(dut.clk, 300)
 
 
-@cocotb.test()
+@timed_test()
 async def memory(dut):
     cocotb.start_soon(force(dut))
     bench = await started(dut, latency=9)
