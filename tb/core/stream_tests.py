@@ -15,8 +15,9 @@ from cocotb.triggers import ClockCycles, FallingEdge, Timer
 
 from model.dataflow import fixed
 from model.dataflow.fold.program import program
+from tb.core.driver import PATTERNS, pause
 from tb.core.functional_coverage import STALLS, every_kind
-from tb.core.pipeline import PATTERNS, Pipeline, pause
+from tb.core.pipeline import Pipeline
 from tb.sim.timeout import timed_test
 
 
@@ -26,7 +27,7 @@ async def started(dut, nodes: bool = False) -> AsyncIterator[Pipeline]:
     node, not only the results."""
     bench = Pipeline(dut, nodes)
     if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator has no X
-        cocotb.start_soon(bench.unknown_while_idle())
+        cocotb.start_soon(bench.driver.unknown_while_idle())
     await bench.reset(clocks=int(os.environ.get("IK_RESET", "4")))
     yield bench
     bench.check()
@@ -55,12 +56,13 @@ async def one_result_per_clock(dut):
     """Check that unstalled results leave in consecutive clocks (folded core: one per period), all with the specified
     latency, and that DIGIT selects the kind of each divider and root."""
     async with started(dut, nodes=True) as bench:
-        bench.send(bench.mixed(200 if bench.period == 1 else 20, seed=1))
+        bench.driver.send(bench.mixed(200 if bench.period == 1 else 20, seed=1))
         await bench.finish()
-        clocks = [row[3] for row in bench.results]
+        clocks = [row[3] for row in bench.monitor.results]
         assert (np.diff(clocks) == bench.period).all(), f"results come {sorted(set(np.diff(clocks)))} clocks apart"
         expected = fixed.latency(bench.datapath, bench.width)
-        assert set(bench.latencies) == {expected}, f"latencies {sorted(set(bench.latencies))}, expected {expected}"
+        latencies = sorted(set(bench.monitor.latencies))
+        assert latencies == [expected], f"latencies {latencies}, expected {expected}"
         # largest specified latency: up to W = 18, from W = 19
         limits = {"paper": (363, 363), "fold": (115, 115), "arm": (105, 130), "fold_arm": (320, 320)}
         most = limits.get(bench.datapath.removesuffix("16"), (38, 44))[bench.width > 18]
@@ -77,10 +79,10 @@ async def one_result_per_clock(dut):
 async def stalls(dut, idle, stall):
     """Cross input gaps with output stalls. Without gaps, a "long" stall fills the FIFO."""
     async with started(dut) as bench:
-        for port, pattern, seed in ((bench.source, idle, 1), (bench.sink, stall, 2)):
+        for port, pattern, seed in ((bench.driver.source, idle, 1), (bench.sink, stall, 2)):
             port.set_pause_generator(pause(pattern, seed))
         count = (700 if (idle, stall) == ("none", "long") else 60) if bench.period == 1 else 12
-        bench.send(bench.mixed(count, seed=3))
+        bench.driver.send(bench.mixed(count, seed=3))
         await bench.finish()
 
 
@@ -94,7 +96,7 @@ async def every_flag_in_every_region(dut, idle, stall):
     """
     async with started(dut, nodes=not idle and not stall) as bench:
         random = np.random.default_rng(7)
-        for port, pauses in ((bench.source, idle), (bench.sink, stall)):
+        for port, pauses in ((bench.driver.source, idle), (bench.sink, stall)):
             if pauses:
                 port.set_pause_generator(bool(number) for number in iter(lambda: random.integers(8), None))
         path, targets = bench.path, bench.around(every_kind(bench.width))
@@ -102,7 +104,7 @@ async def every_flag_in_every_region(dut, idle, stall):
         if arm:
             targets = np.concatenate([targets, every_kind(bench.width, arm)])
         for _ in range(10):
-            bench.send(np.concatenate([targets[-1:], targets]))
+            bench.driver.send(np.concatenate([targets[-1:], targets]))
             await bench.finish()
             targets = every_kind(bench.width, arm, path.name if arm else path.rtl, STALLS[idle + 2 * stall])
             if not len(targets):
@@ -115,9 +117,10 @@ async def full(dut):
     async with started(dut) as bench:
         most, more = places(bench), 50 if bench.period == 1 else 5
         bench.sink.pause = True
-        bench.send(bench.mixed(most + more, seed=4))
+        bench.driver.send(bench.mixed(most + more, seed=4))
         await ClockCycles(dut.clk, most * bench.period + datapath_latency(bench) + 20, FallingEdge)
-        assert len(bench.admitted) == most, f"{len(bench.admitted)} targets admitted, there are {most} places"
+        admitted = len(bench.monitor.admitted)
+        assert admitted == most, f"{admitted} targets admitted, there are {most} places"
         assert dut.s_axis_tready.value == 0, "tready is high without a place"
         assert dut.m_axis_tvalid.value == 1, "tvalid waits for tready"
         bench.sink.pause = False
@@ -132,16 +135,16 @@ async def reset_in_traffic(dut, after):
     async with started(dut) as bench:
         latency = datapath_latency(bench)
         bench.sink.pause = after == "full"
-        bench.send(bench.mixed(1000, seed=5))
+        bench.driver.send(bench.mixed(1000, seed=5))
         clocks = {"few": 3, "many": latency // 2, "out": latency + bench.period + 30, "full": 2 * latency + 20}
         await ClockCycles(dut.clk, clocks[after])
         await bench.reset(clocks=1)
-        before = len(bench.results)
+        before = len(bench.monitor.results)
         assert (before > 0) == (after == "out"), f"{before} results before the reset"
         bench.sink.pause = False
         await ClockCycles(dut.clk, latency + 20, FallingEdge)
-        assert len(bench.results) == before, "a target from before the reset was answered"
-        bench.send(bench.mixed(50 if bench.period == 1 else 5, seed=6))
+        assert len(bench.monitor.results) == before, "a target from before the reset was answered"
+        bench.driver.send(bench.mixed(50 if bench.period == 1 else 5, seed=6))
         await bench.finish()
 
 
@@ -153,15 +156,15 @@ async def reset_in_any_clock(dut):
     """
     async with started(dut) as bench:
         for clocks in range(1, 201, 11):
-            for port, seed in ((bench.source, clocks), (bench.sink, clocks + 1)):
+            for port, seed in ((bench.driver.source, clocks), (bench.sink, clocks + 1)):
                 port.set_pause_generator(pause("bursts", seed))
-            bench.send(bench.mixed(clocks // bench.period + 3, seed=clocks))
+            bench.driver.send(bench.mixed(clocks // bench.period + 3, seed=clocks))
             await ClockCycles(dut.clk, clocks)
             await bench.reset(clocks=1)
-            for port in (bench.source, bench.sink):
+            for port in (bench.driver.source, bench.sink):
                 port.clear_pause_generator()
                 port.pause = False
-            bench.send(bench.mixed(2, seed=clocks))
+            bench.driver.send(bench.mixed(2, seed=clocks))
             await bench.finish()
 
 
@@ -169,7 +172,7 @@ async def reset_in_any_clock(dut):
 async def not_ready_under_reset(dut):
     """Check that tready falls as soon as reset is asserted, so that no target is admitted under reset."""
     async with started(dut) as bench:
-        bench.send(bench.mixed(2, seed=8))
+        bench.driver.send(bench.mixed(2, seed=8))
         for _ in range(1000):
             await FallingEdge(dut.clk)
             if dut.s_axis_tready.value == 1:

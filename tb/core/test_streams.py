@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterable
 
 import pytest
+from cocotb import regression
 
 from model.dataflow.datapaths import MODELS
 from tb.core import stream_tests
@@ -24,7 +25,7 @@ SETS = {
 SETS |= {"lean-18": ("lean", 18, 3)} if simulator() == "icarus" else {"lean-32": ("lean", 32, 8)}
 BYTES = {"bytes-18": ("lean", 18, 3)}
 """Set of ``ik_axis_bytes``."""
-GENERATORS = [value for value in vars(stream_tests).values() if hasattr(value, "generate_tests")]
+GENERATORS = [value for value in vars(stream_tests).values() if isinstance(value, regression.TestGenerator)]
 TESTS = [test.name for generator in GENERATORS for test in generator.generate_tests()]
 
 pytestmark = [pytest.mark.sim, pytest.mark.cost(60)]

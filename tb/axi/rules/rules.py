@@ -118,7 +118,7 @@ async def stream(dut):
     cocotb.start_soon(force(dut))
     await bench.reset()
     bench.sink.pause = True
-    bench.send(mixed(200, bench.width, seed=3))
+    bench.driver.send(mixed(200, bench.width, seed=3))
     await ClockCycles(dut.clk, 300)
 
 
