@@ -230,8 +230,8 @@ def checkout(tmp_path):
     return root
 
 
-@pytest.mark.release
-@pytest.mark.cost(40)
+@pytest.mark.slow
+@pytest.mark.cost(90)
 def test_debugging(checkout):
     """Run all commands of the page; simulations must find the bug, and every line shown on the page must be printed."""
     drop = {"SIM", "MAKEFLAGS", "MAKELEVEL", "MFLAGS", "PYTEST_ADDOPTS", "PYTEST_CURRENT_TEST", "IK_CORES"}
@@ -249,6 +249,8 @@ def test_debugging(checkout):
         finds = lines[-1].startswith("make")
         assert bool(done.returncode) == finds and "cga-ik: " not in done.stdout, done.stdout
         printed = [line.rstrip() for line in done.stdout.splitlines()]
+    saved = (checkout / "build" / "waves" / "streams-lean-18-full.gtkw").read_text()
+    assert re.search(r"^\*\S+ 455000 ", saved, re.M), "the marker is not at 455 ns"
 
 
 @pytest.mark.cost(20)

@@ -54,7 +54,8 @@ class Memory(SparseMemory):
     def access(self, kind: str, area: tuple[int, int], address: int, length: int) -> AxiResp | None:
         """Record an error if an access leaves ``area``. Return the first fault injected at its addresses, or None."""
         if not (area[0] <= address and address + length <= area[1]):
-            self.errors.append(f"{kind} of {length} bytes at {address:#x}, outside {area[0]:#x} to {area[1]:#x}")
+            now = f"{get_sim_time('ns'):.0f} ns"
+            self.errors.append(f"{kind} of {length} bytes at {address:#x}, outside {area[0]:#x} to {area[1]:#x}, {now}")
         return next((code for at, code in self.faults.items() if address <= at < address + length), None)
 
 
