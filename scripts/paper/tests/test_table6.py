@@ -2,7 +2,6 @@
 """Tests that table 6's software agrees with the model, and its page with the figures. No test asserts a time."""
 
 import json
-import os
 
 import numpy as np
 import pytest
@@ -16,7 +15,6 @@ from model.reference import equations
 from model.reference.lean_equations import solve_lean
 from scripts.fpga.designs import load
 from scripts.paper.table6 import __main__ as table6
-from scripts.paper.table6 import compiled
 from scripts.paper.table6.compiled import REALS, WAYS, Solver
 from scripts.paper.table6.contenders import Contender, columns, contenders, lean
 
@@ -88,6 +86,7 @@ def test_clocks_on_the_page_are_those_of_the_present_core():
 
 
 @pytest.mark.sim
+@pytest.mark.slow
 @pytest.mark.cost(20)
 @pytest.mark.parametrize("path", table6.PATHS)
 def test_the_rtl_takes_the_clocks_on_the_page(path):
@@ -133,19 +132,3 @@ def test_the_named_rows_are_dated_and_kept_without_their_software(copy, command,
     assert command(table6.main)[0] == 0
     kept, lacks = figures()["software"]
     assert kept == new and "lacks" in lacks
-
-
-@needs_cc
-def test_errors_are_one_line(copy, command, monkeypatch, tmp_path):
-    monkeypatch.setattr(compiled, "SOURCE", tmp_path / "missing.c")
-    compiled.shared_object.cache_clear()
-    path = os.environ["PATH"]
-    cases = (
-        ("fortran", path, "c-lean-double-chain"),
-        ("c-", path, "cannot compile missing.c"),
-        ("c-", "", "no C compiler"),
-    )
-    for key, path, expected in cases:
-        monkeypatch.setenv("PATH", path)
-        status, out, err = command(table6.main, "--only", key)
-        assert (status, out) == (2, []) and expected in err[-1] and figures() == copy
