@@ -109,23 +109,17 @@ def test_missing_software_has_a_row_and_a_target_without_an_answer_no_error(monk
     assert (row["random"]["error"], row["random"]["unanswered"]) == (1e-13, 1)
 
 
-@pytest.fixture
-def copy(monkeypatch, tmp_path):
-    """Redirect figures and page to a temporary folder and use 50 random targets; return the recorded figures."""
+def test_the_named_rows_are_dated_and_kept_without_their_software(command, monkeypatch, tmp_path):
     before = figures()
     for name in ("FIGURES", "PAGE"):
         monkeypatch.setattr(table6, name, tmp_path / name)
     monkeypatch.setattr(table6, "TARGETS", 50)
     monkeypatch.setattr(table6, "core", lambda words: before["hardware"])
     table6.FIGURES.write_text(json.dumps(before))
-    return before
-
-
-def test_the_named_rows_are_dated_and_kept_without_their_software(copy, command, monkeypatch):
     assert command(table6.main, "--only", "numpy-float")[0] == 0
-    (new,) = (new for new, old in zip(figures()["software"], copy["software"], strict=True) if new != old)
+    (new,) = (new for new, old in zip(figures()["software"], before["software"], strict=True) if new != old)
     assert new["key"] == "numpy-float" and new["random"]["targets"] == 50
-    assert figures() | {"software": copy["software"]} == copy
+    assert figures() | {"software": before["software"]} == before
     assert f"| numpy | lean, float, {new['date']} |" in table6.PAGE.read_text()
     missing = [Contender(name, "X", name, lambda targets: None, "not here") for name in ("numpy-float", "numpy-double")]
     monkeypatch.setattr(table6, "contenders", lambda: missing)
