@@ -48,6 +48,11 @@ def test_variants_of_one_clip(text, change):
     assert clip.content().decode().startswith(change(text).partition("Frames")[0])
 
 
+def test_a_position_channel_replaces_a_coordinate_of_offset(text):
+    moved = re.sub("OFFSET .*(?=\nCHANNELS 6)", "OFFSET 7 8 9", text)
+    assert moved != text and (parse(moved.encode(), FILE).positions == parse(text.encode(), FILE).positions).all()
+
+
 @pytest.mark.parametrize(
     ("change", "rows", "note"),
     [
