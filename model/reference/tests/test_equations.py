@@ -148,7 +148,7 @@ def test_poses_agree_with_forward_kinematics():
 
 
 @both
-@pytest.mark.parametrize("exponent", [-40, -9, 9, 40])
+@pytest.mark.parametrize("exponent", [-9, 40])
 def test_unit_of_length_does_not_matter(solver, exponent):
     x, y, z, phi, d1, d2 = TARGETS
     scaled = solver(*(np.ldexp(v, exponent) for v in (x, y, z)), phi, *(np.ldexp(v, exponent) for v in (d1, d2)))

@@ -103,13 +103,6 @@ def test_a_hand_pose_is_shifted_in_and_held():
     assert list(dict.fromkeys(poses)) == pack(arm_targets(4, 18, 1)[:, :11], 18)
 
 
-def test_a_missing_tool_is_an_error_and_a_slow_one_is_ended(tmp_path):
-    with pytest.raises(netlist.ToolError, match="make fpga"):
-        tools.version("no-such-tool")
-    with pytest.raises(tools.LeftOutError, match="^some: stopped after 0 min, left out$"):
-        tools.call(["sleep", "60"], tmp_path, "some", 0.3)
-
-
 def test_page_is_made_from_the_figures():
     assert designs.PAGE.read_text() == str(page.page(designs.load())), "run `python -m scripts.fpga --page`"
 

@@ -2,7 +2,6 @@
 """Tests that the pages of table 4 and of figures 6 and 7 are up to date and match the dataflow."""
 
 import re
-from xml.etree import ElementTree
 
 import pytest
 
@@ -10,9 +9,7 @@ from model.dataflow import fixed
 from model.dataflow.formats import Format
 from model.dataflow.nodes import Dataflow
 from model.io.words import RESULT_FIELDS
-from scripts.console import InputError
 from scripts.generate import flow
-from scripts.generate.flow import WIDTH
 from scripts.paper import __main__ as paper
 from scripts.paper import figures, operations
 
@@ -29,30 +26,14 @@ def test_an_operand_with_too_few_fraction_bits_is_named(monkeypatch, command):
     assert status == 1 and re.match(r"\w+: \d+ fraction bits, .* only \d+$", error), error
 
 
-SVG = "{http://www.w3.org/2000/svg}"
-
-
-@pytest.fixture(scope="module")
-def drawn():
-    return figures.figures()
-
-
-def test_figures_and_page_are_up_to_date(drawn):
+def test_figures_and_page_are_up_to_date():
     """Compare texts; of a picture that graphviz draws, compare the digest of its graph."""
+    drawn = figures.figures()
     for name, text in drawn.items():
         shown, digest = (figures.SHOWN / name).read_text("utf-8"), f"<!-- of the graph {figures.digest(text)} -->\n"
         assert shown == text or shown.startswith(digest), "run `make paper ONLY=figures`"
     assert figures.PAGE.read_text("utf-8") == figures.render("figures"), "run `make paper ONLY=figures`"
     assert sorted(path.name for path in figures.SHOWN.iterdir()) == sorted(drawn)
-
-
-def test_every_node_and_operand_is_drawn(drawn):
-    graph = drawn["graph_p_e_x.svg"]
-    shown = flow.cone(fixed.nodes("paper", WIDTH), "p_e_x")
-    arrows = {(o, node.name) for node in shown.values() for o in flow.operands(node)}
-    assert set(re.findall(r'^  "(\w+)" -> "(\w+)"', graph, re.M)) == arrows
-    assert re.findall(r'^  "(\w+)" \[label=.*', graph, re.M) == list(shown)
-    assert len(list(ElementTree.fromstring(drawn["schedule_p_e_x.svg"]).iter(f"{SVG}g"))) == len(shown)
 
 
 @pytest.mark.parametrize(("datapath", "width"), [("lean", 32), ("lean", 18), ("paper", 32)])
@@ -63,9 +44,3 @@ def test_longest_path_takes_the_whole_latency(datapath, width):
     assert path[-1].time == max(n.time for n in nodes.values())
     for before, after in zip(path, path[1:], strict=False):
         assert before.time == flow.start(after, width), after.name
-
-
-def test_without_graphviz_one_line(monkeypatch):
-    monkeypatch.setattr(figures.shutil, "which", lambda name: None)
-    with pytest.raises(InputError, match="dot is missing"):
-        figures.svg("digraph {}")

@@ -2,7 +2,6 @@
 """Tests that table 6's software agrees with the model, and its page with the figures. No test asserts a time."""
 
 import json
-import os
 
 import numpy as np
 import pytest
@@ -16,7 +15,6 @@ from model.reference import equations
 from model.reference.lean_equations import solve_lean
 from scripts.fpga.designs import load
 from scripts.paper.table6 import __main__ as table6
-from scripts.paper.table6 import compiled
 from scripts.paper.table6.compiled import REALS, WAYS, Solver
 from scripts.paper.table6.contenders import Contender, columns, contenders, lean
 
@@ -88,6 +86,7 @@ def test_clocks_on_the_page_are_those_of_the_present_core():
 
 
 @pytest.mark.sim
+@pytest.mark.slow
 @pytest.mark.cost(20)
 @pytest.mark.parametrize("path", table6.PATHS)
 def test_the_rtl_takes_the_clocks_on_the_page(path):
@@ -110,42 +109,20 @@ def test_missing_software_has_a_row_and_a_target_without_an_answer_no_error(monk
     assert (row["random"]["error"], row["random"]["unanswered"]) == (1e-13, 1)
 
 
-@pytest.fixture
-def copy(monkeypatch, tmp_path):
-    """Redirect figures and page to a temporary folder and use 50 random targets; return the recorded figures."""
+def test_the_named_rows_are_dated_and_kept_without_their_software(command, monkeypatch, tmp_path):
     before = figures()
     for name in ("FIGURES", "PAGE"):
         monkeypatch.setattr(table6, name, tmp_path / name)
     monkeypatch.setattr(table6, "TARGETS", 50)
     monkeypatch.setattr(table6, "core", lambda words: before["hardware"])
     table6.FIGURES.write_text(json.dumps(before))
-    return before
-
-
-def test_the_named_rows_are_dated_and_kept_without_their_software(copy, command, monkeypatch):
     assert command(table6.main, "--only", "numpy-float")[0] == 0
-    (new,) = (new for new, old in zip(figures()["software"], copy["software"], strict=True) if new != old)
+    (new,) = (new for new, old in zip(figures()["software"], before["software"], strict=True) if new != old)
     assert new["key"] == "numpy-float" and new["random"]["targets"] == 50
-    assert figures() | {"software": copy["software"]} == copy
+    assert figures() | {"software": before["software"]} == before
     assert f"| numpy | lean, float, {new['date']} |" in table6.PAGE.read_text()
     missing = [Contender(name, "X", name, lambda targets: None, "not here") for name in ("numpy-float", "numpy-double")]
     monkeypatch.setattr(table6, "contenders", lambda: missing)
     assert command(table6.main)[0] == 0
     kept, lacks = figures()["software"]
     assert kept == new and "lacks" in lacks
-
-
-@needs_cc
-def test_errors_are_one_line(copy, command, monkeypatch, tmp_path):
-    monkeypatch.setattr(compiled, "SOURCE", tmp_path / "missing.c")
-    compiled.shared_object.cache_clear()
-    path = os.environ["PATH"]
-    cases = (
-        ("fortran", path, "c-lean-double-chain"),
-        ("c-", path, "cannot compile missing.c"),
-        ("c-", "", "no C compiler"),
-    )
-    for key, path, expected in cases:
-        monkeypatch.setenv("PATH", path)
-        status, out, err = command(table6.main, "--only", key)
-        assert (status, out) == (2, []) and expected in err[-1] and figures() == copy

@@ -163,19 +163,6 @@ def test_every_trajectory_is_drawn_and_fits(written, browser, size, scheme):
     assert len(figures) == 4 * 5 * 2
 
 
-def test_window_and_colours_change(written, browser):
-    page = browser(written + "#target=0", color_scheme="light")
-    light, background = page.picture(), "getComputedStyle(document.body).backgroundColor"
-    colour = page.run(background)
-    page.resize(*WIDE, color_scheme="dark")
-    page.wait_for(f"document.getElementById('scene').toDataURL() !== {json.dumps(light)}", 10)
-    assert page.run(background) != colour
-    size = {"width": NARROW[0], "height": NARROW[1], "deviceScaleFactor": 2, "mobile": False}
-    page.call("Emulation.setDeviceMetricsOverride", size)
-    page.wait_for("document.getElementById('scene').width === 2 * document.getElementById('scene').clientWidth")
-    assert page.run(FITS)
-
-
 def test_a_clip_is_played_by_frames(clip, browser):
     page = browser(clip + "#frame=0")
     keys = [("ArrowRight", 1), ("ArrowLeft", 0), ("End", 60)]

@@ -166,14 +166,10 @@ def test_the_page_is_self_contained_and_reproducible(cli, shown, tmp_path):
     assert cli("--trajectory", name)[0] == 0 and PAGE.read_text(encoding="utf-8") == text
 
 
-FORWARD = {"x": ("y", (1, 0, 0)), "y": ("y", (0, 0, -1)), "z": ("z", (0, 1, 0))}
-"""`up` argument of a test figure -> its up axis and facing direction in the clip."""
-
-
 @pytest.mark.parametrize(("up", "phi", "still"), [("x", "clip", False), ("y", "1.5", True), ("z", "clip", True)])
 def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
     mine = clips.read(figure.write(Path("t.bvh").absolute(), up=up, frames=40))
-    height = "xyz".index(FORWARD[up][0])
+    height = 2 if up == "z" else 1
     if still:  # it neither climbs nor flies
         mine.table[:, height] *= 0.01
         Path("t.bvh").write_bytes(mine.content())
@@ -207,17 +203,6 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
     far = np.linalg.norm(np.concatenate((nodes, limbs), axis=1) - centre, axis=2).max()
     for key, expected in (("floor", low), ("middle", middle), ("radius", far)):
         assert clip[key] == (expected and pytest.approx(expected, abs=2 * unit)), key
-
-
-@pytest.mark.parametrize(("up", "sides"), [("x", "both"), ("y", "left"), ("z", "right")])
-def test_a_figure_at_rest_faces_forward(shown, up, sides):
-    mine = clips.read(figure.write(Path("t.bvh").absolute(), up=up, frames=10))
-    mine.table[:] = 0
-    Path("t.bvh").write_bytes(mine.content())
-    clip = shown("--trajectory", "t.bvh", "--arm", sides, "--axis", "0.1,0.2,0.3")["clip"]
-    assert [arm["side"] for arm in clip["arms"]] == (["left", "right"] if sides == "both" else [sides])
-    expected = np.array(clip["place"]) @ FORWARD[up][1]
-    np.testing.assert_allclose((np.cos(clip["facing"]), np.sin(clip["facing"])), expected[:2], atol=1e-3)
 
 
 @pytest.mark.parametrize("axis", ["torso", "0.3,1,0"])
@@ -265,8 +250,7 @@ def assert_near(a, b, what):
 
 @pytest.mark.parametrize(
     ("name", "axis"),
-    [(name, "z") for name in trajectories.TRAJECTORIES]
-    + [("circle", "-z"), ("circle", "x"), ("circle", "0.3,1,0"), ("t.bvh", "torso"), ("t.bvh", "0.2,1,0.1")],
+    [("reach", "z"), ("out_of_reach", "z"), ("two_arms", "-z"), ("circle", "0.3,1,0"), ("t.bvh", "torso")],
 )
 def test_each_figure_leads_to_the_next(shown, name, axis):
     """Each entity, rotated by the drawn angle, gives the next entity; the elbow equals the core's."""

@@ -76,17 +76,6 @@ def test_a_missing_program_is_named(path, capsys):
     assert "unknown requirement 'netscape'" in refused(capsys, bootstrap.main, ["netscape"])
 
 
-@pytest.mark.usefixtures("pip")
-def test_an_optional_package_is_installed_where_that_is_allowed(monkeypatch, capsys):
-    commands = []
-    monkeypatch.setattr(bootstrap, "run_logged", lambda command: commands.append(command[-1]) or "no network")
-    bootstrap.set_up(["icarus", "ghdl"])
-    assert not commands and bootstrap.is_ready(["ghdl"])
-    monkeypatch.setattr(bootstrap, "apt_prefix", lambda: [])
-    bootstrap.set_up(["icarus", "ghdl"])
-    assert commands == ["update", "ghdl"] and "apt-get failed" in capsys.readouterr().err
-
-
 def test_an_extra_is_added_once_and_again_after_its_lock_has_changed(pip):
     for lock in ("z3-solver==1.0\n", "z3-solver==1.1\n"):
         Path(bootstrap.LOCK.format("fpga")).write_text(lock)
@@ -116,43 +105,10 @@ def test_a_half_finished_environment_leaves_no_stamp(tmp_path, monkeypatch, caps
     assert not os.path.exists(bootstrap.STAMP)
 
 
-@pytest.mark.parametrize(("user", "status"), [("root", 0), ("sudo", 0), ("sudo", 100), ("sudo with a password", 0)])
-def test_apt_get(path, tmp_path, monkeypatch, capsys, user, status):
-    """apt-get runs without prompts where it is allowed. Otherwise, or if it fails, one line names its command."""
-    allowed = user != "sudo with a password"
-    log = tmp_path / "log"
-    log.touch()
-    script(path / "apt-get", f'echo "$DEBIAN_FRONTEND $*" >> "{log}"\nexit {status}\n')
-    script(path / "sudo", 'shift\nexec "$@"\n' if user == "sudo" else "exit 1\n")
-    for name in ("env", "true"):
-        (path / name).symlink_to(shutil.which(name, path="/usr/bin:/bin"))
-    monkeypatch.setattr(os, "geteuid", lambda: 0 if user == "root" else 1000)
-    if status or not allowed:
-        assert refused(capsys, bootstrap.install_packages, ["vvp", "g++"]).endswith("apt-get install -y g++ vvp")
-    else:
-        bootstrap.install_packages(["iverilog", "g++"])
-    assert [line.split()[0] for line in log.read_text().splitlines()] == ["noninteractive"] * 2 * allowed
-
-
 def test_an_old_python_is_refused_by_a_file_that_it_can_parse(monkeypatch, capsys):
     ast.parse((ROOT / "scripts" / "setup" / "bootstrap.py").read_text(encoding="ascii"), feature_version=(3, 7))
     monkeypatch.setattr(sys, "version_info", (3, 9, 2))
     assert "Python 3.10 to 3.14 is needed" in refused(capsys, bootstrap.make_venv)
-
-
-@pytest.mark.usefixtures("path")
-def test_a_second_set_up_of_a_checkout_waits():
-    Path("scripts/setup").mkdir(parents=True)
-    command = [sys.executable, "-ES", shutil.copy(ROOT / "scripts/setup/bootstrap.py", "scripts/setup"), "icarus"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")  # nothing to do
-    os.rename(bootstrap.STAMP, "stamp")
-    held = bootstrap.hold_lock()
-    second = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    assert second.stderr.readline() == "cga-ik: waiting for another set-up of this checkout ...\n"
-    os.rename("stamp", bootstrap.STAMP)  # the first one finishes
-    os.close(held)
-    assert second.communicate(timeout=20)[1] == "" and second.returncode == 0
 
 
 def test_lock_files_agree():

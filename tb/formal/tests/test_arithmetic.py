@@ -71,14 +71,6 @@ def test_power_of_two_and_word():
             assert eval(claim, {"ulp": ulp, "e_far": e_far, "d1": d1})
 
 
-def test_decision_that_is_not_of_signs_is_free():
-    exact = Exact(FULL)
-    assert exact.equations["low"] == [] and exact.equations["minus"] == ["(= minus neg_k_1)"]
-    assert exact.on_words(exact.nodes["low"]) == "(= low (< length_sq_w (/ 1.0 4.0)))"
-    assert exact.equations["too_far"] == ["(= too_far (and (< a_far 0.0) (not bad_length)))"]
-    assert exact.equations["bend_swap"] == ["(= bend_swap (ite clamp away neg_cos_a))"]
-
-
 OPERATORS = {"+": lambda *v: sum(v), "*": lambda *v: math.prod(v), "-": lambda a, *b: a - b[0] if b else -a}
 OPERATORS |= {"/": lambda a, b: a / b, "ite": np.where, "not": np.logical_not, "=>": lambda a, b: np.logical_not(a) | b}
 OPERATORS["and"] = lambda *v: np.all(np.broadcast_arrays(*v), axis=0)
@@ -168,7 +160,7 @@ def test_reciprocal_root_of_short_words():
         assert arithmetic.answer(question)[1] == "", question.name
 
 
-@pytest.mark.parametrize(("frac", "tile"), forms())
+@pytest.mark.parametrize(("frac", "tile"), forms()[::3])
 def test_terms_are_those_of_the_model(frac, tile):
     """Check that `model`, which the proof runs on terms, equals `quadratic.rsqrt`."""
     form, random = quadratic.INVERSE_ROOT.form(frac, tile), np.random.default_rng(1)

@@ -19,15 +19,15 @@ from tb.sim.seeded_bugs import Bug
 PROOF = {proof.name: proof for proof in PROOFS}
 
 
-@pytest.mark.parametrize("proof", PROOFS, ids=PROOF)
-def test_definition(proof):
-    """Check that all properties exist that the proof or its bug names, and that the bug can be seeded."""
-    labels = set(re.findall(r"(\w+) : (?:assert|assume)", "".join(path.read_text() for path in proof.files)))
-    named = {name for names in (*proof.uses.values(), *proof.after.values()) for name in names.split()}
-    named = {name.rstrip("*$") for name in named | proof.uses.keys() | proof.after.keys()}
-    assert proof.gates or {*named, proof.bug.fails} <= labels
-    text = (ROOT / proof.bug.file).read_text()
-    assert ROOT / proof.bug.file in proof.files and proof.bug.seeded(text) != text
+def test_definitions():
+    """Check that all properties exist that a proof or its bug names, and that the bug can be seeded."""
+    for proof in PROOFS:
+        labels = set(re.findall(r"(\w+) : (?:assert|assume)", "".join(path.read_text() for path in proof.files)))
+        named = {name for names in (*proof.uses.values(), *proof.after.values()) for name in names.split()}
+        named = {name.rstrip("*$") for name in named | proof.uses.keys() | proof.after.keys()}
+        assert proof.gates or {*named, proof.bug.fails} <= labels, proof.name
+        text = (ROOT / proof.bug.file).read_text()
+        assert ROOT / proof.bug.file in proof.files and proof.bug.seeded(text) != text, proof.name
 
 
 def test_assumptions_are_on_inputs():
