@@ -40,7 +40,7 @@ class Scoreboard:
             if target is None:
                 continue
             for node, handle in pairs:
-                bits = str(handle.value)
+                bits = str(handle.value)  # as text: X or Z is a difference, not an error of the bench
                 expected = self.expected[node.name][target]
                 self.compared += 1
                 if bits != format(expected, f"0{node.format.width}b"):
