@@ -20,9 +20,8 @@ from tb.units.unit import (
     Tests,
     Vector,
     checks,
-    cocotb_tests,
-    pytest_cases,
     rounded,
+    runs,
     sets_of,
     shuffled,
     signed,
@@ -184,5 +183,4 @@ CASES = (
     Case("ik_limit", limit, sets_of("W", (4,), (32,))),
     Case("ik_fold_limit", fold_limit, sets_of("W", (4,), (32,))),
 )
-test_angles = pytest_cases(CASES)
-vectors = cocotb_tests(CASES)
+test_angles, vectors = runs(CASES)

@@ -6,7 +6,7 @@ import random
 from fractions import Fraction
 
 from model.dataflow.formats import GUARD, Latency
-from tb.units.unit import BIT, Case, Tests, checks, cocotb_tests, corners, pytest_cases, sets_of, signed
+from tb.units.unit import BIT, Case, Tests, checks, corners, runs, sets_of, signed
 
 
 def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: int) -> Tests:
@@ -111,5 +111,4 @@ CASES = (
         ],
     ),
 )
-test_div_root = pytest_cases(CASES)
-vectors = cocotb_tests(CASES)
+test_div_root, vectors = runs(CASES)

@@ -8,7 +8,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
 from model.dataflow.fold.steps import CUTS, NORMS
-from tb.units.unit import Case, Tests, cocotb_tests, pytest_cases, sets_of
+from tb.units.unit import Case, Tests, runs, sets_of
 
 Ports = dict[str, int]  # port -> word in one clock
 
@@ -152,5 +152,4 @@ CASES = (
         "ik_fold_norm", norm, sets_of("W D XW LAST DROP", (18, 26, 38, 11, 1), (24, 33, 50, 17, 2), (32, 35, 66, 29, 0))
     ),
 )
-test_fold = pytest_cases(CASES)
-vectors = cocotb_tests(CASES)
+test_fold, vectors = runs(CASES)

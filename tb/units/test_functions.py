@@ -10,7 +10,7 @@ from model.dataflow.formats import Latency, inner_frac
 from model.dataflow.mul3 import TILE
 from model.dataflow.paper_operations import cordic, sincos_bound
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, SINE_FRACS, half_sincos, half_sincos_error, rsqrt, rsqrt_places
-from tb.units.unit import BIT, Case, Tests, checks, cocotb_tests, pytest_cases, sets_of, shuffled, signed, unsigned
+from tb.units.unit import BIT, Case, Tests, checks, runs, sets_of, shuffled, signed, unsigned
 
 
 def half_angles(W: int, frac: int, model, bound: float, latency: int, *streams) -> Tests:
@@ -99,5 +99,4 @@ CASES = (
         [*sets_of("F", (29,), (22,), TILE=16), *sets_of("F", (19,), (20,), (21,), (22,), (24,), (27,))],
     ),
 )
-test_functions = pytest_cases(CASES)
-vectors = cocotb_tests(CASES)
+test_functions, vectors = runs(CASES)

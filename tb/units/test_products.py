@@ -7,20 +7,7 @@ import numpy as np
 
 from model.dataflow.formats import GUARD, Latency
 from model.dataflow.mul3 import TILE, mul3, unseen
-from tb.units.unit import (
-    Case,
-    Tests,
-    checks,
-    cocotb_tests,
-    crossed,
-    halves,
-    pytest_cases,
-    rounded,
-    sets_of,
-    signed,
-    unsigned,
-    wrapped,
-)
+from tb.units.unit import Case, Tests, checks, crossed, halves, rounded, runs, sets_of, signed, unsigned, wrapped
 
 
 def exact(W: int, SQUARE: int) -> Tests:
@@ -160,5 +147,4 @@ CASES = (
         sets_of(names, (25, 25, 23, 25), COUNT=2, DA=2, DB=1),
     ),
 )
-test_products = pytest_cases(CASES)
-vectors = cocotb_tests(CASES)
+test_products, vectors = runs(CASES)

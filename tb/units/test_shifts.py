@@ -7,20 +7,7 @@ import numpy as np
 
 from model.dataflow.formats import Latency, inner_frac
 from model.dataflow.shifts import even
-from tb.units.unit import (
-    Case,
-    Tests,
-    checks,
-    cocotb_tests,
-    corners,
-    crossed,
-    pytest_cases,
-    sets_of,
-    shuffled,
-    signed,
-    unsigned,
-    wrapped,
-)
+from tb.units.unit import Case, Tests, checks, corners, crossed, runs, sets_of, shuffled, signed, unsigned, wrapped
 
 COUNTS = unsigned(6)
 
@@ -174,5 +161,4 @@ CASES = (
     Case("ik_lzc", zeros, sets_of("W N", (5, 2), (32, 3)), sets_of("W N", (4, 3), (10, 1), (33, 1), (64, 2))),
     Case("ik_norm", norm, sets_of("W N", (5, 2), (32, 3)), sets_of("W N", (4, 3), (18, 3), (32, 2))),
 )
-test_shifts = pytest_cases(CASES)
-vectors = cocotb_tests(CASES)
+test_shifts, vectors = runs(CASES)

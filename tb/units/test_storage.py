@@ -11,7 +11,7 @@ from functools import partial
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
-from tb.units.unit import Case, Tests, checks, cocotb_tests, pytest_cases, sets_of, unsigned
+from tb.units.unit import Case, Tests, checks, runs, sets_of, unsigned
 
 LATENCY = 2  # clocks from writing a word to offering it
 
@@ -150,5 +150,4 @@ CASES = (
     Case("ik_ring", ring, sets_of("W N", (40, 18)), sets_of("W N", (8, 3), (16, 12), (96, 65), (2, 300))),
     Case("ik_fifo", fifo, sets_of("W LOG2", (16, 2)), sets_of("W LOG2", (8, 1), (208, 5))),
 )
-test_storage = pytest_cases(CASES)
-vectors = cocotb_tests(CASES)
+test_storage, vectors = runs(CASES)

@@ -4,21 +4,7 @@
 import itertools
 
 from model.dataflow.formats import GUARD, Latency
-from tb.units.unit import (
-    BIT,
-    Case,
-    Tests,
-    checks,
-    cocotb_tests,
-    halves,
-    pytest_cases,
-    rounded,
-    sets_of,
-    signed,
-    some,
-    unsigned,
-    wrapped,
-)
+from tb.units.unit import BIT, Case, Tests, checks, halves, rounded, runs, sets_of, signed, some, unsigned, wrapped
 
 
 def sums(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, SAT: int = 1, **delays: int) -> Tests:
@@ -138,5 +124,4 @@ CASES = (
     Case("ik_half", half, sets_of("W MINUS", (8, 0), (32, 1)), sets_of("W MINUS", (8, 1), (32, 0))),
     Case("ik_pick", pick, [{"W": 32}], [{"W": 4}]),
 )
-test_sums = pytest_cases(CASES)
-vectors = cocotb_tests(CASES)
+test_sums, vectors = runs(CASES)

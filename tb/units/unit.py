@@ -2,9 +2,8 @@
 """Framework for the unit testbenches of ``rtl/lib`` and ``rtl/fold``.
 
 A bench is a function that maps a module's parameters to the checks of an instance; most are one call of
-:func:`checks`. All benches of a file share a simulation: pytest sees :func:`pytest_cases`, cocotb sees
-:func:`cocotb_tests`. Most references share no arithmetic with RTL and model: they use Python integers and fractions.
-The others are functions of the model.
+:func:`checks`. All benches of a file share a simulation (:func:`runs`). Most references share no arithmetic with RTL
+and model: they use Python integers and fractions. The others are functions of the model.
 """
 
 import inspect
@@ -67,6 +66,11 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
 def instance_of(case: Case, parameters: Parameters) -> str:
     """Return the name of an instance, for example ik_exact_W5_SQUARE0."""
     return "_".join([case.module, *(f"{k}{v}" for k, v in parameters.items())])
+
+
+def runs(cases: Sequence[Case]) -> tuple[Callable, Callable]:
+    """Return the tests of benches that share a file: for pytest, and for cocotb inside the simulation."""
+    return pytest_cases(cases), cocotb_tests(cases)
 
 
 def pytest_cases(cases: Sequence[Case]) -> Callable:
