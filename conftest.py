@@ -53,15 +53,15 @@ def modules(item) -> set[str]:
 
 
 def pytest_collection_modifyitems(config, items):
-    """Apply --module. Sort files by their longest test, longest first. Tests of a file stay together because they share
-    fixtures."""
+    """Apply --module. Sort files by their longest test, longest first, but with --module unit benches first. Tests of a
+    file stay together because they share fixtures."""
     if module := config.getoption("module"):
         config.hook.pytest_deselected(items=[item for item in items if module not in modules(item)])
         items[:] = [item for item in items if module in modules(item)]
     longest: dict = {}
     for item in items:
         longest[item.path] = max(longest.get(item.path, 0), cost(item))
-    items.sort(key=lambda item: longest[item.path], reverse=True)
+    items.sort(key=lambda item: (bool(module) and "units" in item.path.parts, longest[item.path]), reverse=True)
 
 
 def cost(item) -> float:

@@ -38,7 +38,8 @@ PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "-
         option("--cores", "dividers and roots", click.Choice(CORES), default=CORES[0]),
         option(
             "--only",
-            "quick and slow tests of this file, of this Verilog module, or whose names match",
+            "quick and slow tests of this file or whose names match; or all benches with this Verilog module inside, "
+            "up to the first failure",
             metavar="FILE|MODULE|PATTERN",
         ),
         switch("--waves", "record simulations; keep a VCD and a GTKWave save file of each that fails, in build/waves"),
@@ -64,7 +65,7 @@ def selection(only: str) -> list[str]:
     if (ROOT / only.partition("::")[0]).exists():
         return [only]
     if only in modules:
-        return ["tb", f"--module={only}"]
+        return ["tb", f"--module={only}", "--exitfirst"]
     if only.startswith("ik_") and only.isidentifier() and not any(only in module for module in modules):
         raise InputError(
             f"argument --only: no module {only}; near: {', '.join(difflib.get_close_matches(only, modules))}"
