@@ -63,7 +63,7 @@ def node_formats(datapath: str) -> str:
     runs, path = traced(datapath), MODELS[datapath]
     nodes = runs[WIDTHS[-1]]
     used = {node.latency for node in nodes.values()}
-    latencies = [(kind, Latency.expression(kind), why) for kind, (_, _, why) in Latency.TABLE.items() if kind in used]
+    latencies = [(kind, Latency.expression(kind), why) for kind, (*_, why) in Latency.TABLE.items() if kind in used]
 
     def ready(node: Node) -> str:
         waits_for = (*node.operands, node.after) if node.after else node.operands
