@@ -111,9 +111,9 @@ class Lowering:
         """Raise NotImplementedError if the node's steps do not round as the node does."""
         other = (HALF_UP,) if node.name in self.joints else (EXACT, FLOOR)
         if node.rounding not in ((HALF_UP, FLOOR) if node.name in self.rounded else other):
-            method = getattr(node.op, "method", f"the method that {type(node.op).__name__}.lower calls")
-            where = f"model/dataflow/fold/lowering.py, {type(self).__name__}.{method}"
-            raise NotImplementedError(f"{node.name}: the folded program lacks this rounding; implement it in {where}")
+            method = getattr(node.op, "method", f"called by {type(node.op).__name__}.lower")
+            where = f"model/dataflow/fold/lowering.py, class {type(self).__name__}, method {method}"
+            raise NotImplementedError(f"{node.name}: the folded program lacks its rounding; implement it in {where}")
 
     def make(self, inputs: dict[str, Node]) -> None:
         lean_turn.lean(self.flow, inputs)

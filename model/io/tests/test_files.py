@@ -236,13 +236,11 @@ def test_half_up_and_then_saturated_or_wrapped(width, records):
 
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-NAMES = list(trajectories.TRAJECTORIES)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", trajectories.TRAJECTORIES)
 def test_trajectory(name):
-    """Check that targets are in reach and that motion is smooth: hands move by less than 5 cm (8 % of the reach) per
-    step, and successive steps differ by less than 2 cm."""
+    """Check reach and smooth motion: below 5 cm (8 % of the reach) per step, below 2 cm between successive steps."""
     targets = trajectories.make(name)
     assert targets.name == name and len(targets) == 100
     for width in (16, 32):
