@@ -50,7 +50,7 @@ def _start(operands: tuple[Node, ...], runs: dict[int, dict[str, Node]]) -> str:
             times.setdefault(tuple(run[node.name].time for run in runs.values()), f"T_{node.name.upper()}")
     last = tuple(max(column) for column in zip(*times, strict=True))
     if last not in times:
-        raise ValueError(f"which of {sorted(times.values())} is last depends on the word length: use after= in the dataflow")
+        raise ValueError(f"which of {sorted(times.values())} is last depends on the word length: give `after`")
     return times[last]
 
 
