@@ -13,8 +13,7 @@ from .expressions import ANY, CHOICE, Constant, Floor, Logic, Operation, Scaled,
 
 
 class Choice(Unary):
-    """Expression for which ``method`` of the lowering, given the node and ``given``, adds special steps to the folded
-    program."""
+    """Expression for which the lowering's ``method``, with the node and ``given``, adds special folded steps."""
 
     def __init__(self, expression: Term, method: str, *given: Any, operands: tuple = ()) -> None:
         super().__init__(expression)
