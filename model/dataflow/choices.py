@@ -6,21 +6,21 @@ The quaternion h(c, s) turns by the angle whose cosine is c and whose sine is s.
 (s, 1 - c)/2 where c < 0.  The larger of its two parts, (1 + |c|)/2, is also its squared length.
 """
 
-from collections.abc import Callable
 from fractions import Fraction
+from typing import Any
 
 from .expressions import ANY, CHOICE, Constant, Floor, Logic, Operation, Scaled, Select, Sum, Term, Unary, number
 
 
 class Choice(Unary):
-    """Expression for which ``lower(to, node)`` adds special steps to the folded program."""
+    """Expression for which the lowering's ``method``, with the node and ``given``, adds special folded steps."""
 
-    def __init__(self, expression: Term, lower: Callable, operands: tuple = ()) -> None:
+    def __init__(self, expression: Term, method: str, *given: Any, operands: tuple = ()) -> None:
         super().__init__(expression)
-        self.operands, self._lower = operands or self.operands, lower
+        self.operands, self.method, self._given = operands or self.operands, method, given
 
     def lower(self, to, node):
-        self._lower(to, node)
+        getattr(to, self.method)(node, *self._given)
 
 
 class Free(Choice):
@@ -38,23 +38,23 @@ class AtMost(Choice):
 
 def limited(raw: Term) -> AtMost:
     """Return a word limited to the format of its node."""
-    return AtMost(raw, lambda to, node: to.limit(node, raw))
+    return AtMost(raw, "limit", raw)
 
 
 def mantissa(value: Term, low: Term) -> AtMost:
     """Return a word, times 4 where the mask ``low`` is set, limited to the format of its node."""
-    return AtMost(Select(low, 4 * value, value), lambda to, node: to.mantissa(node, value, low))
+    return AtMost(Select(low, 4 * value, value), "mantissa", value, low)
 
 
 def signed(value: Term, negative: Term) -> Choice:
     """Return a result, negated where the mask is set."""
-    return Choice(Select(negative, -value, value), lambda to, node: to.result(node, value, negative))
+    return Choice(Select(negative, -value, value), "result", value, negative)
 
 
 def elbow(value: Term, sign: int, clamp: Term, closed: Term, ends: tuple[int, int]) -> Choice:
     """Return a word times ``sign``; for a clamped target, ``ends[0]`` if the arm is closed, else ``ends[1]``."""
     part = Select(clamp, Select(closed, *ends), value if sign > 0 else -value)
-    return Choice(part, lambda to, node: to.elbow(node, value, sign))
+    return Choice(part, "elbow", value, sign)
 
 
 # -- half angles -----------------------------------------------------------------------------------------------------
@@ -72,7 +72,7 @@ def _halved(s: Term, none: Term | None = None) -> Term:
 def half_length(c: Term, unit: Term | None = None) -> Choice:
     """Return the squared length (1 + |c|)/2; 1 where the mask ``unit`` is set."""
     length = Select(unit, 1, _half_length(c)) if unit else _half_length(c)
-    return Choice(length, lambda to, node: to.half_length(node, c, unit))
+    return Choice(length, "half_length", c, unit)
 
 
 def half_part(c: Term, s: Term, large: Term, length: Term | None = None, none: Term | None = None) -> Choice:
@@ -81,19 +81,19 @@ def half_part(c: Term, s: Term, large: Term, length: Term | None = None, none: T
     Without the node ``length`` the part computes the squared length itself.
     """
     part = Select(large, length or _half_length(c), _halved(s, none))
-    return Choice(part, lambda to, node: to.half_part(node, c, s, large, none))
+    return Choice(part, "half_part", c, s, large, none)
 
 
 def half_sum(length: Term, s: Term, none: Term, sign: int) -> Choice:
     """Return the squared length plus or minus half the sine, or without the sine where the mask ``none`` is set."""
     total = Sum((1, length), (sign, _halved(s, none)))
-    return Choice(total, lambda to, node: to.half_sum(node, length, s, sign))
+    return Choice(total, "half_sum", length, s, sign)
 
 
 def add_sub(whole: Term, part: Term, add: Term) -> Choice:
     """Return ``whole`` minus ``part``; their sum where the mask ``add`` is set."""
     total = Select(add, whole + part, whole - part)
-    return Choice(total, lambda to, node: to.add_sub(node, whole, part, add))
+    return Choice(total, "add_sub", whole, part, add)
 
 
 # -- the whole arm ---------------------------------------------------------------------------------------------------
@@ -117,29 +117,29 @@ class WrappedSum(Sum):
 
 def replaced(word: Term, mask: Term, constant: int) -> Choice:
     """Return a word, or the constant 0 or 1 where the mask is set."""
-    return Choice(Select(mask, constant, word), lambda to, node: to.replaced(node, word, mask, constant))
+    return Choice(Select(mask, constant, word), "replaced", word, mask, constant)
 
 
 def wrist(point: Term, off: Term) -> Free:
     """Return a coordinate of the wrist, saturated: ``point`` of the hand minus the tool's offset, 2 ``off``."""
-    return Free(point - 2 * off, lambda to, node: to.wrist(node, point, off))
+    return Free(point - 2 * off, "wrist", point, off)
 
 
 def rounded_sum(a: Term, b: Term, sign: int) -> Choice:
     """Return a result of the whole arm: -a + b or -a - b, where a and b are products."""
-    return Choice(Sum((sign, b), (-1, a)), lambda to, node: to.rounded_sum(node, a, b, sign), operands=(a, b))
+    return Choice(Sum((sign, b), (-1, a)), "rounded_sum", a, b, sign, operands=(a, b))
 
 
 def joint(s: Term, d: Term, sign: int, turned: tuple[Term, ...]) -> Free:
     """Return s + d or s - d, two angles, plus half a turn where an odd number of the masks ``turned`` is set."""
     total = Sum((1, s), (sign, d), (1, Select(Logic("xor", ANY, *turned), Constant(-1), 0)))
-    return Free(total, lambda to, node: to.joint(node, s, d, sign, turned))
+    return Free(total, "joint", s, d, sign, turned)
 
 
 def twice(half: Term, negated: Term) -> Free:
     """Return twice an angle, negated where the mask is set."""
     term = Scaled(half, 1)
-    return Free(Select(negated, -term, term), lambda to, node: to.twice(node, half, negated))
+    return Free(Select(negated, -term, term), "twice", half, negated)
 
 
 def outside(angle, low: int, high: int, width: int):

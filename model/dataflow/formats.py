@@ -45,31 +45,31 @@ class Latency:
     width: int
     tile: int = TILE
 
-    # kind -> (clocks per bit of the word, fixed clocks, description)
+    # operation -> (clocks per bit of the word, fixed clocks, kind in pictures and operation counts, description)
     TABLE = {
-        "mul": (0, 4, "operands, tile products, tile sums, rounding"),
-        "sum2": (0, 2, "add, round and saturate"),
-        "sum3": (0, 3, "add, add, round and saturate"),
-        "norm": (0, 3, "magnitudes, leading-zero count, shift"),
-        "lzc": (0, 2, "magnitudes, leading-zero count"),
-        "shift": (0, 2, "barrel shift: by eights, by ones"),
-        "mux": (0, 1, "an exact addition, a choice, a sign change or a comparison"),
-        "div": (1, 2, "pipelined radix-2 divider: magnitude, one row a quotient bit, sign"),
-        "root": (1, 0, "pipelined radix-2 square root: one row a result bit, output"),
-        "sincos": (1, 1, "CORDIC: one iteration a bit, rounding"),
-        "mul3": (0, 3, "three tile products, tile sums, rounded sum"),
-        "mul3_far": (0, 4, "operands, three tile products, tile sums, rounded sum"),
-        "product": (0, 4, "operands, tile products, tile sums, sum"),
-        "square": (0, 3, "operands, tile products, sum"),
-        "wide": (0, 1, "an exact addition of long words"),
-        "even": (0, 3, "zero pairs in groups, shift by groups, shift by pairs"),
-        "shift3": (0, 3, "barrel shift: by sixteens, by fours, by ones"),
-        "rsqrt": (0, 0, "a table and u times a slope; in the long form in tiles, the slope by another product"),
-        "rsqrt_far": (0, 0, "the table's address, and the same"),
-        "vector": (0, 0, "CORDIC: one iteration a clock, output"),
-        "vector_x": (0, 0, "the iterations that change its length, output"),
-        "vector_y": (0, 0, "the other iterations"),
-        "trig": (0, 0, "magnitude, a table and u times a slope, as for rsqrt, sign"),
+        "mul": (0, 4, "mul", "operands, tile products, tile sums, rounding"),
+        "sum2": (0, 2, "add", "add, round and saturate"),
+        "sum3": (0, 3, "add", "add, add, round and saturate"),
+        "norm": (0, 3, "scale", "magnitudes, leading-zero count, shift"),
+        "lzc": (0, 2, "scale", "magnitudes, leading-zero count"),
+        "shift": (0, 2, "scale", "barrel shift: by eights, by ones"),
+        "mux": (0, 1, "choose", "an exact addition, a choice, a sign change or a comparison"),
+        "div": (1, 2, "div", "pipelined radix-2 divider: magnitude, one row a quotient bit, sign"),
+        "root": (1, 0, "root", "pipelined radix-2 square root: one row a result bit, output"),
+        "sincos": (1, 1, "sincos", "CORDIC: one iteration a bit, rounding"),
+        "mul3": (0, 3, "mul", "three tile products, tile sums, rounded sum"),
+        "mul3_far": (0, 4, "mul", "operands, three tile products, tile sums, rounded sum"),
+        "product": (0, 4, "mul", "operands, tile products, tile sums, sum"),
+        "square": (0, 3, "mul", "operands, tile products, sum"),
+        "wide": (0, 1, "add", "an exact addition of long words"),
+        "even": (0, 3, "scale", "zero pairs in groups, shift by groups, shift by pairs"),
+        "shift3": (0, 3, "scale", "barrel shift: by sixteens, by fours, by ones"),
+        "rsqrt": (0, 0, "root", "a table and u times a slope; in the long form in tiles, the slope by another product"),
+        "rsqrt_far": (0, 0, "root", "the table's address, and the same"),
+        "vector": (0, 0, "sincos", "CORDIC: one iteration a clock, output"),
+        "vector_x": (0, 0, "sincos", "the iterations that change its length, output"),
+        "vector_y": (0, 0, "sincos", "the other iterations"),
+        "trig": (0, 0, "sincos", "magnitude, a table and u times a slope, as for rsqrt, sign"),
     }
 
     # kind -> clocks as a Verilog expression, see :func:`model.dataflow.angles.iterations`
@@ -95,7 +95,7 @@ class Latency:
         if kind in self.VECTORS:
             head, last = iterations(self.width)
             return {"vector": last + 1, "vector_x": head + 1, "vector_y": last - head}[kind]
-        bits, besides, _ = self.TABLE[kind]
+        bits, besides, *_ = self.TABLE[kind]
         return bits * self.width + besides
 
     @classmethod
@@ -107,7 +107,7 @@ class Latency:
             return f"(TILE < {TILE} || {frac} > {table.short_frac}) ? {long} : {short}"
         if kind in cls.VECTORS:
             return cls.VECTORS[kind]
-        bits, besides, _ = cls.TABLE[kind]
+        bits, besides, *_ = cls.TABLE[kind]
         return " + ".join(["W"] * bits + [str(besides)] * (besides > 0 or not bits))
 
 

@@ -28,9 +28,6 @@ TRAJECTORIES: dict[str, Callable[[], Targets]] = {}
 HANDS: dict[str, Callable[[], Targets]] = {}  # built-in trajectories of hand poses by name
 ROBOTS = {"pick_and_place": "iiwa14"}  # trajectory in a robot's base frame -> robot
 
-REGULAR = ("reach", "circle", "figure_eight", "wave", "drinking", "handwriting", "unequal_arms", "two_arms")
-"""Trajectories at least 0.2 rad from singular poses (`scoring.singular_distance`), which all others approach."""
-
 EXAMPLES = ("reach", "two_arms")  # also CSV files in `examples/`
 
 

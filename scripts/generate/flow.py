@@ -24,14 +24,6 @@ KINDS = {
 }
 """Kind of operation -> name, symbol in a graph, fill colour and line colour in a schedule."""
 
-KIND_OF = {
-    "mul": "mul", "mul3": "mul", "mul3_far": "mul", "square": "mul", "product": "mul",
-    "sum2": "add", "sum3": "add", "wide": "add", "div": "div", "root": "root", "rsqrt": "root", "rsqrt_far": "root",
-    "sincos": "sincos", "trig": "sincos", "norm": "scale", "lzc": "scale",
-    "shift": "scale", "shift3": "scale", "even": "scale", "mux": "choose", None: "choose",
-}  # fmt: skip
-"""Operation of `Latency.TABLE` -> key of ``KINDS``."""
-
 
 def additions(term: Term) -> int:
     """Return the number of + and - in an expression or a sum of shift counts."""
@@ -47,11 +39,16 @@ def added(node: Node) -> int:
     return additions(node.op) + (node.rounding == HALF_UP)
 
 
+def operation(node: Node) -> str:
+    """Return the kind of a node's unit, a key of ``KINDS``; without a unit, "choose"."""
+    return Latency.TABLE[node.latency][2] if node.latency else "choose"
+
+
 def kind(node: Node) -> str:
     """Return the kind of a node's operation, a key of ``KINDS``. A selection with an addition counts as a sum."""
     if node.latency == "mux" and added(node):
         return "add"
-    return {"input": "input", "sum": "add"}.get(node.kind) or KIND_OF[node.latency]
+    return {"input": "input", "sum": "add"}.get(node.kind) or operation(node)
 
 
 class Outside(Operation):

@@ -50,7 +50,7 @@ def _start(operands: tuple[Node, ...], runs: dict[int, dict[str, Node]]) -> str:
             times.setdefault(tuple(run[node.name].time for run in runs.values()), f"T_{node.name.upper()}")
     last = tuple(max(column) for column in zip(*times, strict=True))
     if last not in times:
-        raise ValueError(f"which of {sorted(times.values())} is last depends on the width")
+        raise ValueError(f"which of {sorted(times.values())} is last depends on the word length: give `after`")
     return times[last]
 
 
@@ -63,7 +63,7 @@ def node_formats(datapath: str) -> str:
     runs, path = traced(datapath), MODELS[datapath]
     nodes = runs[WIDTHS[-1]]
     used = {node.latency for node in nodes.values()}
-    latencies = [(kind, Latency.expression(kind), why) for kind, (_, _, why) in Latency.TABLE.items() if kind in used]
+    latencies = [(kind, Latency.expression(kind), why) for kind, (*_, why) in Latency.TABLE.items() if kind in used]
 
     def ready(node: Node) -> str:
         waits_for = (*node.operands, node.after) if node.after else node.operands

@@ -6,20 +6,9 @@ from pathlib import Path
 
 from model.dataflow import fixed
 from model.dataflow.paper import SECTIONS
-from scripts.generate.flow import WIDTH, added, operands
+from scripts.generate.flow import WIDTH, added, operands, operation
 from scripts.generate.render import render
 from tb.sim.env import GENERATED
-
-COLUMNS = {
-    "mul": "mul",
-    "mul3": "mul",
-    "square": "mul",
-    "product": "mul",
-    "div": "div",
-    "root": "root",
-    "rsqrt": "root",
-}
-"""Unit, a kind of `Latency.TABLE`, that counts as one operation -> column of the table."""
 
 
 def by_section(datapath: str) -> dict[str, Counter]:
@@ -30,16 +19,16 @@ def by_section(datapath: str) -> dict[str, Counter]:
     counts: dict[str, Counter] = defaultdict(Counter)
     angles = set()
     for node in fixed.nodes(datapath, WIDTH).values():
-        mine, unit = counts[node.section], (node.latency or "").removesuffix("_far")
-        if unit in ("sum2", "sum3"):
-            mine["add"] += max(int(unit[-1]), len(node.operands)) - 1
-        elif unit in ("mux", "wide"):
+        mine, unit = counts[node.section], operation(node)
+        if node.latency in ("sum2", "sum3"):
+            mine["add"] += max(int(node.latency[-1]), len(node.operands)) - 1
+        elif node.latency and unit in ("choose", "add"):
             mine["add"] += added(node)
-        elif unit in ("sincos", "trig"):
+        elif unit == "sincos":
             mine["trig"] += 2 * ((angle := tuple(operands(node))) not in angles)
             angles.add(angle)
-        elif unit in COLUMNS:
-            mine[COLUMNS[unit]] += 1
+        elif unit in ("mul", "div", "root"):
+            mine[unit] += 1
     return counts
 
 

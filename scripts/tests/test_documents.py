@@ -17,7 +17,7 @@ from model.motion.tests import figure
 from tb.axi.binding import SOURCE, compiled
 from tb.sim.env import ROOT, environment
 from tb.sim.runner import MAKE_ARGS
-from tb.sim.sources import headers, includes, sources
+from tb.sim.sources import headers, sources
 
 
 def read(name):
@@ -101,9 +101,9 @@ def test_fusesoc_has_files_and_version_of_the_project():
     cores = [yaml.safe_load(read(name).split("\n", 1)[1]) for name in names]
     listed = [one for core in cores for one in core["filesets"]["rtl"]["files"]]
     included = {name: about["include_path"] for one in listed if isinstance(one, dict) for name, about in one.items()}
-    assert [one for one in listed if isinstance(one, str)] == [str(path.relative_to(ROOT)) for path in sources()]
+    modules, files = [one for one in listed if isinstance(one, str)], [str(p.relative_to(ROOT)) for p in sources()]
+    assert modules == files, f"{', '.join(names)}, rtl/*.f: not in both: {sorted({*modules} ^ {*files}) or 'order'}"
     assert included == {str(path.relative_to(ROOT)): str(path.parent.relative_to(ROOT)) for path in headers()}
-    assert set(included.values()) == {str(folder.relative_to(ROOT)) for folder in includes()}
     names = [f"cga-ik:cga:{module}:{__version__}" for module in ("ik_axis", "ik_axi", "ik_arm")]
     assert [core["name"] for core in cores] == names
     assert [core["filesets"]["rtl"]["depend"] for core in cores[1:]] == [names[2:], names[:1]]

@@ -55,9 +55,13 @@ FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out")
 
 
 def around(key: str) -> pytest.MarkDecorator:
-    """Return the marker of the modules around the datapath; test_every_node.py has the datapaths' markers."""
-    top = "ik_axis_bytes" if key in BYTES else MODELS[(SETS | BYTES)[key][0]].top
-    return pytest.mark.bench(top, without={path.entity for path in MODELS.values()})
+    """Return the marker of the modules around the datapath, and of a folded datapath, which stalls, itself.
+
+    test_every_node.py has the markers of the other datapaths.
+    """
+    path = MODELS[(SETS | BYTES)[key][0]]
+    others = {other.entity for other in MODELS.values() if not path.times or other.entity != path.entity}
+    return pytest.mark.bench("ik_axis_bytes" if key in BYTES else path.top, without=others)
 
 
 def cases(keys: Iterable[str], parts: Iterable[str] = ("",)):

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from fnmatch import fnmatch
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -135,11 +136,15 @@ def test_a_test_that_hangs_is_ended(test, message, monkeypatch):
         shared.passes(f"hangs-{test}", toplevel="ik_delay", **options)
 
 
-RTL = ROOT / "rtl"
+RTL, CORE_PAGE = ROOT / "rtl", ROOT / "docs" / "core.md"
 
 
 def test_the_lists_name_every_file_and_header_once():
-    assert sorted(sources()) == sorted(RTL.rglob("*.v"))
+    modules = sorted(RTL.rglob("*.v"))
+    assert sorted(sources()) == modules, f"name each once in rtl/*.f: {sorted({*sources()} ^ {*modules})}"
+    index = [f"{'*' * name.startswith('_')}{name}" for name in re.findall(r"`([\w*]+)`", CORE_PAGE.read_text())]
+    missing = [path.stem for path in modules if not any(fnmatch(path.stem, name) for name in index)]
+    assert not missing, f"docs/core.md, Modules, names no {missing}"
     assert sorted(headers()) == sorted(RTL.rglob("*.vh"))
     text = "".join(path.read_text() for path in [*sources(), *headers()])
     assert set(re.findall(r'`include\s+"([^"]+)"', text)) == {path.name for path in headers()}

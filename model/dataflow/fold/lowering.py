@@ -15,7 +15,7 @@ from typing import Any
 
 from ...io.words import ARM_FIELDS, ARM_RESULT_FIELDS, ARMS, BRANCHES, FIELDS, RESULT_FIELDS
 from .. import arm, lean, lean_turn
-from ..expressions import Constant, Term
+from ..expressions import EXACT, FLOOR, HALF_UP, Constant, Term
 from ..formats import inner_frac, root_frac
 from ..nodes import Dataflow, Node
 from .steps import (
@@ -93,6 +93,7 @@ class Lowering:
         self.picks: dict[str, Pick] = {}  # squared lengths, and words that a flag replaces by a constant
         self.vectors: dict[str, Vector] = {}  # of the angle unit
         self.joints: dict[str, Joint] = {}
+        self.rounded: set[str] = set()  # nodes that their steps round half up or down, as the node does
         self.angle_clocks = next(of for longest, of in ANGLE_CLOCKS.items() if width <= longest)
 
     def build(self) -> None:
@@ -102,8 +103,17 @@ class Lowering:
         for node in self.nodes.values():
             if node.format != self.flow.bit:
                 node.op.lower(self, node)
+                self._check_rounding(node)
             elif node.operands:
                 self.made_of[node.name] = node.op.mask_registers(self, node)
+
+    def _check_rounding(self, node: Node) -> None:
+        """Raise NotImplementedError if the node's steps do not round as the node does."""
+        other = (HALF_UP,) if node.name in self.joints else (EXACT, FLOOR)
+        if node.rounding not in ((HALF_UP, FLOOR) if node.name in self.rounded else other):
+            method = getattr(node.op, "method", f"called by {type(node.op).__name__}.lower")
+            where = f"model/dataflow/fold/lowering.py, class {type(self).__name__}, method {method}"
+            raise NotImplementedError(f"{node.name}: the folded program lacks its rounding; implement it in {where}")
 
     def make(self, inputs: dict[str, Node]) -> None:
         lean_turn.lean(self.flow, inputs)
@@ -259,8 +269,13 @@ class Lowering:
 
     def _answer(self, node: Node, raw: str, minus: Selector) -> None:
         step, self.weight[node.name] = self.terms[raw], RESULT_WEIGHT
-        addend, write = step.addend.replace("half", "result"), Write(node.name, source="result")
+        addend, write = self._result_addend(node, step.addend), Write(node.name, source="result")
         self.terms[raw] = replace(step, minus=minus, result=node.name, write=write, addend=addend)
+
+    def _result_addend(self, node: Node, half: str) -> str:
+        """Return the addend of a result: ``half`` an ulp of an inner word; and of the result, if rounded half up."""
+        self.rounded.add(node.name)
+        return half.replace("half", "result") if node.rounding == HALF_UP else half
 
     def half_length(self, node: Node, cosine: Node, mask: Node | None) -> None:
         self.signs.add(cosine.name)
@@ -388,7 +403,7 @@ class ArmLowering(Lowering):
     def wrist(self, node: Node, point: Node, off: Node) -> None:
         self.weight[node.name] = EXACT_WEIGHT
         half = f"{point.name}/2"
-        self.terms[half] = Step(half, point.name, HALF, addend="result_double")
+        self.terms[half] = Step(half, point.name, HALF, addend=self._result_addend(node, "half_double"))
         self._chain(half, (node.name, off.name, -1), write=Write(node.name, source="wrist"))
 
     def elbow(self, node: Node, raw: Node, sign: int) -> None:
@@ -398,7 +413,8 @@ class ArmLowering(Lowering):
         self.terms[node.name] = Step(node.name, node.name, ONE, result=node.name)
 
     def rounded_sum(self, node: Node, a: Node, b: Node, sign: int) -> None:
-        self.terms[a.name] = replace(self.terms[a.name], minus=ALWAYS, addend="result_plain", write=None, term=a.name)
+        addend = self._result_addend(node, "half_plain")
+        self.terms[a.name] = replace(self.terms[a.name], minus=ALWAYS, addend=addend, write=None, term=a.name)
         self._chain(a.name, (node.name, b.name, sign), result=node.name)
 
     def vector(self, node: Node, length: str | None, x: Node, y: Node, sign: int) -> None:

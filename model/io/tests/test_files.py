@@ -10,11 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from model.bounds.tolerances import REGULAR_DISTANCE
 from model.io import trajectories
 from model.io.files import format_csv, read_csv
 from model.io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
-from model.io.scoring import singular_distance
 from model.io.stimuli import extremes, mixed
 from model.io.words import (
     ARM_RECORDS,
@@ -238,19 +236,16 @@ def test_half_up_and_then_saturated_or_wrapped(width, records):
 
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-NAMES = list(trajectories.TRAJECTORIES)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", trajectories.TRAJECTORIES)
 def test_trajectory(name):
-    """Check that targets are in reach, that regular trajectories stay off singular poses, and that motion is smooth:
-    hands move by less than 5 cm (8 % of the reach) per step, and successive steps differ by less than 2 cm."""
+    """Check reach and smooth motion: below 5 cm (8 % of the reach) per step, below 2 cm between successive steps."""
     targets = trajectories.make(name)
     assert targets.name == name and len(targets) == 100
     for width in (16, 32):
         flags = set(expected_flags(to_words(targets, width)[0], width).tolist())
         assert flags == ({0, TOO_FAR} if name == "out_of_reach" else {0})
-    assert (singular_distance(targets).min() >= REGULAR_DISTANCE) == (name in trajectories.REGULAR)
     arms = 2 if name == "two_arms" else 1
     for arm in range(arms):
         step = np.diff(targets.position[arm::arms], axis=0)
