@@ -232,13 +232,23 @@ def test_a_file_that_is_no_clip(tmp_path, change, message):
         read(path)
 
 
-@pytest.mark.parametrize(
-    "path",
-    MOCAP or [pytest.param(Path(), marks=pytest.mark.skip("no clips in ../shared/mocap"))],
-    ids=lambda path: path.stem,
-)
+def walk(path):
+    """Write a clip of a figure that holds its arms out in the first frame, then walks."""
+    clip = read(figure.write(path, order="XZY"))  # y up, arms along x at rest
+    clip.table[:, 6:] *= 0.1
+    swing = np.sin(np.linspace(0, 12, len(clip.table)))
+    for arm, side in zip(arms(clip), (-1, 1), strict=True):
+        upper, fore = ([channel.column for channel in clip.nodes[joint].channels] for joint in (arm.upper, arm.fore))
+        clip.table[1:, upper] += np.stack([side * 25 * swing, 0 * swing - side * 75, 0 * swing], 1)[1:]
+        clip.table[:, fore[2]] += side * (30 + 15 * swing)
+    path.write_bytes(clip.content())
+    return path
+
+
+@pytest.mark.parametrize("path", [None, *MOCAP], ids=lambda path: path.stem if path else "drawn")
 def test_motion_capture(path, tmp_path):
     """Follow human motion; with a constant swivel angle, no arm turns more than 1.5 times as fast as in the clip."""
+    path = path or walk(tmp_path / "walk.bvh")
     clip = read(path)
     for width, tolerance in ((None, 1e-12), (32, 2e-8), (18, 2e-4)):  # the T pose of the first frame included
         for move, qs, qe in followed(clip, width):
