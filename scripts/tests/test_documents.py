@@ -249,6 +249,7 @@ def test_debugging(checkout):
         finds = lines[-1].startswith("make")
         assert bool(done.returncode) == finds and "cga-ik: " not in done.stdout, done.stdout
         printed = [line.rstrip() for line in done.stdout.splitlines()]
+    assert printed, "the page has no commands"
 
 
 @pytest.mark.cost(20)
