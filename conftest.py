@@ -48,8 +48,7 @@ def is_missing(need: str) -> bool:
 
 def modules(item) -> set[str]:
     """Return the modules of rtl/ that a test compares with the model: those inside its `bench` markers' modules."""
-    marks = item.iter_markers("bench")
-    return {path.stem for mark in marks for path in closure(*mark.args, **mark.kwargs)}
+    return {path.stem for mark in item.iter_markers("bench") for path in closure(*mark.args, **mark.kwargs)}
 
 
 def pytest_collection_modifyitems(config, items):

@@ -95,9 +95,7 @@ class Case:
             return -tilted, most
         # from |k_e| <= 2 d1 |p_w| + excess, or from |k_e| alone
         near = 4 * self.d_high * self.p[1] * self.excess + self.excess**2
-        # Where j >= 3, |d1 - d2| <= |p_a| + ulps leaves d1 >= 1/8.
-        least = (self.p[0] / 4) ** 2 if self.j[0] >= 3 else 0.0
-        return -(self.b[1] ** 2) * min(near, self.k_e**2 - least) - tilted, most
+        return -(self.b[1] ** 2) * min(near, self.k_e**2) - tilted, most
 
     @property
     def t_e(self) -> tuple[float, float]:

@@ -284,8 +284,8 @@ def motion(clip: Clip, limb: Limb, axis: Axis = TORSO) -> Motion:
 
 def _to_palm(clip: Clip, limb: Limb) -> np.ndarray:
     """Return the quaternion (4,) that takes the hand's bone (if there is none, the forearm) in the rest pose to z."""
-    below = [clip.rest[k] - clip.rest[limb.hand] for k, parent in enumerate(clip.parents) if parent == limb.hand]
-    bone = np.sum(below, axis=0) if below else np.zeros(3)
+    below = (clip.rest[k] - clip.rest[limb.hand] for k, parent in enumerate(clip.parents) if parent == limb.hand)
+    bone = sum(below, np.zeros(3))
     return to_z(bone if np.linalg.norm(bone) > 0 else clip.rest[limb.hand] - clip.rest[limb.fore])
 
 

@@ -129,7 +129,6 @@ def solve(
     widths = [w for w in CONFIGURATIONS[datapath].widths if w in WIDTHS]
     if width is not None and (not isinstance(width, (int, np.integer)) or width not in widths):
         raise ValueError(f"width {width!r} must be None or one of {', '.join(map(str, widths))}")
-    check_order(order)
     if nan not in ("raise", "pass"):
         raise ValueError(f"nan {nan!r} is neither 'raise' nor 'pass'")
     if hand is not None and width is not None and datapath != "lean":

@@ -86,7 +86,7 @@ def forward(qs, qe, d1, d2):
     y = np.array((ij - wk, (ww + jj) - (ii + kk), jk + wi))  # Qs e2 Qs~
     z = np.array((ik + wj, jk - wi, (ww + kk) - (ii + jj)))
     elbow = d1 * z
-    if len(e) == 4 and e[2:].any():
+    if e[2:].any():
         return elbow.T, elbow.T + rotate(q.T, rotate(e.T, d2[..., None] * (0.0, 0.0, -1.0)))
     c, s = e[:2]
     return elbow.T, (elbow + d2 * ((c + c) * s) * y + d2 * (s * s - c * c) * z).T

@@ -177,6 +177,5 @@ def _near_limits(target, law):
     limit += np.where(flags, 0, 2) * v[3:] * _two_sum(d1, np.array((d2, -d2)))[1]
     a, b = limit[0], -limit[1]
     if (short := 16 * d1 < v[3]).any():  # s + d_sum d_dif would cancel
-        form = np.where(s < 4 * d1 * d1, 2 * d1 * v[4] + b, 2 * d1 * v[3] - a)
-        law = np.where(short, form, law)
+        law = np.where(short, 2 * d1 * v[3] - a, law)
     return law, np.maximum(np.minimum((a, b), 4 * (d1 * d2)), 0), flags

@@ -7,7 +7,7 @@ import pytest
 
 from scripts import coverage
 from tb.axi.instances import echoing
-from tb.core.functional_coverage import BINS, bin_of, regions
+from tb.core.functional_coverage import BINS, bin_of, kinds_of, regions
 from tb.sim.coverage import Point, counting, read, write
 from tb.sim.env import ROOT
 from tb.sim.sources import sources, with_rules
@@ -108,8 +108,11 @@ def test_waivers_of_the_tree_can_be_parsed():
     assert not reasons and idle
 
 
-def test_regions_of_targets():
+def test_regions_of_targets_and_kinds_of_poses():
     assert regions((300, 200, 100, 5, 300, 200)) == ["regular"]
     assert regions((0, 0, 400, 0, 300, 200)) == ["axis"]
     assert regions((0, 0, 0, 0, 300, 300)) == ["axis", "shoulder", "closed"]
     assert regions((500, 0, 0, 0, 300, 200)) == ["stretched"] and regions((101, 0, 0, 0, 300, 200)) == ["closed"]
+    kinds = {kind for (kind,) in kinds_of([0] * 11 + [5], [256] * 17, 0, 16)}
+    assert kinds > {"branch_shoulder=1", "branch_elbow=0", "branch_wrist=1", "th2 near 0", "tool 0", "bad_hand=0"}
+    assert {kind for (kind,) in kinds_of([0] * 11 + [5], [32512] * 17, 0, 16)} >= {"th2 near pi", "th6 near pi"}

@@ -115,6 +115,8 @@ def failures(log: Path, **options) -> list[tuple[str, str]]:
             scope = instance[1] if instance else options["toplevel"]
             message += marked(vcd, instance[0] if instance else name, scope, moment(message, start, stop))
         messages.append((name, message))
+    if not messages:
+        raise SystemExit("no cocotb test has the name that was selected")
     if vcd and not any(message for _, message in messages):
         vcd.unlink()
     return messages

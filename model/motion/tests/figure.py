@@ -73,7 +73,7 @@ def write(path, names="cmu", up="y", order="ZYX", frames=60, sides=("left", "rig
         mirror = np.array((1 if side == "right" else -1, 1, 1))
         collar, upper, fore, hand = joints(names, side)
         rest = mirror * REST
-        below = (fore, rest * UPPER / (2 if rich else 1), [(hand, rest * FORE, [(None, rest * 0.5, [])])])
+        below = (fore, rest * UPPER / (2 if rich else 1), [(hand, rest * FORE, [(None, mirror * (0.3, 0, -0.4), [])])])
         below = (f"{upper}.001", rest * UPPER / 2, [below]) if rich else below
         below = (upper, mirror * (1.2, 0, 0.1), [below])
         return collar, mirror * (0.5, 0, 4), [below]

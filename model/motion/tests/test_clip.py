@@ -232,19 +232,25 @@ def test_a_file_that_is_no_clip(tmp_path, change, message):
         read(path)
 
 
-@pytest.mark.parametrize(
-    "path",
-    MOCAP or [pytest.param(Path(), marks=pytest.mark.skip("no clips in ../shared/mocap"))],
-    ids=lambda path: path.stem,
-)
+def walk(clip):
+    """Hold the arms out in the first frame, then walk.  The clip has y up, the arms along x at rest, angles XZY."""
+    clip.table[:, 6:] *= 0.1
+    swing = np.sin(np.linspace(0, 12, len(clip.table)))
+    for arm, side in zip(arms(clip), (-1, 1), strict=True):
+        upper, fore = ([channel.column for channel in clip.nodes[joint].channels] for joint in (arm.upper, arm.fore))
+        clip.table[1:, upper] += np.outer(swing, (side * 25, 0, 0))[1:] - (0, side * 75, 0)
+        clip.table[:, fore[2]] += side * (30 + 15 * swing)
+
+
+@pytest.mark.parametrize("path", [None, *MOCAP], ids=lambda path: path.stem if path else "drawn")
 def test_motion_capture(path, tmp_path):
     """Follow human motion; with a constant swivel angle, no arm turns more than 1.5 times as fast as in the clip."""
-    clip = read(path)
+    clip = read(path) if path else changed(figure.write(tmp_path / "walk.bvh", order="XZY"), walk)
     for width, tolerance in ((None, 1e-12), (32, 2e-8), (18, 2e-4)):  # the T pose of the first frame included
         for move, qs, qe in followed(clip, width):
             elbow, _ = forward(qs, qe, move.d1, move.d2)
             assert (np.linalg.norm(elbow - move.elbow, axis=1) <= tolerance * (move.d1 + move.d2)).all(), width
-    figure.compare(path, written(tmp_path / "clip.bvh", clip))
+    figure.compare(clip.path, written(tmp_path / "clip.bvh", clip))
     for (move, qs, _), arm in zip(followed(clip, None, lambda m: m.typical_phi), arms(clip), strict=True):
         torso, upper = conjugate(clip.turn[:, arm.torso]), clip.turn[:, arm.upper]
         theirs, ours = multiply(torso, upper), multiply(torso, qs)

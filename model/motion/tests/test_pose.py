@@ -45,7 +45,7 @@ def test_wrist_and_swivel_in_the_users_frame(reachable, axis, datapath):
     np.testing.assert_allclose(pose.wrist, points, atol=1e-9 if datapath == "paper" else 1e-14)
     np.testing.assert_allclose(np.linalg.norm(pose.elbow, axis=1), D1, atol=1e-14)
     accuracy = 1e-7 if datapath == "paper" else 1e-12
-    assert apart(swivel((0, 0, 0), pose.elbow, pose.wrist, axis), phi).max() <= accuracy
+    assert apart(swivel((1, 2, 0), pose.elbow + (1, 2, 0), pose.wrist + (1, 2, 0), axis), phi).max() <= accuracy
     # Definition of phi: a right-handed turn about the line to the wrist, from the half plane in which the axis points.
     unit = points / np.linalg.norm(points, axis=1)[:, None]
     zero = solve(points, 0, axis=axis, datapath=datapath).elbow

@@ -118,6 +118,7 @@ def test_lock_files_agree():
         text = (ROOT / bootstrap.LOCK.format(lock)).read_text()
         for name, version in dict(re.findall(r"^([\w.-]+)==([^\s;]+)", text, re.M)).items():
             assert versions.setdefault(name, version) == version, lock
+    assert "numpy" in versions
 
 
 FRESH = """import importlib, re, sys

@@ -20,7 +20,6 @@ AW = {"awvalid": 1, "awaddr": 0x1000, "awlen": 1, "awsize": 3, "awburst": 1, "aw
 AR = {"arvalid": 1, "araddr": 0x2000, "arlen": 1, "arsize": 3, "arburst": 1, "arcache": 3, "arid": 0}
 W = {"wvalid": 1, "wdata": 7, "wstrb": 255}
 LAST = {**W, "wlast": 1}
-READY = {"awready": 1, "wready": 1, "bready": 1, "arready": 1, "rready": 1}
 
 
 def over(*traces: Trace) -> Trace:
