@@ -21,9 +21,7 @@ from tb.axi.binding import REGISTER, Driver
 from tb.sim.timeout import timed_test
 
 LIBRARY = Path(os.environ["IK_DRIVER"])
-
 RECORDS = 24  # capacity of each buffer in records
-
 SIZE = RECORDS * BYTES
 PAGE = 4096  # bytes of a segment of the simulated memory
 PATIENCE = 4000  # maximum number of clocks until an interrupt
