@@ -172,7 +172,6 @@ BEATS = 32
 HELD = 300
 """Clocks for which a hand pose stays at the inputs, because the core loads the pose's words during a lap."""
 
-
 SHORT = 1 << 20
 """Size in bytes of a netlist's Verilog below which Verilator's C++ is not split into several files."""
 

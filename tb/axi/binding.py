@@ -20,7 +20,6 @@ SOURCE = ROOT / "examples" / "driver"
 
 FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-O2")
 
-
 LISTED = (SOURCE / "ik.h").read_text(encoding="utf-8").partition("    IK_NULL = 16,")[2]
 CODES = HARDWARE | {
     name.lower(): 16 + k for k, name in enumerate(["null", *re.findall(r"^    IK_(\w+), ", LISTED, re.MULTILINE)])
@@ -179,6 +178,3 @@ class Driver:
         good = self.core.written * self.result_type.itemsize
         assert (results[good:] == 0xA5).all(), "a result that is not reported as written has changed"
         return NAMES[code], results[:good].view(self.result_type)
-
-    def text(self, code: int) -> str:
-        return self.linked.ik_error_text(code).decode()

@@ -18,7 +18,6 @@ def _number(value: int) -> str:
 
 
 def inside(name: str, low: int, high: int) -> str:
-    """Return the SMT-LIB condition low <= name <= high."""
     return f"(<= {_number(low)} {name} {_number(high)})"
 
 

@@ -229,7 +229,6 @@ def survives(proof: Proof, bug: Bug) -> str:
 
 
 def digest(proof: Proof) -> str:
-    """Return the digest of a proof's sources and questions."""
     asked = proof.sets, proof.appended, proof.defines, proof.script, proof.claims, proof.uses, proof.after, proof.gates
     return digest_of(repr(asked), TACTIC, CLEAN, PREPARE, *(code(path) for path in proof.files))
 

@@ -221,7 +221,6 @@ def questions(kind: type[Questions], widths: Sequence[int] = WIDTHS) -> Iterator
 
 
 def digest(kind: type[Questions]) -> str:
-    """Return the digest of all questions of a kind."""
     return digest_of(SOLVER, LINEAR, *(asked.question(name) for asked, name in _all(kind, WIDTHS)))
 
 

@@ -32,7 +32,6 @@ RSQRT = "rtl/lib/ik_rsqrt.v"
 QUADRATIC = "rtl/lib/ik_quadratic.v"
 TABLE = "rtl/include/ik_rsqrt_table.vh"
 
-
 HELD = re.compile(r"\(= \(bvand \(select \(\|\S+\| state\) #b([01]+)\) #b1+\) #b([01]+)\)")
 """Address and initial value of a table word in Yosys' formula."""
 

@@ -14,7 +14,6 @@ STEPS = {"derivation": paper.STEPS, "lean": lean.STEPS}  # page -> its steps
 
 
 def page(name: str, steps: Mapping[str, Step]) -> str:
-    """Return docs/generated/<name>.md."""
     halves = {
         rf"h(c, s) \text{{ for }} {branch}".replace(">=", r"\ge"): rf"\left({tex(c)},\ {tex(s)}\right)"
         for branch, (c, s) in lean.HALF.items()

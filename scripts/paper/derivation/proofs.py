@@ -66,7 +66,6 @@ def name_tex(name: str) -> str:
 
 
 def symbols(names: str) -> list[sp.Symbol]:
-    """Return the symbols of names separated by spaces."""
     return [symbol(name) for name in names.split()]
 
 
