@@ -33,9 +33,6 @@ NOTE = """// SPDX-License-Identifier: Apache-2.0
 """
 
 
-# -- formats and clocks of nodes -----------------------------------------------------------------------------------
-
-
 def traced(datapath: str) -> dict[int, dict[str, Node]]:
     return {w: nodes(datapath, w) for w in MODELS[datapath].widths}
 
@@ -82,9 +79,6 @@ def latencies() -> str:
     return BODIES.latency(last.items())
 
 
-# -- tables --------------------------------------------------------------------------------------------------------
-
-
 def _row(words: Iterable[int], bits: Sequence[int], add: str) -> str:
     """Return a row in Verilog: its words, each cut to its bits, joined to one constant, plus ``add``."""
     row = "".join(format(word % (1 << size), f"0{size}b") for word, size in zip(words, bits, strict=True))
@@ -98,8 +92,6 @@ def quadratic_table(name: str, table: Table, rounding: str, *more: str) -> str:
     roms = {size: [_row(row, of.c_bits, "ADD") for row in table_rows(table, of)] for size, of in forms.items()}
     return BODIES.quadratic_table(name, table.short_frac, rounding, forms, more, roms)
 
-
-# -- fold datapath -------------------------------------------------------------------------------------------------
 
 FOLD_FORMS = {size: (getattr(INVERSE_ROOT, size), getattr(SINE, size)) for size in ("small", "long")}
 """Size -> forms (root, sine) that share the fold datapath's table."""

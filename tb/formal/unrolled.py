@@ -6,8 +6,8 @@ Yosys writes functions of a state. With constants, z3 recognizes equal expressio
 
 import re
 import time
-from dataclasses import dataclass
 from functools import cache, lru_cache
+from typing import NamedTuple
 
 from tb.formal.tools import call
 
@@ -15,8 +15,7 @@ LIMIT = 120  # seconds for one question
 TACTIC = "(check-sat-using (then simplify propagate-values solve-eqs smt))"  # cancels sums before bit blasting
 
 
-@dataclass(frozen=True)
-class Answer:
+class Answer(NamedTuple):
     """Answer of z3: ``said`` is "unsat", "sat", "timeout", "unknown" or an error message."""
 
     said: str

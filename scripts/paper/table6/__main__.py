@@ -166,8 +166,6 @@ def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
         yield {"datapath": DATAPATH, "path": path, "width": WIDTH, "random_error": worst, **clocks()}
 
 
-# -- the page ---------------------------------------------------------------------------------------------------------
-
 BUSY = 0.3  # load per processor core above which the page warns that the computer was busy
 
 
