@@ -114,9 +114,7 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
     out = max(nodes[name].time for name in (*path.results, *path.flags.keys() & nodes.keys()))
     flags = {flag: name for name, flag in path.flags.items()}
     expected = {
-        "out_data": [
-            Bit("node", field, k, clocks=out - nodes[field].time) for field in path.results for k in range(width)
-        ],
+        "out_data": [Bit("node", field, k, out - nodes[field].time) for field in path.results for k in range(width)],
         "out_flags": [
             Bit("node", flags[1 << k], clocks=out - nodes[flags[1 << k]].time) if 1 << k in flags else Bit("constant")
             for k in range(path.flag_bits)
