@@ -19,10 +19,8 @@ def page(name: str, steps: Mapping[str, Step]) -> str:
         for branch, (c, s) in lean.HALF.items()
     }
     proofs = {step: done.block() for step, done in steps.items()}
-    sections = {title: [] for title in SECTIONS.values()}
-    for node in lean.NODES.values():
-        if node.kind != "input":
-            sections[SECTIONS[node.section]].append(f"{node.name} = {node.right_side}")
+    shown = [(n.section, f"{n.name} = {n.right_side}") for n in lean.NODES.values() if n.kind != "input"]
+    sections = {title: [text for where, text in shown if where == part] for part, title in SECTIONS.items()}
     return render(name, proofs=proofs, sections=sections, halves=aligned(halves))
 
 
