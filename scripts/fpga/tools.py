@@ -3,7 +3,6 @@
 
 import re
 import subprocess
-import sys
 import time
 from importlib import metadata
 from pathlib import Path
@@ -38,7 +37,3 @@ def call(command: list[str], folder: Path, label: str, limit: float = LIMIT) -> 
     if done.returncode:
         raise ToolError(f"{label}: failed: {(done.stderr or done.stdout)[-4000:].strip()}")
     return round(time.monotonic() - start)
-
-
-def program(tool: str) -> str:
-    return str(Path(sys.prefix) / "bin" / f"yowasp-{tool}")

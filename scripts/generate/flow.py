@@ -63,7 +63,6 @@ def start(node: Node, width: int = WIDTH) -> int:
 
 
 def operands(node: Node) -> list[str]:
-    """Return the names of a node's operands."""
     return [operand.name for operand in node.operands]
 
 

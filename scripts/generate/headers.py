@@ -33,11 +33,7 @@ NOTE = """// SPDX-License-Identifier: Apache-2.0
 """
 
 
-# -- formats and clocks of nodes -----------------------------------------------------------------------------------
-
-
 def traced(datapath: str) -> dict[int, dict[str, Node]]:
-    """Return a dict: word length -> nodes of a dataflow by name."""
     return {w: nodes(datapath, w) for w in MODELS[datapath].widths}
 
 
@@ -59,7 +55,6 @@ def lean_formats() -> str:
 
 
 def node_formats(datapath: str) -> str:
-    """Return the text of ``ik_<datapath>_nodes.vh``."""
     runs, path = traced(datapath), MODELS[datapath]
     nodes = runs[WIDTHS[-1]]
     used = {node.latency for node in nodes.values()}
@@ -79,13 +74,9 @@ def node_formats(datapath: str) -> str:
 
 
 def latencies() -> str:
-    """Return the text of ``ik_latency.vh``."""
     runs = [(key, traced(name)) for name, key in {"lean": 100, "paper": 0, "lean16": 1100}.items()]
     last = {key + w: max(node.time for node in of.values()) for key, found in runs for w, of in found.items()}
     return BODIES.latency(last.items())
-
-
-# -- tables --------------------------------------------------------------------------------------------------------
 
 
 def _row(words: Iterable[int], bits: Sequence[int], add: str) -> str:
@@ -101,8 +92,6 @@ def quadratic_table(name: str, table: Table, rounding: str, *more: str) -> str:
     roms = {size: [_row(row, of.c_bits, "ADD") for row in table_rows(table, of)] for size, of in forms.items()}
     return BODIES.quadratic_table(name, table.short_frac, rounding, forms, more, roms)
 
-
-# -- fold datapath -------------------------------------------------------------------------------------------------
 
 FOLD_FORMS = {size: (getattr(INVERSE_ROOT, size), getattr(SINE, size)) for size in ("small", "long")}
 """Size -> forms (root, sine) that share the fold datapath's table."""
@@ -213,7 +202,6 @@ def _range(node: Node) -> str:
 
 
 def texts() -> dict[Path, str]:
-    """Return a dict: header file -> text."""
     rounding = "(3 << (SUM_FRAC - F - 3)) - (TILES + 1) / 2"
     found = {
         "paper_nodes": (node_formats("paper"), "paper.py"),

@@ -13,10 +13,7 @@ from scripts.generate.render import TEMPLATES, update
 from tb.axi.ik_regs import ENCODED, REGISTERS, TOP, access
 from tb.sim.env import GENERATED, ROOT
 
-FILES = {
-    ROOT / "examples" / "driver" / "ik_regs.h": "ik_regs.h.j2",
-    GENERATED / "registers.md": "registers.md.j2",
-}
+FILES = {ROOT / "examples" / "driver" / "ik_regs.h": "ik_regs.h.j2", GENERATED / "registers.md": "registers.md.j2"}
 """Generated file -> template."""
 
 TEMPLATES.filters |= {
@@ -27,7 +24,6 @@ TEMPLATES.filters |= {
 
 
 def texts() -> dict[Path, str]:
-    """Return a dict: generated file -> text."""
     codes = [(code.name, code.value, code.rdl_desc) for code in ENCODED]
     values = {"top": TOP, "registers": REGISTERS, "codes": codes}
     return {path: TEMPLATES.get_template(name).render(values) for path, name in FILES.items()}

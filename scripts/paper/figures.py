@@ -43,13 +43,6 @@ def drawn(nodes: Mapping[str, Node]) -> dict[str, Any]:
     }
 
 
-def graph(nodes: Mapping[str, Node]) -> str:
-    """Return the graph of nodes in the DOT language. Sections have colours, the longest path is red, and nodes of other
-    equations are dashed."""
-    title = f"p_e_x (13), figure 6 of the paper, W = {WIDTH}"
-    return render("graph.dot", title=title, sections=SECTIONS, proved=ranges.proved(WIDTH), **drawn(nodes))
-
-
 def digest(text: str) -> str:
     """Return the digest of a graph, which its picture holds."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]
@@ -83,7 +76,9 @@ def schedule(nodes: Mapping[str, Node]) -> str:
 def figures() -> dict[str, str]:
     """Return a dict: file name of a picture -> SVG, or the DOT text from which it is drawn."""
     elbow = flow.cone(fixed.nodes("paper", WIDTH), "p_e_x")
-    return {"graph_p_e_x.svg": graph(elbow), "schedule_p_e_x.svg": schedule(elbow)}
+    title = f"p_e_x (13), figure 6 of the paper, W = {WIDTH}"
+    graph = render("graph.dot", title=title, sections=SECTIONS, proved=ranges.proved(WIDTH), **drawn(elbow))
+    return {"graph_p_e_x.svg": graph, "schedule_p_e_x.svg": schedule(elbow)}
 
 
 def texts() -> dict[Path, str]:

@@ -33,7 +33,6 @@ def by_section(datapath: str) -> dict[str, Counter]:
 
 
 def texts() -> dict[Path, str]:
-    """Return a dict: path of operations.md -> text."""
     paper = by_section("paper")
     counts = {"guard": paper["guard"], "everything": sum(paper.values(), Counter())}
     counts |= {"rtl": counts["everything"] - counts["guard"], "lean": sum(by_section("lean").values(), Counter())}

@@ -20,7 +20,6 @@ SOURCE = ROOT / "examples" / "driver"
 
 FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-O2")
 
-
 LISTED = (SOURCE / "ik.h").read_text(encoding="utf-8").partition("    IK_NULL = 16,")[2]
 CODES = HARDWARE | {
     name.lower(): 16 + k for k, name in enumerate(["null", *re.findall(r"^    IK_(\w+), ", LISTED, re.MULTILINE)])
@@ -173,12 +172,8 @@ class Driver:
         """Call ik_solve or ik_solve_arm. Return the code's name and the results that the driver reports as written.
         Check that it has not changed any other result."""
         results = np.full(len(targets) * self.result_type.itemsize, 0xA5, np.uint8)
-        code = self.call(
-            "ik_solve_arm" if self.arm else "ik_solve", targets.ctypes, results.ctypes, ctypes.c_size_t(len(targets))
-        )
+        name = "ik_solve_arm" if self.arm else "ik_solve"
+        code = self.call(name, targets.ctypes, results.ctypes, ctypes.c_size_t(len(targets)))
         good = self.core.written * self.result_type.itemsize
         assert (results[good:] == 0xA5).all(), "a result that is not reported as written has changed"
         return NAMES[code], results[:good].view(self.result_type)
-
-    def text(self, code: int) -> str:
-        return self.linked.ik_error_text(code).decode()

@@ -16,14 +16,11 @@ from cocotbext.axi import AxiResp
 
 from model.io.flags import BAD_HAND, OVER_BIT
 from model.io.words import FIELDS, Targets, result_values, to_words
-from tb.axi.bench import ARM, BYTES, CHANNELS, LAYOUT, Bench, started
+from tb.axi.bench import ARM, BYTES, CHANNELS, LAYOUT, Bench, bench_test
 from tb.axi.binding import REGISTER, Driver
-from tb.sim.timeout import timed_test
 
 LIBRARY = Path(os.environ["IK_DRIVER"])
-
 RECORDS = 24  # capacity of each buffer in records
-
 SIZE = RECORDS * BYTES
 PAGE = 4096  # bytes of a segment of the simulated memory
 PATIENCE = 4000  # maximum number of clocks until an interrupt
@@ -177,17 +174,16 @@ class Platform:
         if ARM:
             assert (results["th"] == answers[:written, :7] * (2 * np.pi / 2**bench.width)).all(), "th"
             assert (results["over_limit"] == (flags >> OVER_BIT | flags & BAD_HAND)[:written]).all(), "over_limit"
-        assert (results["flags"] == flags[:written] & 255).all() and (results["tag"] == tags[:written]).all(), (
-            "flags, tags"
-        )
+        assert (results["flags"] == flags[:written] & 255).all(), "flags"
+        assert (results["tag"] == tags[:written]).all(), "tags"
 
     async def good_call(self, count: int = 5) -> None:
         self.bench.memory.faults.clear()
         await self.call(self.targets(count))
 
 
-async def ready(dut, interrupt: bool, seed: int = 1, **options) -> Platform:
-    platform = Platform(await started(dut, seed=seed), interrupt, **options)
+async def ready(bench: Bench, interrupt: bool, **options) -> Platform:
+    platform = Platform(bench, interrupt, **options)
     assert await bridge(platform.driver.start_up)() == "none"
     return platform
 
@@ -195,10 +191,9 @@ async def ready(dut, interrupt: bool, seed: int = 1, **options) -> Platform:
 MODES = cocotb.parametrize(interrupt=[False, True])
 
 
-@timed_test()
-async def ik_init(dut):
+@bench_test()
+async def ik_init(bench):
     """ik_init reports the core's parameters and aborts a job that was already running."""
-    bench = await started(dut)
     bench.place(0x10000, 0, 60)
     await bench.write("IRQ_ENABLE", 7)
     await bench.start(0x10000, 0x20000, 60)
@@ -206,35 +201,32 @@ async def ik_init(dut):
     assert await bridge(platform.driver.start_up)() == "none"
     core = platform.driver.core
     assert (core.width, core.data_width, core.addr_width) == (bench.width, bench.data_width, bench.addr_width)
-    assert (core.latency, core.lean) == (int(dut.LATENCY.value), bench.datapath != "paper")
+    assert (core.latency, core.lean) == (int(bench.dut.LATENCY.value), bench.datapath != "paper")
     assert core.arm == ARM
     assert await bench.read("IRQ_ENABLE") == 0 and await bench.read("STATUS") == 0
     await platform.good_call()
-    assert dut.irq.value == 0
-    bench.check()
+    assert bench.dut.irq.value == 0
 
 
 @MODES
 @cocotb.parametrize(stalled=[False, True])
-@timed_test()
-async def solves(dut, interrupt, stalled):
+@bench_test()
+async def solves(bench, interrupt, stalled):
     """Solve one target, exactly one buffer of targets, and more than two buffers of targets."""
-    platform = await ready(dut, interrupt)
+    platform = await ready(bench, interrupt)
     if stalled:
-        platform.bench.stall(*CHANNELS)
+        bench.stall(*CHANNELS)
     for count in (1, RECORDS, 2 * RECORDS + 3):
         await platform.call(platform.targets(count))
         assert len(platform.jobs) == -(-count // RECORDS)
-    platform.bench.check()
 
 
 @cocotb.parametrize(on=["read", "write"])
 @cocotb.parametrize(answer=["slverr", "decerr"])
-@timed_test()
-async def bus_error(dut, on, answer):
+@bench_test()
+async def bus_error(bench, on, answer):
     """A bus error in the second job of a call: the call returns its code and the results written before the error."""
-    platform = await ready(dut, interrupt=True)
-    bench = platform.bench
+    platform = await ready(bench, interrupt=True)
     for bad in (0, RECORDS - 2):
         area = platform.source if on == "read" else platform.destination
         place = address = area + bad * BYTES
@@ -244,14 +236,12 @@ async def bus_error(dut, on, answer):
         written = RECORDS + (address - area) // BYTES
         await platform.call(platform.targets(2 * RECORDS + 3), f"{on}_{answer}", written, address)
         await platform.good_call()
-    bench.check()
 
 
-@timed_test()
-async def busy(dut):
+@bench_test()
+async def busy(bench):
     """During another host's job, even one that just started, a call returns busy and leaves the job undisturbed."""
-    platform = await ready(dut, interrupt=True)
-    bench = platform.bench
+    platform = await ready(bench, interrupt=True)
     bench.stall("r", "w")
     other = (0x10000, 0x10000 + 8 * BYTES)
     bench.place(other[0], 0, 8)
@@ -265,19 +255,17 @@ async def busy(dut):
     platform.race = False
     await bench.ended()
     await platform.good_call()
-    bench.check()
 
 
 @MODES
-@timed_test()
-async def aborted(dut, interrupt):
+@bench_test(seed=3)
+async def aborted(bench, interrupt):
     """An abort from another thread during a call soft-resets the core and leaves the bus quiet."""
-    platform = await ready(dut, interrupt, seed=3)
-    bench = platform.bench
+    platform = await ready(bench, interrupt)
     bench.channel("ar").pause = True  # keeps the job running
 
     async def abort():
-        await ClockCycles(dut.clk, 700)
+        await ClockCycles(bench.dut.clk, 700)
         platform.driver.linked.ik_abort(ctypes.byref(platform.driver.core))
         platform.woken = True
         bench.channel("ar").pause = False
@@ -287,15 +275,13 @@ async def aborted(dut, interrupt):
     await task
     assert bench.monitor.quiet() and await bench.read("STATUS") == 0 and len(platform.jobs) == 1
     await platform.good_call(2 * RECORDS)
-    bench.check()
 
 
 @MODES
-@timed_test()
-async def memory_hangs(dut, interrupt):
+@bench_test()
+async def memory_hangs(bench, interrupt):
     """A call times out when the memory hangs; further calls return busy until the memory responds."""
-    platform = await ready(dut, interrupt, polls=60)
-    bench = platform.bench
+    platform = await ready(bench, interrupt, polls=60)
     bench.channel("r").pause = True
     await platform.call(platform.targets(5), "timeout")
     assert (await bench.fields("STATUS"))["busy"] == 1
@@ -303,4 +289,3 @@ async def memory_hangs(dut, interrupt):
     bench.channel("r").pause = False
     assert not any((await bench.ended()).values()), "the job was not aborted"
     await platform.good_call()
-    bench.check()

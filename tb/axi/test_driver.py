@@ -268,9 +268,9 @@ def test_missing_result(library):
 def test_texts(library):
     """Each code has its own text; all unknown codes have the same text."""
     driver = Driver(library, RegisterModel(), *RegisterModel().areas, COUNT)
-    texts = [driver.text(code) for code in (*CODES.values(), -1, 10, 15, max(CODES.values()) + 1)]
+    texts = [driver.linked.ik_error_text(code) for code in (*CODES.values(), -1, 10, 15, max(CODES.values()) + 1)]
     assert len(set(texts)) == len(CODES) + 1 and len(set(texts[-4:])) == 1
-    assert all(text.endswith(".") for text in texts[:-4])
+    assert all(text.endswith(b".") for text in texts[:-4])
 
 
 BUFFER = (0x10000000, 0x640, 0x40)  # page, size, offset: 24 targets, 24 results

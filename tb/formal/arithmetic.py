@@ -7,7 +7,7 @@ A proof passes if z3 proves all claims, can satisfy their assumptions, and finds
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from tb.formal.task import Outcome, Say
 from tb.formal.unrolled import Answer
@@ -18,7 +18,6 @@ def _number(value: int) -> str:
 
 
 def inside(name: str, low: int, high: int) -> str:
-    """Return the SMT-LIB condition low <= name <= high."""
     return f"(<= {_number(low)} {name} {_number(high)})"
 
 
@@ -27,8 +26,7 @@ def word(name: str, width: int) -> str:
     return inside(name, -(1 << (width - 1)), (1 << (width - 1)) - 1)
 
 
-@dataclass(frozen=True)
-class Question:
+class Question(NamedTuple):
     """Question to z3. ``ask`` returns "unsat" if the claim holds, ``meet`` "sat" if its assumptions are satisfiable."""
 
     name: str

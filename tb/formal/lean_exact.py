@@ -73,7 +73,6 @@ class Exact:
         return f"{operand.name}_w" if operand.name in node.as_words else operand.name
 
     def operands(self, name: str) -> list[str]:
-        """Return the names that all operands have in a node's formulas."""
         return [self.operand(self.nodes[name], operand) for operand in self.nodes[name].operands]
 
     def compared(self, relation: Compared) -> str:

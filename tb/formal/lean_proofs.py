@@ -98,10 +98,6 @@ class Questions:
         """Return the formula "the facts hold and the claim does not", which z3 must refute."""
         return self.exact.formula(self.facts(name), self.claim(name))
 
-    def assumed(self, name: str) -> str:
-        """Return the formula "the facts hold", which z3 must satisfy."""
-        return self.exact.formula(self.facts(name), "false")
-
 
 class Rules(Questions):
     """Questions about the lemmas and the exact ranges."""
@@ -197,7 +193,7 @@ class Rounded(Questions):
 
 
 def _question(asked: Questions, name: str) -> Question:
-    both = asked.assumed(name), asked.question(name)
+    both = asked.exact.formula(asked.facts(name), "false"), asked.question(name)
     label = f"{name}, W={asked.exact.flow.width}" + ("" if asked.case == REACHABLE else f", {asked.case}")
     solver = LINEAR if name.startswith("words of") else SOLVER
     met, said = (lambda k=k: ask_each(both, solver, LIMIT)[k] for k in range(2))
@@ -221,7 +217,6 @@ def questions(kind: type[Questions], widths: Sequence[int] = WIDTHS) -> Iterator
 
 
 def digest(kind: type[Questions]) -> str:
-    """Return the digest of all questions of a kind."""
     return digest_of(SOLVER, LINEAR, *(asked.question(name) for asked, name in _all(kind, WIDTHS)))
 
 

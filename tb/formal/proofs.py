@@ -52,11 +52,6 @@ CONTROL = "ik_fold_fetch ik_fold_lap"
 ENGINES = "ik_axi_job ik_axi_read ik_axi_records ik_axi_regs ik_axi_result ik_axi_target ik_axi_write"
 
 
-def fifo(log2: int, depth: int = 0) -> Proof:
-    sets = {"W": 208, "LOG2": log2}
-    return Proof(f"fifo_{1 << log2}", "ik_fifo", sets, properties={"ik_fifo": "ik_fifo"}, depth=depth)
-
-
 def axis(name: str, width: int, depth: int = 0) -> Proof:
     """Return the proof of a core's top with its real FIFO and an arbitrary datapath that has the real latency."""
     path = MODELS.get(name, PAPER)
@@ -94,8 +89,7 @@ def engine(name: str, others: str = "", size: int = 5) -> Proof:
 
 
 PROOFS = (
-    fifo(6, depth=148),
-    fifo(9),
+    *(Proof(f"fifo_{1 << log2}", "ik_fifo", {"W": 208, "LOG2": log2}, depth=n) for log2, n in ((6, 148), (9, 0))),
     axis("lean", 32, depth=84),
     handshake("lean"),
     valid("lean"),

@@ -9,9 +9,10 @@ questions read an arbitrary table word; a further check compares each word of th
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 from model.dataflow.formats import WIDTHS, root_frac
 from model.dataflow.mul3 import TILE
@@ -25,19 +26,21 @@ from tb.sim.seeded_bugs import Bug, copy_rtl
 
 BUILD = ROOT / "build" / "formal_rsqrt"
 WIDE = 96
-SOLVER = "(check-sat-using (then simplify propagate-values solve-eqs smt))"
 FULL = 31  # fraction bits at W = 32
 
 RSQRT = "rtl/lib/ik_rsqrt.v"
 QUADRATIC = "rtl/lib/ik_quadratic.v"
 TABLE = "rtl/include/ik_rsqrt_table.vh"
 
-
 HELD = re.compile(r"\(= \(bvand \(select \(\|\S+\| state\) #b([01]+)\) #b1+\) #b([01]+)\)")
 """Address and initial value of a table word in Yosys' formula."""
 
 MULTIPLIED = re.compile(r"^\(define-fun (\|\S+\|) \(\(state (\|\S+\|)\)\) (\(_ BitVec \d+\)) \(bvmul .*$", re.M)
 """Product in Yosys' formula, replaced with an arbitrary word except in questions about products."""
+
+
+def _operator(name: str) -> Callable[["Term", object], "Term"]:
+    return lambda self, other: replace(self, text=f"({name} {self.text} {_text(other)})")
 
 
 @dataclass(frozen=True)
@@ -48,28 +51,14 @@ class Term:
     lower: bool = False
     products: tuple[list, list] | None = None  # registers of the products, and the factors multiplied so far
 
-    def _with(self, operator: str, other) -> "Term":
-        return replace(self, text=f"({operator} {self.text} {_text(other)})")
-
-    def __add__(self, other):
-        return self._with("bvadd", other)
-
-    __radd__ = __add__
-
-    def __sub__(self, other):
-        return self._with("bvsub", other)
+    __add__ = __radd__ = _operator("bvadd")
+    __sub__ = _operator("bvsub")
+    __and__ = _operator("bvand")
+    __lshift__ = _operator("bvshl")
+    __rshift__ = _operator("bvashr")
 
     def __neg__(self):
         return replace(self, text=f"(bvneg {self.text})")
-
-    def __and__(self, other):
-        return self._with("bvand", other)
-
-    def __lshift__(self, other):
-        return self._with("bvshl", other)
-
-    def __rshift__(self, other):
-        return self._with("bvashr", other)
 
     def __lt__(self, other):
         return self.lower
@@ -96,8 +85,7 @@ def model(form: Form, frac: int, row, m):
     return number, u, y >> form.sum_frac - frac
 
 
-@dataclass(frozen=True)
-class Product:
+class Product(NamedTuple):
     """Product of two Verilog words: its register in ``clock``, and its factors in the clock before."""
 
     name: str
@@ -185,11 +173,6 @@ class Stages:
             products.append(Product("lh", "g_tiles.lh_2", ("g_tiles.slope_lo_1", "u_hi_1"), after))
         return products
 
-    def _ask(self, claim: str, facts: list[str]) -> Answer:
-        steps = self.whole if "bvmul" in claim else self.unrolled
-        lines = [steps.clocks(self.clocks), *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"]
-        return ask("\n".join(lines), SOLVER)
-
     def questions(self) -> Iterator[Question]:
         label = "" if (self.frac, self.tile) == (FULL, TILE) else f", F={self.frac}, TILE={self.tile}"
         yield Question(f"table{label}", "all words are the model's", self.words)
@@ -227,7 +210,9 @@ class Stages:
             case = [f"(bvult {m} {half})" if lower else f"(bvuge {m} {half})"]
             case += [f"(bvult {m} {quarter})" if below else f"(bvuge {m} {quarter})"]
             terms = self._run(lower, below)
-            answer = self._ask(claim(*terms) if claim else "false", [*case, self._slope(terms[-1])])
+            text = claim(*terms) if claim else "false"
+            steps = self.whole if "bvmul" in text else self.unrolled
+            answer = steps.ask(self.clocks, [*case, self._slope(terms[-1])], text)
             seconds += answer.seconds
             if answer.said != ("unsat" if claim else "sat"):
                 break

@@ -18,7 +18,6 @@ from tb.sim.sources import code
 FLOORS = (DIV, ROOT_DIGIT, "tb/formal/floors.py", "tb/formal/smt.py")
 STAGES = (RSQRT, QUADRATIC, TABLE, "rtl/lib/ik_delay.v", "model/dataflow/quadratic.py")
 
-
 Asked = Callable[[], Iterable[Question]]
 
 

@@ -21,12 +21,10 @@ def program(name: str) -> Path:
 
 
 def missing() -> list[str]:
-    """Return the programs that are not installed."""
     return [name for name in PROGRAMS if not program(name).exists()]
 
 
 def versions() -> str:
-    """Return the names and versions of :data:`PACKAGES` in one line."""
     return ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
 
 

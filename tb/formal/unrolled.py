@@ -6,16 +6,16 @@ Yosys writes functions of a state. With constants, z3 recognizes equal expressio
 
 import re
 import time
-from dataclasses import dataclass
 from functools import cache, lru_cache
+from typing import NamedTuple
 
 from tb.formal.tools import call
 
 LIMIT = 120  # seconds for one question
+TACTIC = "(check-sat-using (then simplify propagate-values solve-eqs smt))"  # cancels sums before bit blasting
 
 
-@dataclass(frozen=True)
-class Answer:
+class Answer(NamedTuple):
     """Answer of z3: ``said`` is "unsat", "sat", "timeout", "unknown" or an error message."""
 
     said: str
@@ -68,6 +68,11 @@ class Unrolled:
         parts = [self._one(clock) for clock in range(steps + 1)]
         parts += [f"(assert |{self.top}_h@{c}|)\n(assert |{self.top}_u@{c}|)" for c in range(steps + 1)]
         return "\n".join(parts + [self._next(clock) for clock in range(steps)])
+
+    def ask(self, clocks: int, facts: list[str], claim: str, limit: int = LIMIT) -> Answer:
+        """Ask whether a claim about clocks 0 to ``clocks`` follows from facts."""
+        lines = [self.clocks(clocks), *(f"(assert {fact})" for fact in facts), f"(assert (not {claim}))"]
+        return ask("\n".join(lines), TACTIC, limit)
 
     def at(self, signal: str, clock: int) -> str:
         """Return the SMT name of a signal of the module in a clock."""

@@ -66,14 +66,15 @@ class Board:
     async def clocks(self, count: int) -> None:
         await ClockCycles(self.dut.CLK, count)
 
-    async def press(self) -> None:
-        """Press the button, wait until reset has ended, and clear the received bytes."""
+    async def press(self) -> "Board":
+        """Press the button, wait until reset has ended, and clear the received bytes. Return the board."""
         self.dut.BTN_N.value = 0
         await self.clocks(30)
         self.dut.BTN_N.value = 1
         await self.clocks(100)
         await self.clocks(BYTE)
         self.sink.clear()
+        return self
 
     async def send(self, some: bytes) -> None:
         await self.source.write(some)
@@ -109,12 +110,6 @@ def targets(count: int, seed: int = 1) -> tuple[list[bytes], list[tuple[int, int
     return list(map(frame, tags, words)), list(answers)
 
 
-async def board(dut, **options) -> Board:
-    made = Board(dut, **options)
-    await made.press()
-    return made
-
-
 async def still_works(at: Board, seed: int = 5) -> None:
     """Check that a target is answered and that the red LED is off afterwards."""
     (sent,), expected = targets(1, seed)
@@ -142,7 +137,7 @@ async def out_of_reset(dut):
 @timed_test()
 async def every_bit(dut, skew):
     """Send targets with two stop bits and clock skew. Hand poses have longer answers, so a pause follows each."""
-    at = await board(dut, skew=skew)
+    at = await Board(dut, skew=skew).press()
     sent, expected = targets(TARGETS, seed=int(100 * skew) + 3)
     for target in sent:
         at.source.write_nowait(target)
@@ -156,7 +151,7 @@ async def every_bit(dut, skew):
 @timed_test()
 async def answer_at_once(dut):
     """A single target is answered after its last byte; the answer has no gaps."""
-    at = await board(dut)
+    at = await Board(dut).press()
     (sent,), expected = targets(1)
     cocotb.start_soon(at.source.write(sent))
     await at.clocks(TARGET_BYTES * (BYTE + BIT) - 3 * BIT)
@@ -172,7 +167,7 @@ async def answer_at_once(dut):
 async def wrong_bits(dut):
     """A frame with a wrong bit gets no answer and lights the red LED. A wrong first byte starts no frame: the LED stays
     off. A frame is rejected if only one byte of its CRC matches."""
-    at = await board(dut)
+    at = await Board(dut).press()
     sent, _ = targets(22, seed=9)
     wrong = [bytes(byte ^ (at == k) << k % 8 for at, byte in enumerate(one)) for k, one in enumerate(sent)]
     checks = [sent[0][:-2] + check.to_bytes(2, "big") for check in range(1 << 16)]
@@ -189,7 +184,7 @@ async def wrong_bits(dut):
 @timed_test()
 async def cut_frames(dut):
     """A truncated frame is dropped after a pause; bytes between frames are ignored."""
-    at = await board(dut)
+    at = await Board(dut).press()
     (sent,), expected = targets(1, seed=11)
     for length in (1, 2, 20, 21):
         await at.send(sent[:length])
@@ -210,7 +205,7 @@ async def cut_frames(dut):
 @timed_test()
 async def noise(dut):
     """A low pulse shorter than half a bit is no start bit, neither when idle nor within a frame."""
-    at = await board(dut)
+    at = await Board(dut).press()
     (sent,), expected = targets(1, seed=12)
 
     async def glitch():
@@ -231,7 +226,7 @@ async def noise(dut):
 @timed_test()
 async def no_stop_bit(dut):
     """A byte without a stop bit ends its frame at once. As the first byte, it starts no frame."""
-    at = await board(dut)
+    at = await Board(dut).press()
     (sent,), expected = targets(1, seed=13)
 
     async def cut_off(byte: int):
@@ -256,7 +251,7 @@ async def no_stop_bit(dut):
 @timed_test()
 async def button(dut):
     """The button aborts a frame being received, a target in the core and an answer being sent; the red LED goes off."""
-    at = await board(dut)
+    at = await Board(dut).press()
     (first, second), _ = targets(2, seed=14)
     for pause in (0, 40, 6 * BYTE):  # target in the core, answer being sent
         await at.send(first)
@@ -284,7 +279,7 @@ async def lights(led) -> None:
 @timed_test()
 async def more_than_it_can_take(dut):
     """Targets with one stop bit arrive faster than answers leave. Whole frames are dropped; all answers are right."""
-    at = await board(dut, stop_bits=1)
+    at = await Board(dut, stop_bits=1).press()
     sent, expected = targets(50, seed=15)
     at.source.write_nowait(b"".join(sent))
     red = cocotb.start_soon(lights(dut.LEDR_N))
@@ -309,7 +304,7 @@ async def program(dut):
     ours, theirs = pty.openpty()
     tty.setraw(theirs)
     os.set_blocking(ours, False)
-    at = await board(dut)
+    at = await Board(dut).press()
     lost_to, lost_from = json.loads(os.environ["IK_LOST"])
     words = [os.ttyname(theirs) if word == "PORT" else word for word in json.loads(os.environ["IK_PROGRAM"])]
     there = back = 0

@@ -27,7 +27,6 @@ from tb.units.unit import Case, simulation
 LEAST, TIMES = 30.0, 10.0
 """Time limit of a mutant's simulation: LEAST seconds, or TIMES as long as without the mutant if that is longer."""
 
-
 CORE = re.compile(r"^  (\S+  )\\(g_axis|g_arm)\.(\w+)(  \(\n.*?^  \);\n)", re.M | re.S)
 """Instance of the core in the netlist of ``ik_axi_records``. The benches need the named block, which is restored."""
 

@@ -189,13 +189,12 @@ def unchanged(mutant: Mutant, modules: dict) -> bool:
 
 def described(modules: dict) -> dict[str, dict]:
     """Return `Netlist.modules`, given the modules of Yosys' JSON."""
-    parents = defaultdict(list)
-    for name, module in modules.items():
-        for child in {cell["type"] for cell in module["cells"].values()} & set(modules):
-            parents[child].append(name)
     tree = {}
     for name, module in modules.items():
         bits = module.get("parameter_default_values", {})
         values = {key: int(text, 2) - ((text[0] == "1") << len(text)) for key, text in bits.items()}  # signed
-        tree[name] = {"parents": parents[name], "parameters": values}
+        tree[name] = {"parents": [], "parameters": values}
+    for name, module in modules.items():
+        for child in {cell["type"] for cell in module["cells"].values()} & set(modules):
+            tree[child]["parents"].append(name)
     return tree

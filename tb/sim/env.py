@@ -23,19 +23,11 @@ CORES = ("behavioural", "digit")  # dividers and roots, indexed by the RTL param
 
 # Variables that children do not inherit. MAKEFLAGS would carry `make run OUT=x` into the make of Verilator's builds.
 # cocotb-test would read WAVES and request FST from Verilator, which needs liblz4-dev.
+# PYTHONWARNINGS would let a warning of cocotb fail the simulation, and PYTHONDONTWRITEBYTECODE recompile its modules.
 DROPPED = (
-    "MAKEFLAGS",
-    "MFLAGS",
-    "MAKELEVEL",
-    "MAKEOVERRIDES",
-    "GNUMAKEFLAGS",
-    "WAVES",
-    "VERILATOR_BIN",
-    "VERILATOR_ROOT",
-    "PYTHONHOME",
-    "PYTHONWARNINGS",  # a warning of cocotb would fail the simulation
-    "PYTHONDONTWRITEBYTECODE",  # otherwise each simulation recompiles the same modules
-)
+    "MAKEFLAGS MFLAGS MAKELEVEL MAKEOVERRIDES GNUMAKEFLAGS WAVES VERILATOR_BIN VERILATOR_ROOT "
+    "PYTHONHOME PYTHONWARNINGS PYTHONDONTWRITEBYTECODE"
+).split()
 
 
 def verilator_root() -> Path:
@@ -69,8 +61,7 @@ def environment(base=None) -> dict:
 def use_environment() -> None:
     """Apply `environment()` to this process. A second call changes nothing."""
     env = environment()
-    for name in set(os.environ) - set(env):
-        del os.environ[name]
+    os.environ.clear()
     os.environ.update(env)
 
 

@@ -13,7 +13,7 @@ from model.dataflow.nodes import Limits, Node
 from model.io.stimuli import arm_limits
 from model.io.words import pack
 
-KEPT = 1000  # number of differences kept for the message; later ones are only counted
+KEPT, SHOWN = 1000, 5  # numbers of differences kept for the message, and shown in it; the others are only counted
 
 
 class SimulationError(Exception):
@@ -101,18 +101,16 @@ def value(bits: str, fmt: Format, digits: int = 12) -> str:
     return f"{word / 2**fmt.frac:.{digits}g}"
 
 
-def report(differences: Sequence[Difference], nodes: Iterable[Node], most: int = 5, since: int = 0) -> str:
-    """Return a message about the first target that differs; empty if none does. Its number counts from ``since``.
-
-    The message lists at most ``most`` nodes, in the order of ``nodes``.
-    """
+def report(differences: Sequence[Difference], nodes: Iterable[Node], since: int = 0) -> str:
+    """Return a message about the first target that differs; empty if none does. Its number counts from ``since``, its
+    nodes have the order of ``nodes``."""
     if not differences:
         return ""
     order = {node.name: k for k, node in enumerate(nodes)}
     first = min(d.target for d in differences)
     of_first = [replace(d, target=first - since) for d in differences if d.target == first]
     of_first.sort(key=lambda d: order[d.node.name])
-    lines = [f"first difference: {of_first[0]}", *(f"            then: {d}" for d in of_first[1:most])]
-    if len(of_first) > most:
-        lines.append(f"            and {len(of_first) - most} more nodes of this target")
+    lines = [f"first difference: {of_first[0]}", *(f"            then: {d}" for d in of_first[1:SHOWN])]
+    if len(of_first) > SHOWN:
+        lines.append(f"            and {len(of_first) - SHOWN} more nodes of this target")
     return "\n".join(lines)

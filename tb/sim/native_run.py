@@ -108,12 +108,7 @@ endmodule
 
 
 def program(
-    datapath: str,
-    width: int,
-    root: Path = ROOT,
-    name: str = "",
-    kind: str | None = None,
-    limits: Limits | None = None,
+    datapath: str, width: int, root: Path = ROOT, name: str = "", kind: str | None = None, limits: Limits | None = None
 ) -> Path:
     """Build the program of a datapath if necessary; return its path.
 

@@ -62,23 +62,18 @@ def simulate(
             MODELS[datapath].top, "tb.core.batch", sim=simulator, waves=waves, env={"IK_FOLDER": folder}, **core
         )
         with open(log, "w") as out, started(command, folder, stdout=out, stderr=subprocess.STDOUT) as process:
-            _wait(process, place / "progress", total, progress)
+            while process.poll() is None:
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    process.wait(timeout=0.5)
+                if progress and (place / "progress").exists():
+                    progress(int((place / "progress").read_text() or 0), total)
+        if progress and process.returncode == 0:
+            progress(total, total)
         lacking = full(*([waves.parent] if waves else []))  # a simulator may truncate a waveform silently
         if process.returncode or lacking or not (place / "runs").exists():
             lacking = lacking or full(place, ROOT / "build")
             raise SimulationError(lacking or reason(log.read_text(errors="replace"), simulator))
         return pickle.loads((place / "runs").read_bytes())
-
-
-def _wait(process: subprocess.Popen, file: Path, total: int, progress) -> None:
-    while True:
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(timeout=0.5)
-            break
-        if progress and file.exists():
-            progress(int(file.read_text() or 0), total)
-    if progress and process.returncode == 0:
-        progress(total, total)
 
 
 def reason(log: str, simulator: str) -> str:

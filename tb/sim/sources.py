@@ -41,12 +41,10 @@ def sources(root: Path = ROOT) -> list[Path]:
 
 
 def includes(root: Path = ROOT) -> list[Path]:
-    """Return the header folders."""
     return _entries(root)[0]
 
 
 def headers(root: Path = ROOT) -> list[Path]:
-    """Return the header files."""
     return [path for folder in includes(root) for path in sorted(folder.glob("*.vh"))]
 
 

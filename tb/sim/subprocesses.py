@@ -53,10 +53,9 @@ def end_group(process: subprocess.Popen) -> None:
 
 def compiled(command: Sequence[str | Path], seconds: float | None = None) -> subprocess.CompletedProcess:
     """Run a compiler to completion. Raises subprocess.TimeoutExpired after ``seconds``."""
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "errors": "replace"}
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
-        with started(
-            command, folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace"
-        ) as process:
+        with started(command, folder, **options) as process:
             out, err = process.communicate(timeout=seconds)
         return subprocess.CompletedProcess(command, process.returncode, out, err)
 

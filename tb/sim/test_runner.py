@@ -206,12 +206,10 @@ def alive(pid: int) -> bool:
 
 
 def test_the_whole_group_ends_and_its_temporary_files_are_in_one_folder(tmp_path):
-    with pytest.raises(KeyboardInterrupt):
-        with subprocesses.started(
-            [sys.executable, "-c", PARENT], tmp_path, stdout=subprocess.PIPE, text=True
-        ) as process:
-            pids = [int(pid) for pid in process.stdout.readline().split()]
-            assert len(pids) == 2 and all(map(alive, pids))
-            raise KeyboardInterrupt
+    words, pipe = [sys.executable, "-c", PARENT], {"stdout": subprocess.PIPE, "text": True}
+    with pytest.raises(KeyboardInterrupt), subprocesses.started(words, tmp_path, **pipe) as process:
+        pids = [int(pid) for pid in process.stdout.readline().split()]
+        assert len(pids) == 2 and all(map(alive, pids))
+        raise KeyboardInterrupt
     assert not any(map(alive, pids))
     assert len(list(tmp_path.iterdir())) == 1

@@ -14,16 +14,13 @@ STEPS = {"derivation": paper.STEPS, "lean": lean.STEPS}  # page -> its steps
 
 
 def page(name: str, steps: Mapping[str, Step]) -> str:
-    """Return docs/generated/<name>.md."""
     halves = {
         rf"h(c, s) \text{{ for }} {branch}".replace(">=", r"\ge"): rf"\left({tex(c)},\ {tex(s)}\right)"
         for branch, (c, s) in lean.HALF.items()
     }
     proofs = {step: done.block() for step, done in steps.items()}
-    sections = {title: [] for title in SECTIONS.values()}
-    for node in lean.NODES.values():
-        if node.kind != "input":
-            sections[SECTIONS[node.section]].append(f"{node.name} = {node.right_side}")
+    shown = [(n.section, f"{n.name} = {n.right_side}") for n in lean.NODES.values() if n.kind != "input"]
+    sections = {title: [text for where, text in shown if where == part] for part, title in SECTIONS.items()}
     return render(name, proofs=proofs, sections=sections, halves=aligned(halves))
 
 

@@ -29,8 +29,6 @@ def corrected(number: str, name: str) -> str:
     return PRINTED[number][name].replace(*MISPRINTS.get((number, name), ("", "")))
 
 
-# -- names and formulas ----------------------------------------------------------------------------------------------
-
 TEX = {
     "phi": r"\phi", "d1": "d_1", "d2": "d_2", "a_far": "A", "b_near": "B", "k_law": "K", "l_sw": "|L_{sw}|",
     "l_m": "|L_m|", "pi": r"\pi_{swivel}", "pi_abs": r"|\pi_{swivel}|", "inf_pp": r"\mathrm{inf}_{PP}",
@@ -66,7 +64,6 @@ def name_tex(name: str) -> str:
 
 
 def symbols(names: str) -> list[sp.Symbol]:
-    """Return the symbols of names separated by spaces."""
     return [symbol(name) for name in names.split()]
 
 
@@ -123,9 +120,6 @@ def parts(left: Any, right: Any) -> list[sp.Expr]:
     """Return the components of left - right."""
     sides = [list(side) if isinstance(side, sp.MatrixBase) else [side] for side in (left, right)]
     return [sp.sympify(a) - b for a, b in zip(*sides, strict=True)]
-
-
-# -- proofs ----------------------------------------------------------------------------------------------------------
 
 
 class ProofError(Exception):

@@ -166,14 +166,10 @@ def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
         yield {"datapath": DATAPATH, "path": path, "width": WIDTH, "random_error": worst, **clocks()}
 
 
-# -- the page ---------------------------------------------------------------------------------------------------------
-
 BUSY = 0.3  # load per processor core above which the page warns that the computer was busy
 
 
 def page(figures: dict, fpga: dict) -> str:
-    """Return table6.md."""
-
     def clock_of(row: dict) -> float:
         """Return the clock (MHz) of a hardware row: the datapath's or, for memory to memory, ``ik_axi``'s."""
         return clock(fpga, row["datapath"] if row["path"] == STREAMS else "memory", row["width"])
@@ -185,7 +181,6 @@ def page(figures: dict, fpga: dict) -> str:
 
 
 def write(figures: dict[str, Any]) -> int:
-    """Write table6.json and table6.md; return 0."""
     FIGURES.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
     PAGE.write_text(page(figures, load()), encoding="utf-8")
     print(f"wrote {FIGURES.name} and {PAGE.name}")

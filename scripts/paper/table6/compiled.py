@@ -37,7 +37,6 @@ def compiler() -> str:
 
 
 def compiler_version() -> str:
-    """Return the first line of `cc --version`."""
     text = subprocess.run([compiler(), "--version"], capture_output=True, text=True, check=False).stdout
     return text.splitlines()[0] if text else "cc"
 

@@ -172,7 +172,6 @@ def _bind_eaik(targets: Targets) -> Bound:
 
 
 def contenders() -> list[Contender]:
-    """Return all software in table order."""
     every = [
         Contender(f"c-{'-'.join(names)}", "C, one thread", ", ".join(names), partial(_bind_c, *names))
         for names in itertools.product(EQUATIONS, REALS, WAYS)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests that the derivations hold, their pages are up to date, and errors in print, algebra or dataflow are found."""
 
+from copy import copy
+
 import pytest
 
 from model.reference import cga
@@ -36,17 +38,11 @@ def test_a_wrong_factor_in_print_is_found(monkeypatch, name, step):
     assert failures(derive([step]))
 
 
-class Doubled:
-    """Operation with twice the value of the operation ``op``."""
-
-    def __init__(self, op) -> None:
-        self.op = op
-
-    def __getattr__(self, name):
-        return getattr(self.op, name)
-
-    def words(self, values):
-        return 2 * self.op.words(values)
+def doubled(op):
+    """Return a copy of an operation with twice its value."""
+    twice = copy(op)
+    twice.words = lambda values: 2 * op.words(values)
+    return twice
 
 
 EVALUATED = [node.name for node in lean.NODES.values() if node.frac and node.operands and lean.symbolic(node)]
@@ -56,7 +52,7 @@ EVALUATED = [node.name for node in lean.NODES.values() if node.frac and node.ope
 @pytest.mark.parametrize("name", EVALUATED)
 def test_a_doubled_node_is_found(monkeypatch, name):
     steps = [lean.product, lean.length, lean.directions, lean.elbow_quaternion]
-    monkeypatch.setattr(lean.NODES[name], "op", Doubled(lean.NODES[name].op))
+    monkeypatch.setattr(lean.NODES[name], "op", doubled(lean.NODES[name].op))
     assert any(failures(derive([step])) for step in steps)
 
 
@@ -97,7 +93,7 @@ def test_relations_and_roots_count_only_where_they_are_given():
 
 def test_a_false_statement_fails_the_command_and_leaves_the_pages(monkeypatch, command):
     monkeypatch.setattr(derivation, "STEPS", {"lean": [lean.product]})
-    monkeypatch.setattr(lean.NODES["k_1"], "op", Doubled(lean.NODES["k_1"].op))
+    monkeypatch.setattr(lean.NODES["k_1"], "op", doubled(lean.NODES["k_1"].op))
     monkeypatch.setattr(main, "update", lambda texts: pytest.fail("writes pages"))
     status, _, errors = command(main.main, "--only", "derivation")
     assert status == 1 and "step product: lean = algebra: does not hold" in errors[0]

@@ -32,9 +32,7 @@ class Port:
             (f"{part}." if part else "", getattr(self.shell.u, part) if part else self.shell.u, names(module))
             for part, module in PARTS[name].items()
         ]
-        self.inputs = [
-            handle for handle in self.shell if handle._name.islower() and handle._name not in ("u", "clk", "rst")
-        ]
+        self.inputs = [port for port in self.shell if port._name.islower() and port._name not in ("u", "clk", "rst")]
         Clock(self.shell.clk, 10, unit="ns").start(start_high=False)
 
     async def broken(self, trace: Trace) -> set[str]:

@@ -6,7 +6,7 @@ breaks a rule is usually laid over a legal trace, which then ends in the last cl
 """
 
 import re
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from tb.sim.sources import RULES
 
@@ -74,8 +74,7 @@ LEGAL = [
 """Overlays of :data:`AXI4` that break no rule."""
 
 
-@dataclass(frozen=True)
-class Break:
+class Break(NamedTuple):
     """Trace of ``port`` that breaks exactly ``rules``. If ``base``, it is laid over the legal trace of the port."""
 
     port: str

@@ -7,8 +7,8 @@ proofs `valid_*` prove the latency of valid.
 
 import json
 import shutil
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -23,12 +23,10 @@ pytestmark = pytest.mark.needs("fpga")
 
 TAG_W = 5
 
-
 RING = "ik_ring"  # module whose q is d delayed by N clocks, in a memory
 
 
-@dataclass(frozen=True)
-class Bit:
+class Bit(NamedTuple):
     """Origin of a bit: `kind` is "constant", "node", "cell" (an output of a cell) or "port" (an input)."""
 
     kind: str
@@ -77,8 +75,7 @@ class Netlist:
         clocks = 0
         while not isinstance(bit, str):
             if bit in self.origins:
-                origin = self.origins[bit]
-                return Bit(origin.kind, origin.name, origin.index, clocks)
+                return self.origins[bit]._replace(clocks=clocks)
             if bit not in self.drivers:
                 raise ValueError(f"bit {bit} has no driver")
             name, port, index = self.drivers[bit]
@@ -117,9 +114,7 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
     out = max(nodes[name].time for name in (*path.results, *path.flags.keys() & nodes.keys()))
     flags = {flag: name for name, flag in path.flags.items()}
     expected = {
-        "out_data": [
-            Bit("node", field, k, clocks=out - nodes[field].time) for field in path.results for k in range(width)
-        ],
+        "out_data": [Bit("node", field, k, out - nodes[field].time) for field in path.results for k in range(width)],
         "out_flags": [
             Bit("node", flags[1 << k], clocks=out - nodes[flags[1 << k]].time) if 1 << k in flags else Bit("constant")
             for k in range(path.flag_bits)
