@@ -16,16 +16,7 @@ from scripts.console import command, show, switch
 from scripts.options import MOST_DATAPATHS, trajectory_options
 from scripts.paper.tables import table_of_datapaths
 from scripts.score_tables import table_of_many, table_of_one, verdict
-from scripts.trajectory import (
-    SCORES,
-    datapaths,
-    outputs,
-    prepare,
-    result_paths,
-    score_runs,
-    simulated,
-    write_results,
-)
+from scripts.trajectory import SCORES, datapaths, outputs, prepare, result_paths, score_runs, simulated, write_results
 from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file
 from tb.sim.simulate import LONG
 

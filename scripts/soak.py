@@ -12,8 +12,6 @@ words of the worst targets of the previous round. The whole arm has errors of th
 orientation. Poses with a reach below 1 do not count, because the host scales every pose to a reach of 1 or more.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from datetime import date

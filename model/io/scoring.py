@@ -167,10 +167,7 @@ class Score:
 
     def as_json(self) -> dict[str, Any]:
         """Return the object of this trajectory in score.json."""
-        # Not dataclasses.asdict: it would copy the arrays too.
-        return {
-            field.name: getattr(self, field.name) for field in dataclasses.fields(self) if field.name != "per_target"
-        }
+        return {name: value for name, value in vars(self).items() if name != "per_target"}
 
 
 def score(

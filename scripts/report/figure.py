@@ -8,8 +8,6 @@ permuted cyclically until its up axis is z. Points are integers in a small unit,
 page of 3000 frames at a few megabytes.
 """
 
-from __future__ import annotations
-
 import base64
 from typing import Any
 

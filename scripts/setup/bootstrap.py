@@ -208,17 +208,6 @@ def set_up(needs):
         say("ready")
 
 
-def hold_lock():
-    """Wait for another set-up of this checkout to end. Return a lock, held until it is closed or this process ends."""
-    handle = os.open(".", os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        say("waiting for another set-up of this checkout ...")
-        fcntl.flock(handle, fcntl.LOCK_EX)
-    return handle
-
-
 def main(needs):
     for need in needs:
         if need not in PROGRAMS:
@@ -227,7 +216,12 @@ def main(needs):
     if is_ready(needs):
         return
     try:
-        hold_lock()
+        lock = os.open(".", os.O_RDONLY)  # held until this process ends
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            say("waiting for another set-up of this checkout ...")
+            fcntl.flock(lock, fcntl.LOCK_EX)
         if not is_ready(needs):  # another process may have done it
             set_up(needs)
     except OSError as error:
