@@ -182,8 +182,7 @@ def fold_in() -> tuple:
 @trajectory
 def swivel_sweep() -> tuple:
     """Hold the hand still and turn the elbow one full turn about the line from shoulder to wrist."""
-    phi = -np.pi + _turn()
-    return np.tile([0.38, -0.10, -0.12], (STEPS, 1)), phi
+    return np.tile([0.38, -0.10, -0.12], (STEPS, 1)), -np.pi + _turn()
 
 
 @trajectory

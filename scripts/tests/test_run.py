@@ -305,8 +305,6 @@ def test_a_straight_arm_stays_straight(clip_cli):
 
 # -- in the RTL ------------------------------------------------------------------------------------
 
-AIM = 1e-6  # hand error / reach that regular trajectories stay below here; their tolerance is wider
-
 
 def run_in(datapath, out, sim="icarus", trajectory="all"):
     """Run all trajectories, or one, through the RTL; return a dict: trajectory -> its score."""
@@ -339,7 +337,7 @@ if simulator_of_tests() == "icarus":
             if datapath == "lean":
                 assert score["hand_error_tolerance"] == tolerances.LEAN[32], name
             elif singular_distance(trajectories.make(name)).min() >= tolerances.REGULAR_DISTANCE:
-                assert score["hand_error_tolerance"] == tolerances.REGULAR and score["hand_error_max"] <= AIM, name
+                assert score["hand_error_tolerance"] == tolerances.REGULAR and score["hand_error_max"] <= 1e-6, name
 
     @pytest.mark.sim
     @pytest.mark.slow

@@ -46,10 +46,6 @@ def elbow(result):
     return np.stack([result["qe_w"], result["qe_i"]], axis=-1)
 
 
-def vector(result, name):
-    return np.stack([result[f"{name}_{axis}"] for axis in "xyz"], axis=-1)
-
-
 def columns(*values):
     return tuple(np.array(column) for column in np.broadcast_arrays(*(np.atleast_1d(v) * 1.0 for v in values)))
 
@@ -141,8 +137,9 @@ def test_poses_agree_with_forward_kinematics():
     gap = kinematics.angle_between(shoulder(RESULT), shoulder_quaternion(swivel_normal(*TARGETS[:4]), e))
     assert gap.max() < 1e-9 and gap[regular].max() < 1e-12, "(15)-(18)"
     elbows, _ = kinematics.forward(shoulder(RESULT), elbow(RESULT), d1, d2)
-    np.testing.assert_allclose(vector(RESULT, "p_e"), elbows, rtol=0, atol=1e-13, err_msg="(13) against Qs")
-    np.testing.assert_allclose(vector(RESULT, "p_e"), d1[:, None] * e, rtol=0, atol=1e-13, err_msg="(13)")
+    p_e = np.stack([RESULT[f"p_e_{axis}"] for axis in "xyz"], axis=-1)
+    np.testing.assert_allclose(p_e, elbows, rtol=0, atol=1e-13, err_msg="(13) against Qs")
+    np.testing.assert_allclose(p_e, d1[:, None] * e, rtol=0, atol=1e-13, err_msg="(13)")
     cosine = (d1**2 + d2**2 - x**2 - y**2 - z**2) / (2 * d1 * d2)
     np.testing.assert_allclose(RESULT["c4"], cosine, rtol=0, atol=1e-13, err_msg="(14)")
 
