@@ -28,8 +28,6 @@ TRAJECTORIES: dict[str, Callable[[], Targets]] = {}
 HANDS: dict[str, Callable[[], Targets]] = {}  # built-in trajectories of hand poses by name
 ROBOTS = {"pick_and_place": "iiwa14"}  # trajectory in a robot's base frame -> robot
 
-EXAMPLES = ("reach", "two_arms")  # also CSV files in `examples/`
-
 
 def make(name: str) -> Targets:
     """Return the targets of a built-in trajectory.  Raises KeyError for an unknown name."""

@@ -234,13 +234,6 @@ def test_the_equation_is_what_the_operation_computes(datapath):
         assert off[np.isfinite(off)].max() <= most, node.name
 
 
-COMMENTED = re.compile(r"^ *// (?:\(\d+\) )*(?P<name>\w+) = (?P<text>[^\n]*)$", re.MULTILINE)
-"""Comment of the RTL with a node's equation, on a line of its own above the operator."""
-
-INLINE = "choose", "input"
-"""Kinds of nodes that may be computed by a line of Verilog instead of an instance of an operator."""
-
-
 @pytest.mark.parametrize(
     ("datapath", "section"), [(name, section) for name in ("arm", "paper") for section in MODELS[name].sections]
 )
@@ -251,10 +244,11 @@ def test_the_verilog_has_the_equation_of_each_operator(datapath, section):
         return
     text = (Path(__file__).parents[3] / path.folder / f"{path.module(section)}.v").read_text(encoding="utf-8")
     nodes = {node.name: node for node in fixed.nodes(datapath, 32).values() if node.section == section}
-    in_rtl = {match["name"]: match["text"] for match in COMMENTED.finditer(text) if match["name"] in nodes}
+    commented = re.findall(r"^ *// (?:\(\d+\) )*(\w+) = (.*)$", text, re.MULTILINE)
+    in_rtl = {name: equation for name, equation in commented if name in nodes}
     assert in_rtl == {name: nodes[name].right_side for name in in_rtl}
     for node in nodes.values():
-        if node.kind not in INLINE:
+        if node.kind not in ("choose", "input"):  # these may be a line of Verilog instead of an operator
             named = re.search(rf"{re.escape(node.equation)}.*\b{node.name} = ", text) and node.name in in_rtl
             assert named, f"{path.module(section)}.v lacks the comment {node.equation} {node.name} = {node.right_side}"
 
