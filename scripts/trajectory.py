@@ -233,9 +233,6 @@ def doubts(targets: Targets, free: bool = True) -> Iterator[str]:
         yield f"the elbow jumps at {at}, because the wrist passes close to the reference axis; {better}"
 
 
-# -- simulation and scores --------------------------------------------------------------------------
-
-
 def simulated(
     arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None
 ) -> list[Run]:
@@ -262,9 +259,6 @@ def score_runs(
         more = {"tolerance": arguments.tolerance, "predicted": predicted, "placed": places, "limits": item.limits}
         scored.append((run, score(item.targets, item.words, item.exponent, run, **core, **more)))
     return scored
-
-
-# -- poses of results in the user's frame ----------------------------------------------------------
 
 
 def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
@@ -310,9 +304,6 @@ def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
     if item.targets.hand is not None:
         places.append(clips.interleaved([clips.hands(clip, limb) for limb in limbs]))
     return tuple(places)
-
-
-# -- files ------------------------------------------------------------------------------------------
 
 
 def sources(prepared: Iterable[Prepared]) -> list[Path]:

@@ -355,9 +355,6 @@ def _large_errors(what: str, error: np.ndarray, most: float | np.ndarray | None,
     return [f"{what} {error[n]:.3g} at target {n} is {times} ({np.count_nonzero(above)} targets above)"]
 
 
-# -- files -----------------------------------------------------------------------------------------
-
-
 def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray] | None = None) -> dict[str, bytes]:
     """Return the contents of results.csv and results.npz by suffix; results.npz has the same data as arrays.
 

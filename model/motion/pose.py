@@ -294,9 +294,6 @@ def _rolled(order: Order, q: Floats, places: int) -> Floats:
     return q if order == "wxyz" else np.roll(q, places, axis=-1)
 
 
-# -- the reference axis ----------------------------------------------------------------------------
-
-
 def direction(axis: Axis) -> Floats:
     """Return the unit vector (3,) of an axis.  Raises ValueError."""
     if isinstance(axis, str) and axis in NAMED_AXES:

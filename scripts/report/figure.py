@@ -95,8 +95,6 @@ def packed(item: Prepared, width: int) -> dict[str, Any]:
     }
 
 
-# -- the figure of a clip ----------------------------------------------------------------------------------------------
-
 STEPS = 4000
 """Units per diagonal of the figure's bounding box. A unit is smaller than a pixel."""
 

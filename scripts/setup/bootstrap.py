@@ -76,9 +76,6 @@ def run_logged(command, env=None):
         return log.read().decode("utf-8", "replace").splitlines()[-1] + " (more in build/setup.log)"
 
 
-# -- the system's packages -------------------------------------------------------------------------
-
-
 def apt_prefix():
     """Return the words to put before apt-get, [] or ["sudo", "-n"]; None if apt-get is missing or not allowed."""
     if which("apt-get") and os.geteuid() == 0:
@@ -105,9 +102,6 @@ def missing(needs, optional=False):
     """Return the programs of these needs that are not installed: the required or, if `optional`, the optional ones."""
     programs = [program for need in needs for program in PROGRAMS[need] if (program in OPTIONAL) == optional]
     return [program for program in programs if which(program) is None]
-
-
-# -- the virtual environment -----------------------------------------------------------------------
 
 
 def stamp_of(ready):

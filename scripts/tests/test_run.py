@@ -145,9 +145,6 @@ def test_an_error_while_files_are_written_leaves_all_as_they_were(cli, simulator
     assert {path: Path(path).read_bytes() for path in files()} == before
 
 
-# -- clips of motion capture ------------------------------------------------------------------------
-
-
 @pytest.fixture
 def clip_cli(cli):
     """Return a function that runs t.bvh and checks that the written clip is unchanged, except for arms with --phi."""
@@ -301,9 +298,6 @@ def test_a_straight_arm_stays_straight(clip_cli):
     assert {row["flags"] for row in table} == {"1"}, "asked to reach a little further than it can"
     assert max(float(row["elbow_error"]) for row in table) < 2e-5
     assert json.loads(Path("o/score.json").read_text())[0]["passed"]
-
-
-# -- in the RTL ------------------------------------------------------------------------------------
 
 
 def run_in(datapath, out, sim="icarus", trajectory="all"):

@@ -122,8 +122,6 @@ def assert_pose(targets):
     return result
 
 
-# -- regular poses
-
 TARGETS = random_targets(20_000, seed=1)
 RESULT = solve(*TARGETS)
 
@@ -152,9 +150,6 @@ def test_unit_of_length_does_not_matter(solver, exponent):
     one = solver(*TARGETS)
     for name in RESULT_FIELDS:  # powers of two are exact, so even roundoff is the same
         np.testing.assert_array_equal(scaled[name], one[name], err_msg=name)
-
-
-# -- singular poses
 
 
 def solve_print(*target):
@@ -287,8 +282,6 @@ def exact_squares(*lengths):
     return {"qe_w": ((d1 + d2) ** 2 - s) / (4 * d1 * d2), "qe_i": (s - (d1 - d2) ** 2) / (4 * d1 * d2)}
 
 
-# -- clamped poses
-
 ANYWHERE, UP = directions(np.random.default_rng(3), 50), np.array([[0.0], [0.0], [1.0]])
 CLAMPED = {
     "too far": (1.5 * ANYWHERE, (0.4, 0.3), TOO_FAR, 0.4, 0.7, False),
@@ -346,9 +339,6 @@ def test_words_of_the_core():
     assert 0.1 < clamped.mean() < 0.95, "both kinds"
     assert angle(lean, paper)[clamped].max() < ROUNDOFF
     assert angle(lean, paper).max() < 1e-7, "small words hit singular poses, where the paper keeps half of the digits"
-
-
-# -- rejected input
 
 
 @pytest.mark.parametrize(
