@@ -123,8 +123,7 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
             notes = ("POLE= overrides the column phi",)
     else:
         loaded = [trajectories.make(one) for one in (trajectories.TRAJECTORIES if name == "all" else [name])]
-    frame = None if axis == "z" else to_z(axis)
-    loaded = [replace(one, frame=frame) for one in loaded]
+    loaded = [replace(one, frame=None if axis == "z" else to_z(axis)) for one in loaded]
     if loaded[0].hand is not None:
         return [_of_hands(arguments, loaded[0], robot, notes)]
     if robot:
@@ -168,8 +167,7 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
         if low > high:
             raise InputError(f"argument --robot: no word of {arguments.width} bits is within the limits of {name}")
     targets = _guided(targets, arguments.pole, None)
-    words = to_words(targets, arguments.width)
-    return Prepared(targets, *words, notes=notes, robot=robot, limits=limits)
+    return Prepared(targets, *to_words(targets, arguments.width), notes=notes, robot=robot, limits=limits)
 
 
 def _of_clip(arguments: SimpleNamespace) -> Prepared:
@@ -213,7 +211,7 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
     return prepared
 
 
-def doubts(targets: Targets, free: bool = True) -> Iterator[str]:
+def doubts(targets: Targets, free: bool) -> Iterator[str]:
     """Yield a warning for each sign of a wrong unit, and for elbow jumps. free: the user may set axis and lengths."""
     distance = np.linalg.norm(targets.core_wrist, axis=1)
     out = int(np.count_nonzero((distance > targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))

@@ -249,11 +249,9 @@ def score(
     everywhere = np.ones(count, dtype=bool)
 
     clocks = None if run.total_cycles is None else run.total_cycles - (run.latency_cycles or 0)
-    mismatch = f"{run.bit_mismatches} bits differ from the bit-true model"
-    if run.first_mismatch:
-        mismatch += f"; {run.first_mismatch}"
+    mismatch = f"{run.bit_mismatches} bits differ from the bit-true model", run.first_mismatch
     failures = [
-        *([mismatch] if run.bit_mismatches else []),
+        *(["; ".join(filter(None, mismatch))] if run.bit_mismatches else []),
         *_flag_failures(np.asarray(run.flags), expected),
         *_large_errors("hand error", hand_error, permitted, reachable),
         *_large_errors("error of the clamped hand", clamped_error, permitted, clamped),

@@ -51,8 +51,7 @@ def test_options_reach_the_simulator(cli, simulator, files):
     status, out, err = cli(*words.split())
     assert (status, err) == (0, [])
     (call,) = simulator.calls
-    core = {"simulator": "verilator", "datapath": "lean", "width": 24, "cores": "digit"}
-    assert call.items() >= core.items()
+    assert call.items() >= {"simulator": "verilator", "datapath": "lean", "width": 24, "cores": "digit"}.items()
     names = ["aligned.gtkw", "aligned.vcd", "results.csv", "results.npz", "score.json", "waves.gtkw", "waves.vcd"]
     assert files() == [f"o/{name}" for name in names]
     assert sorted(line for line in out if line.startswith("wrote ")) == [f"wrote {name}" for name in files()]
@@ -184,8 +183,7 @@ def test_elbows_of_a_clip_point_at_a_joint(cli):
     clip = clips.read(figure.write(Path("t.bvh").absolute(), frames=3))
     assert cli("--trajectory", "t.bvh", "--out", "o", "--pole", "Hips")[0] == 0
     hips = clip.positions[:, clips.named(clip, "Hips")]
-    shoulders = clip.positions[:, [arm.upper for arm in clips.arms(clip)]]
-    assert off_plane((hips - shoulders).reshape(-1, 3)) < 1e-5
+    assert off_plane((hips - clip.positions[:, [arm.upper for arm in clips.arms(clip)]]).reshape(-1, 3)) < 1e-5
 
 
 def table(*names):

@@ -57,8 +57,7 @@ def test_metric_of_points_and_parts_of_entities():
     close(cga.radius(sphere ^ plane), radius * np.sqrt(3) / 2, atol=1e-10)
     apart = cga.plane(*normal, (normal * p).sum(axis=0) + 2 * radius)
     assert np.isnan(cga.radius(sphere ^ apart)).all()
-    pair = cga.dual(cga.point(*p) ^ cga.point(*q))
-    close(cga.euclidean_coordinates(cga.centre(pair)), (p + q) / 2, atol=1e-10)
+    close(cga.euclidean_coordinates(cga.centre(cga.dual(cga.point(*p) ^ cga.point(*q)))), (p + q) / 2, atol=1e-10)
     line = cga.dual(cga.line_direct(cga.point(*p), cga.point(*q)))
     close(cga.direction(line), (q - p) / np.linalg.norm(q - p, axis=0), atol=1e-10)
 
