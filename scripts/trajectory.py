@@ -345,8 +345,7 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 files(path.with_name("clip.glb")).write_bytes(gltf.animated(clip, targets.name, item.scale))
             more = {}
             if item.robot:
-                joints_of_robot = item.robot.positions(result.per_target.hand.joints)
-                more = dict(zip(item.robot.names, joints_of_robot.T, strict=True))
+                more = dict(zip(item.robot.names, item.robot.positions(result.per_target.hand.joints).T, strict=True))
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))

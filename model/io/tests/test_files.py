@@ -245,8 +245,7 @@ def test_trajectory(name):
     for width in (16, 32) if targets.hand is None else ():
         flags = set(expected_flags(to_words(targets, width)[0], width).tolist())
         assert flags == ({0, TOO_FAR} if name == "out_of_reach" else {0})
-    arms = 2 if name == "two_arms" else 1
-    for arm in range(arms):
+    for arm in range(arms := 2 if name == "two_arms" else 1):
         step = np.diff(targets.position[arm::arms], axis=0)
         assert np.linalg.norm(step, axis=1).max() < 0.05
         assert np.linalg.norm(np.diff(step, axis=0), axis=1).max() < 0.02
