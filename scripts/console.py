@@ -46,7 +46,6 @@ class InputError(click.ClickException):
 SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
 """Signal that ends a command and its simulators -> word for the message."""
 
-# -- the command line ------------------------------------------------------------------------------
 
 CONTEXT = {"show_default": True, "help_option_names": ["-h", "--help"], "max_content_width": PLAIN_COLUMNS}
 
@@ -161,9 +160,6 @@ def stoppable() -> Iterator[None]:
             signal.signal(number, handler)
 
 
-# -- options ---------------------------------------------------------------------------------------
-
-
 def option(name: str, about: str, kind: Any = None, **settings) -> click.Option:
     """Return an option that takes a value. With the kind Path, ~ is expanded to the home folder."""
     kind = (lambda text: Path(os.path.expanduser(text))) if kind is Path else kind
@@ -249,9 +245,6 @@ def swivel_angle(text: str) -> float | str:
     return text if text in ("clip", "constant") else Finite()(text)
 
 
-# -- files and tables ------------------------------------------------------------------------------
-
-
 def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> contextlib.AbstractContextManager[Place]:
     """Make the folders of the output files `paths`, and return `whole_files`, so that all outputs appear at once.
 
@@ -274,9 +267,6 @@ def show(*tables: Table) -> None:
     console = Console(width=None if sys.stdout.isatty() else PLAIN_COLUMNS, highlight=False)
     for table in tables:
         console.print(table)
-
-
-# -- progress --------------------------------------------------------------------------------------
 
 
 class Meter(Progress):

@@ -7,8 +7,6 @@ that is not reached is a finding, unless a line of tb/sim/coverage_waivers.txt w
 unreached point is a finding as well.
 """
 
-from __future__ import annotations
-
 import functools
 import re
 import shutil
@@ -124,10 +122,7 @@ def page(counts: Counter[Point], reasons: dict[Point, str]) -> str:
 @command(
     "coverage",
     "Measure which points of the Verilog the tests reach.",
-    [
-        switch("--again", "judge the counts of the last run again"),
-        switch("--keep", f"write {PAGE.name}"),
-    ],
+    [switch("--again", "judge the counts of the last run again"), switch("--keep", f"write {PAGE.name}")],
     passes="all points are reached or waived",
     fails="one is not, a waiver matches no unreached point, or a test fails",
 )

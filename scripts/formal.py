@@ -6,8 +6,6 @@
 Each proof that succeeds updates its row of docs/generated/proofs.md; its full table is in build/proofs/.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from concurrent.futures import ThreadPoolExecutor

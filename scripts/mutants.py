@@ -6,8 +6,6 @@ appended to OUT/SEED.jsonl. A later call skips the mutants in that file, except 
 command ends with a table by source file and a list of all survivors.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import os

@@ -57,10 +57,9 @@ def trajectory_options(
         "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "
         "the paper datapath near singular poses or below 32 bits)"
     )
-    about = f"folder for {written}, created if missing"
     return [
         option("--trajectory", trajectory, os.path.expanduser, default=trajectories.DEFAULT, metavar="NAME|all|FILE"),
-        option("--out", about, Path, default=out, metavar="DIR"),
+        option("--out", f"folder for {written}, created if missing", Path, default=out, metavar="DIR"),
         *(core_options(datapath=datapath, most=most) if core else ()),
         *([option("--cores", cores, click.Choice(CORES), default=CORES[0])] if core else ()),
         option("--axis", axis, reference_axis, metavar="AXIS"),

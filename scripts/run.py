@@ -16,30 +16,19 @@ from scripts.console import command, show, switch
 from scripts.options import MOST_DATAPATHS, trajectory_options
 from scripts.paper.tables import table_of_datapaths
 from scripts.score_tables import table_of_many, table_of_one, verdict
-from scripts.trajectory import (
-    SCORES,
-    datapaths,
-    outputs,
-    prepare,
-    result_paths,
-    score_runs,
-    simulated,
-    write_results,
-)
+from scripts.trajectory import SCORES, datapaths, outputs, prepare, result_paths, score_runs, simulated, write_results
 from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file
 from tb.sim.simulate import LONG
-
-OPTIONS = [
-    *trajectory_options("build/run", "results.csv and score.json", datapath=None, most=MOST_DATAPATHS),
-    switch("--waves", f"also write OUT/{VCD}, for a single trajectory OUT/{ALIGNED}, and GTKWave save files"),
-    switch("--list", "list the built-in trajectories and stop"),
-]
 
 
 @command(
     "run",
     "Run trajectories through the core in a simulator and score them.",
-    OPTIONS,
+    [
+        *trajectory_options("build/run", "results.csv and score.json", datapath=None, most=MOST_DATAPATHS),
+        switch("--waves", f"also write OUT/{VCD}, for a single trajectory OUT/{ALIGNED}, and GTKWave save files"),
+        switch("--list", "list the built-in trajectories and stop"),
+    ],
     passes="all trajectories pass",
     fails="one fails",
 )

@@ -24,11 +24,11 @@ EXPLAINED = (
 )
 
 
-def empty_table(title: str, headings: Sequence[str], left: int = 1, **settings) -> Table:
-    """Return an empty table whose first `left` columns are left-justified."""
+def empty_table(title: str, headings: Sequence[str], **settings) -> Table:
+    """Return an empty table whose first column is left-justified."""
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", caption_justify="left", **settings)
     for n, heading in enumerate(headings):
-        table.add_column(heading, justify="left" if n < left else "right", no_wrap="padding" in settings)
+        table.add_column(heading, justify="right" if n else "left", no_wrap="padding" in settings)
     return table
 
 
@@ -91,21 +91,17 @@ def table_of_one(result: Score, flags: np.ndarray) -> Table:
     return table
 
 
-def _summary(scores: Sequence[Score]) -> str:
-    """Return text: how many trajectories pass, and how many of these have no tolerance for the hand error."""
-    passed = [result for result in scores if result.passed]
-    without = sum(result.hand_error_tolerance is None and result.clamped_error_tolerance is None for result in passed)
-    share = f"{len(passed)} of {len(scores)} pass"
-    return f"{share}, {without} of them without a tolerance, by bits, flags and norms" if without else share
-
-
 def table_of_many(scores: Sequence[Score]) -> Table:
     """Return a table with one line for each trajectory, at most 80 characters wide."""
     first = scores[0]
     latency = "" if first.latency_cycles is None else f", latency {first.latency_cycles} clocks"
     title = f"{first.datapath} datapath, {first.width} bits, {first.simulator}{latency}"
+    passed = [result for result in scores if result.passed]
+    without = sum(result.hand_error_tolerance is None and result.clamped_error_tolerance is None for result in passed)
+    share = f"{len(passed)} of {len(scores)} pass"
+    share += f", {without} of them without a tolerance, by bits, flags and norms" if without else ""
     caption = (
-        f"{_summary(scores)}\nhand: largest hand error / reach, at target; {EXPLAINED}; clamped: largest error "
+        f"{share}\nhand: largest hand error / reach, at target; {EXPLAINED}; clamped: largest error "
         "of targets out of reach; angle: of shoulder or elbow (rad); bits: differing from the bit-true model"
     )
     headings = ("trajectory", "hand", "at", "tolerance", "predicted", "clamped", "angle", "bits", "flags", "")

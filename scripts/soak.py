@@ -12,8 +12,6 @@ words of the worst targets of the previous round. The whole arm has errors of th
 orientation. Poses with a reach below 1 do not count, because the host scales every pose to a reach of 1 or more.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from datetime import date
@@ -54,9 +52,6 @@ OPTIONS = [
 ]
 
 
-# -- chunks ------------------------------------------------------------------------------------------------------------
-
-
 def run_chunk(core: Core, seed: int | None, end: int, number: int) -> tuple[Found, list[str]]:
     """Run chunk `number` up to target `end`, exclusive; return totals and messages of failures. If `core` has no
     program, as on a farm, build it first."""
@@ -79,8 +74,6 @@ def messages(failure: Failure, words: np.ndarray, start: int) -> list[str]:
         lines.insert(1, "its words: " + " ".join(f"{name}={word}" for name, word in named))
     return [f"{where}: {lines[0]}", *lines[1:]]
 
-
-# -- the worst targets -------------------------------------------------------------------------------------------------
 
 KEPT, EACH, ALIKE = 400, 50, 8
 """Largest numbers of targets that a round keeps, of changed copies of each, and of kept targets of one kind. Targets of
@@ -159,9 +152,6 @@ def _worst(options: SimpleNamespace) -> int:
     return int(beyond)
 
 
-# -- files -------------------------------------------------------------------------------------------------------------
-
-
 def code(datapath: str) -> str:
     """Return a digest of the Verilog of a datapath and of its top module."""
     path = MODELS[datapath]
@@ -176,9 +166,6 @@ def _keep(core: Core, of: str, totals: Found) -> None:
     row += [*(str(totals.flags[name]) for name in CORE_FLAGS), code(core.datapath)]
     rows = sorted([row, *(other for other in read_table(PAGE, "datapath") if other[:3] != key)])
     write_atomically(PAGE, render("soak", flags=[*CORE_FLAGS], rows=rows))
-
-
-# -- the run -----------------------------------------------------------------------------------------------------------
 
 
 def _soak(arguments: SimpleNamespace) -> int:

@@ -123,8 +123,7 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
             notes = ("POLE= overrides the column phi",)
     else:
         loaded = [trajectories.make(one) for one in (trajectories.TRAJECTORIES if name == "all" else [name])]
-    frame = None if axis == "z" else to_z(axis)
-    loaded = [replace(one, frame=frame) for one in loaded]
+    loaded = [replace(one, frame=None if axis == "z" else to_z(axis)) for one in loaded]
     if loaded[0].hand is not None:
         return [_of_hands(arguments, loaded[0], robot, notes)]
     if robot:
@@ -168,8 +167,7 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
         if low > high:
             raise InputError(f"argument --robot: no word of {arguments.width} bits is within the limits of {name}")
     targets = _guided(targets, arguments.pole, None)
-    words = to_words(targets, arguments.width)
-    return Prepared(targets, *words, notes=notes, robot=robot, limits=limits)
+    return Prepared(targets, *to_words(targets, arguments.width), notes=notes, robot=robot, limits=limits)
 
 
 def _of_clip(arguments: SimpleNamespace) -> Prepared:
@@ -213,7 +211,7 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
     return prepared
 
 
-def doubts(targets: Targets, free: bool = True) -> Iterator[str]:
+def doubts(targets: Targets, free: bool) -> Iterator[str]:
     """Yield a warning for each sign of a wrong unit, and for elbow jumps. free: the user may set axis and lengths."""
     distance = np.linalg.norm(targets.core_wrist, axis=1)
     out = int(np.count_nonzero((distance > targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
@@ -231,9 +229,6 @@ def doubts(targets: Targets, free: bool = True) -> Iterator[str]:
         at = f"{kind}{'s' * (len(where) > 1)} {', '.join(where[:3])}{more}"
         better = f"AXIS={','.join(f'{part:g}' for part in axis)} is farther from its path"
         yield f"the elbow jumps at {at}, because the wrist passes close to the reference axis; {better}"
-
-
-# -- simulation and scores --------------------------------------------------------------------------
 
 
 def simulated(
@@ -262,9 +257,6 @@ def score_runs(
         more = {"tolerance": arguments.tolerance, "predicted": predicted, "placed": places, "limits": item.limits}
         scored.append((run, score(item.targets, item.words, item.exponent, run, **core, **more)))
     return scored
-
-
-# -- poses of results in the user's frame ----------------------------------------------------------
 
 
 def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
@@ -312,9 +304,6 @@ def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
     return tuple(places)
 
 
-# -- files ------------------------------------------------------------------------------------------
-
-
 def sources(prepared: Iterable[Prepared]) -> list[Path]:
     """Return the files that the trajectories were read from."""
     return [Path(item.targets.path) for item in prepared if item.targets.path is not None]
@@ -356,8 +345,7 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 files(path.with_name("clip.glb")).write_bytes(gltf.animated(clip, targets.name, item.scale))
             more = {}
             if item.robot:
-                joints_of_robot = item.robot.positions(result.per_target.hand.joints)
-                more = dict(zip(item.robot.names, joints_of_robot.T, strict=True))
+                more = dict(zip(item.robot.names, item.robot.positions(result.per_target.hand.joints).T, strict=True))
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))

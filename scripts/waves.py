@@ -139,9 +139,6 @@ class _Save:
             self.writer.trace_combined(label, [(first + k, signal.name) for k in range(shown)], **options)
 
 
-# -- recordings ------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class Recording:
     """Recording of one trajectory. words: node -> its bits in each clock, from clock 1. admitted: clock in which each
@@ -198,9 +195,6 @@ def differences(recording: Recording, nodes: Nodes) -> Iterator[Difference]:
             rtl, model = recording.word(node, target), model_bits(node, target)
             if rtl != model:
                 yield Difference(node, target, clock + node.time, rtl, int(model, 2))
-
-
-# -- aligned -------------------------------------------------------------------------------------------------------
 
 
 def column(recording: Recording, nodes: Nodes, target: int) -> int:

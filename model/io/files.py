@@ -186,8 +186,7 @@ def format_csv(targets: Targets) -> str:
     """Return the text of a target file, exact to the last bit."""
     cells = {field: [*map(repr, getattr(targets, field).tolist())] for field in FIELDS}
     cells |= {column: targets.others[column] for column in OF_HANDS if column in targets.others}
-    lines = [",".join(cells), *map(",".join, zip(*cells.values(), strict=True))]
-    return "\n".join(lines) + "\n"
+    return "\n".join([",".join(cells), *map(",".join, zip(*cells.values(), strict=True))]) + "\n"
 
 
 @contextlib.contextmanager

@@ -61,12 +61,6 @@ def singular_distance(targets: Targets) -> np.ndarray:
     return np.min(list(singular_distances(targets).values()), axis=0)
 
 
-def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
-    """Return the hand errors / reach (N,) of results (N, 6) in double precision."""
-    _, wrist = forward(answers[:, :4], answers[:, 4:], targets.d1, targets.d2)
-    return np.linalg.norm(wrist - targets.position, axis=1) / targets.reach
-
-
 def model_errors(words: np.ndarray, width: int, datapath: str) -> tuple[np.ndarray, float]:
     """Solve reachable targets, words (N, 6), with the bit-true model of a datapath. Return the hand errors / reach (N,)
     and the largest difference (rad) of the shoulder's or elbow's rotation from double precision."""
@@ -75,7 +69,9 @@ def model_errors(words: np.ndarray, width: int, datapath: str) -> tuple[np.ndarr
     pose = solve_lean(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
     exact = np.column_stack([pose[name] for name in RESULT_FIELDS])
     elbow = angle_between(_whole(values[:, 4:]), _whole(exact[:, 4:]))
-    return hand_errors(values, asked), max(angle_between(values[:, :4], exact[:, :4]).max(), elbow.max())
+    _, wrist = forward(values[:, :4], values[:, 4:], asked.d1, asked.d2)
+    hand = np.linalg.norm(wrist - asked.position, axis=1) / asked.reach
+    return hand, max(angle_between(values[:, :4], exact[:, :4]).max(), elbow.max())
 
 
 def _whole(q: np.ndarray) -> np.ndarray:
@@ -167,10 +163,7 @@ class Score:
 
     def as_json(self) -> dict[str, Any]:
         """Return the object of this trajectory in score.json."""
-        # Not dataclasses.asdict: it would copy the arrays too.
-        return {
-            field.name: getattr(self, field.name) for field in dataclasses.fields(self) if field.name != "per_target"
-        }
+        return {name: value for name, value in vars(self).items() if name != "per_target"}
 
 
 def score(
@@ -256,11 +249,9 @@ def score(
     everywhere = np.ones(count, dtype=bool)
 
     clocks = None if run.total_cycles is None else run.total_cycles - (run.latency_cycles or 0)
-    mismatch = f"{run.bit_mismatches} bits differ from the bit-true model"
-    if run.first_mismatch:
-        mismatch += f"; {run.first_mismatch}"
+    mismatch = f"{run.bit_mismatches} bits differ from the bit-true model", run.first_mismatch
     failures = [
-        *([mismatch] if run.bit_mismatches else []),
+        *(["; ".join(filter(None, mismatch))] if run.bit_mismatches else []),
         *_flag_failures(np.asarray(run.flags), expected),
         *_large_errors("hand error", hand_error, permitted, reachable),
         *_large_errors("error of the clamped hand", clamped_error, permitted, clamped),
@@ -360,9 +351,6 @@ def _large_errors(what: str, error: np.ndarray, most: float | np.ndarray | None,
     n = int(np.argmax(np.where(above, error, 0.0)))
     times = f"{error[n] / tolerance[n]:.3g} times its tolerance {tolerance[n]:.3g}"
     return [f"{what} {error[n]:.3g} at target {n} is {times} ({np.count_nonzero(above)} targets above)"]
-
-
-# -- files -----------------------------------------------------------------------------------------
 
 
 def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray] | None = None) -> dict[str, bytes]:

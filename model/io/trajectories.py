@@ -28,8 +28,6 @@ TRAJECTORIES: dict[str, Callable[[], Targets]] = {}
 HANDS: dict[str, Callable[[], Targets]] = {}  # built-in trajectories of hand poses by name
 ROBOTS = {"pick_and_place": "iiwa14"}  # trajectory in a robot's base frame -> robot
 
-EXAMPLES = ("reach", "two_arms")  # also CSV files in `examples/`
-
 
 def make(name: str) -> Targets:
     """Return the targets of a built-in trajectory.  Raises KeyError for an unknown name."""
@@ -182,8 +180,7 @@ def fold_in() -> tuple:
 @trajectory
 def swivel_sweep() -> tuple:
     """Hold the hand still and turn the elbow one full turn about the line from shoulder to wrist."""
-    phi = -np.pi + _turn()
-    return np.tile([0.38, -0.10, -0.12], (STEPS, 1)), phi
+    return np.tile([0.38, -0.10, -0.12], (STEPS, 1)), -np.pi + _turn()
 
 
 @trajectory

@@ -169,9 +169,6 @@ def cell_error(path: str | None, row: int, column: str, value: str, reason: str)
     return TargetError(f"{path}: row {row}, column {column}: {shown!r} {reason}")
 
 
-# -- fixed point -----------------------------------------------------------------------------------
-
-
 def scale_exponent(targets: Targets, width: int) -> int:
     """Return the exponent e of the host's scaling: the core works on lengths times 2^e.
 
@@ -278,8 +275,6 @@ def result_values(words: np.ndarray, width: int) -> np.ndarray:
     """Return the exact values of result words with width-2 fraction bits; same shape."""
     return np.ldexp(np.asarray(words, dtype=np.float64), 2 - width)
 
-
-# -- records of ik_axi -----------------------------------------------------------------------------
 
 TAG_BITS = 24  # bits of a tag that a result record returns
 

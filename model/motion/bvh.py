@@ -180,9 +180,6 @@ def _angles(turn: np.ndarray, axes: list[int], near: np.ndarray) -> np.ndarray:
     return both[nearest, np.arange(len(angles))]
 
 
-# -- the reader --------------------------------------------------------------------------------------------------------
-
-
 def parse(content: bytes, path: Path) -> Clip:
     """Parse the content of a BVH file.  Raises :class:`ClipError`, which names ``path`` and usually the line."""
     wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))

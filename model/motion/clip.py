@@ -65,9 +65,6 @@ class Limb:
         return self.side if self.kind == "arm" else f"{self.side} {self.kind}"
 
 
-# -- joints ------------------------------------------------------------------------------------------------------------
-
-
 def read(path: Path, up: str | None = None) -> Clip:
     """Read a clip.  up: a name of :data:`pose.NAMED_AXES`; None is :func:`up_axis`.  Raises OSError, and
     :class:`ClipError` for a file that is not BVH."""
@@ -164,9 +161,6 @@ def _known(clip: Clip, side: str, table: Sequence[tuple[str, str, str]]) -> tupl
     return None
 
 
-# -- up ----------------------------------------------------------------------------------------------------------------
-
-
 def _body(clip: Clip) -> tuple[list[int], list[int]]:
     """Return the joints of head, neck or shoulders, and of the feet; two empty lists if either list would be empty."""
     optional = "(?:left|right|l|r)?"
@@ -216,9 +210,6 @@ ARM = 0.55  # length of a human arm to the wrist, m
 def metres(unit: str, arm: float) -> float:
     """Return a unit of length in metres; "auto" selects the unit in which ``arm`` is nearest to a human arm."""
     return UNITS[unit] if unit != "auto" else min(UNITS.values(), key=lambda metre: abs(np.log(arm * metre / ARM)))
-
-
-# -- targets -----------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -331,8 +322,6 @@ def interleaved(arrays: Sequence[np.ndarray]) -> np.ndarray:
     """Return the rows of arrays with F rows each, frame by frame: row 0 of each array, then row 1 of each, ..."""
     return np.concatenate(np.stack(arrays, axis=1))
 
-
-# -- the turned clip ---------------------------------------------------------------------------------------------------
 
 TWISTS = ("clip", "core")
 

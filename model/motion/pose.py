@@ -176,19 +176,18 @@ def _table(
     if hands and hands.missing.any():
         table[0, np.broadcast_to(hands.missing, table.shape[1])] = np.nan
     if np.count_nonzero(np.isfinite(table)) < table.size:
-        _refuse(table, np.isinf(table) if nan == "pass" else ~np.isfinite(table), "not finite")
+        _refuse(np.isinf(table) if nan == "pass" else ~np.isfinite(table), "not finite")
         missing = np.isnan(table).any(axis=0)
         table[:, missing] = 1.0 if missing.all() else table[:, [np.argmin(missing)]]
     if np.count_nonzero(table[4:] > 0.0) < table[4:].size:
-        _refuse(table, (table <= 0) & (np.arange(len(FIELDS)) > 3)[:, None], "not positive")
+        _refuse((table <= 0) & (np.arange(len(FIELDS)) > 3)[:, None], "not positive")
     if np.count_nonzero(np.abs(table[3]) > 2 * np.pi):
         warnings.warn(angle_doubt(table[3]), stacklevel=3)
     return table, missing
 
 
-def _refuse(table: Floats, wrong: NDArray[np.bool_], reason: str) -> None:
-    """Raise ValueError if any of ``wrong`` (6, N) is True; the message names the wrong field and its
-    first wrong columns."""
+def _refuse(wrong: NDArray[np.bool_], reason: str) -> None:
+    """Raise ValueError if any of ``wrong`` (6, N) is True; the message names the field and its first wrong columns."""
     for name, rows in (("points", wrong[:3].any(axis=0)), *zip(FIELDS[3:], wrong[3:], strict=True)):
         refuse(name, rows, reason)
 
@@ -293,9 +292,6 @@ def _rolled(order: Order, q: Floats, places: int) -> Floats:
     """Return quaternions in another order; places: -1 from wxyz to `order`, 1 from `order` to wxyz."""
     check_order(order)
     return q if order == "wxyz" else np.roll(q, places, axis=-1)
-
-
-# -- the reference axis ----------------------------------------------------------------------------
 
 
 def direction(axis: Axis) -> Floats:

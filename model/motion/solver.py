@@ -30,14 +30,6 @@ from ..reference.lean_equations import solve_direct
 from .hands import Floats, Hands, limit_words
 
 
-class Results(NamedTuple):
-    """Output of the core for n targets: results (6, n) as ``RESULT_FIELDS``, flags and swivel angles (n,)."""
-
-    results: Floats
-    flags: NDArray[np.int64]
-    phi: Floats
-
-
 class Solver(NamedTuple):
     """Arithmetic and reference frame of a call of `pose.solve`.
 
@@ -59,7 +51,7 @@ class Solver(NamedTuple):
     def poses(self, table: Floats, hands: Hands | None, limits: Floats | None) -> dict[str, Any]:
         """Solve wrist targets, or with ``hands`` hand poses; the table then contains the hands' points."""
         if hands is None:
-            return self._pose(table, self._core(table))
+            return self._pose(table, *self._core(table))
         return (self._hands_in_double if self.width is None else self._hands_in_words)(table, hands, limits)
 
     def _hands_in_words(self, table: Floats, hands: Hands, limits: Floats | None) -> dict[str, Any]:
@@ -73,7 +65,7 @@ class Solver(NamedTuple):
         results, qw, th = (np.array([value[k] for k in names]) for names in (RESULT_FIELDS, WRIST_FIELDS, JOINTS))
         th *= np.pi / 2  # result_values returns 1 for a quarter turn
         phi = from_words(words[:, : len(FIELDS)], self.exponent, self.width, "targets").phi
-        pose = self._pose(table, Results(results, run.flags & 2 * BAD_HAND - 1, phi))
+        pose = self._pose(table, results, run.flags & 2 * BAD_HAND - 1, phi)
         w, i = results[4:]
         q = product(product(pose["qs"].T, np.array((-i, w, 0 * w, 0 * w))), qw)
         hand = pose["wrist"] + joints.tool_offset(q / np.linalg.norm(q, axis=0), hands.tool).T
@@ -81,10 +73,10 @@ class Solver(NamedTuple):
 
     def _hands_in_double(self, table: Floats, hands: Hands, limits: Floats | None) -> dict[str, Any]:
         wrists = np.concatenate((table[:3] - hands.offset, table[3:]))
-        core = self._core(wrists)
-        pose = self._pose(wrists, core)
-        qw = joints.wrist_quaternion(pose["qs"].T, core.results[4:], hands.q)
-        th = joints.angles(core.results[:4], joints.flexion(core.results[4:]), qw, hands.branch)
+        results, flags, phi = self._core(wrists)
+        pose = self._pose(wrists, results, flags, phi)
+        qw = joints.wrist_quaternion(pose["qs"].T, results[4:], hands.q)
+        th = joints.angles(results[:4], joints.flexion(results[4:]), qw, hands.branch)
         over = np.zeros(th.shape, dtype=bool)
         if limits is not None:
             th = joints.settled(th, limits)
@@ -96,26 +88,25 @@ class Solver(NamedTuple):
         hand: dict[str, Any] = {"hand": hands.q.T, "tool": hands.tool, "branch": hands.branch} if hands else {}
         return Targets("targets", x, y, z, phi, d1, d2, frame=self.frame, **hand)
 
-    def _core(self, table: Floats) -> Results:
-        """Return the core's results for wrist targets."""
+    def _core(self, table: Floats) -> tuple[Floats, NDArray[np.int64], Floats]:
+        """Return results (6, n) as ``RESULT_FIELDS``, flags and swivel angles (n,) of the core for wrist targets."""
         if self.width is not None:
             words, _ = to_words(self._targets(table), self.width, self.exponent)
             run = fixed.run(words, self.width, self.datapath)
             phi = from_words(words, self.exponent, self.width, "targets").phi
-            return Results(result_values(run.results, self.width).T, run.flags, phi)
+            return result_values(run.results, self.width).T, run.flags, phi
         if self.frame is not None:
             table = np.concatenate((self._targets(table).core_position.T, table[3:]))
         if self.datapath == "paper":
             pose = solve_clamped(*table)
-            return Results(np.array([pose[field] for field in RESULT_FIELDS]), pose["flags"], table[3])
-        results, flags = solve_direct(table)
-        return Results(results, flags, table[3])
+            return np.array([pose[field] for field in RESULT_FIELDS]), pose["flags"], table[3]
+        return *solve_direct(table), table[3]
 
-    def _pose(self, table: Floats, core: Results) -> dict[str, Any]:
+    def _pose(self, table: Floats, results: Floats, flags: NDArray[np.int64], phi: Floats) -> dict[str, Any]:
         """Return poses in the user's frame from results of the core."""
-        qs, qe = core.results[:4].T, core.results[4:].T
+        qs, qe = results[:4].T, results[4:].T
         qs = qs if self.frame is None else multiply(conjugate(self.frame), qs)
         elbow, wrist = kinematics.forward(qs, qe, table[4], table[5])
         whole_qe = np.zeros((len(qe), 4))
         whole_qe[:, :2] = qe
-        return {"qs": qs, "qe": whole_qe, "flags": core.flags, "elbow": elbow, "wrist": wrist, "phi": core.phi}
+        return {"qs": qs, "qe": whole_qe, "flags": flags, "elbow": elbow, "wrist": wrist, "phi": phi}

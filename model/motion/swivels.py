@@ -144,13 +144,6 @@ def _elements(q):
     return np.array((2 * (i * k + w * j), 2 * (w * i - j * k), tilt, 2 * (i * k - w * j), 2 * (j * k + w * i)))
 
 
-def _at(ends, flexion, branch, phi, bounds):
-    """Return th1 .. th7 (7, N, K) at swivel angles phi (N, K); ends (2, 2, 4, N): Qs and Qw at phi = 0 and pi."""
-    qs, qw = ends[0, ..., None] * np.cos(phi / 2) + ends[1, ..., None] * np.sin(phi / 2)
-    th4, branches = (np.broadcast_to(column[:, None], phi.shape) for column in (flexion, branch))
-    return joints.settled(joints.angles(qs, th4, qw, branches), bounds)
-
-
 def _roots(ends, branch, bounds):
     """Return the swivel angles (N, ROOTS) at which a joint may be at a limit; nan for missing ones."""
     stations = ends[0], (ends[0] + ends[1]) * 0.5**0.5, ends[1]
@@ -183,13 +176,19 @@ def _roots(ends, branch, bounds):
 
 
 def _intervals(ends, flexion, bounds, branch, unreachable):
-    """Return intervals (N, K, 2), and joints outside their limits (N, 7) at the angle with the fewest such joints."""
+    """Return intervals (N, K, 2), and joints outside their limits (N, 7) at the angle with the fewest such joints.
+
+    ends (2, 2, 4, N): Qs and Qw at phi = 0 and pi.
+    """
     roots = np.sort(_roots(ends, branch, bounds), axis=1)  # nan last
     last = np.nanmax(np.where(np.isnan(roots), -np.pi, roots), axis=1, keepdims=True)
     roots = np.where(np.isnan(roots), last, roots)
     following = np.concatenate((roots[:, 1:], roots[:, :1] + TURN), axis=1)
     tried = np.concatenate((roots, (roots + following) / 2), axis=1)
-    outside = joints.outside(_at(ends, flexion, branch, tried, bounds), bounds) | unreachable[:, None]
+    qs, qw = ends[0, ..., None] * np.cos(tried / 2) + ends[1, ..., None] * np.sin(tried / 2)
+    th4, branches = (np.broadcast_to(column[:, None], tried.shape) for column in (flexion, branch))
+    th = joints.settled(joints.angles(qs, th4, qw, branches), bounds)
+    outside = joints.outside(th, bounds) | unreachable[:, None]
     fewest = np.take_along_axis(outside, outside.sum(axis=0).argmin(axis=1)[None, :, None], 2)[..., 0].T
     at_root, arc = np.split(~outside.any(axis=0), 2, axis=1)
     arc = np.where(following == roots, at_root, arc)  # an arc of length 0

@@ -12,7 +12,6 @@ Unless stated otherwise, arrays have components first: quaternions (4, N), angle
 """
 
 from enum import IntFlag
-from typing import NamedTuple
 
 import numpy as np
 
@@ -89,17 +88,8 @@ def angles(qs, th4, qw, branch=0):
     return branched(th, branch) if np.any(branch) else th
 
 
-class Turns(NamedTuple):
-    """Arguments of :func:`angles`: Qs (4, N), th4 (N,), Qw (4, N), branch."""
-
-    qs: np.ndarray
-    th4: np.ndarray
-    qw: np.ndarray
-    branch: np.ndarray
-
-
 def bent(qs, th4, qw, branch, upper, fore):
-    """Return the turns of the joint axes from the turns of the bones, for links that are bent.
+    """Return arguments of :func:`angles`, the turns of the joint axes, from the turns of the bones, for bent links.
 
     upper (4,): orientation of the upper arm in the frame of axis 3; fore (4,): orientation of the
     frame of axis 5 in the forearm's frame. The branch ELBOW turns each bone by pi about itself, which with bent links
@@ -109,7 +99,7 @@ def bent(qs, th4, qw, branch, upper, fore):
     half, back = np.array((0.0, 0.0, 0.0, 1.0)), np.array((0.0, 0.0, 0.0, -1.0))
     qs, qw = np.where(other, product(qs, half), qs), np.where(other, product(back, qw), qw)
     qs, qw = product(qs, conjugate(upper)), product(conjugate(fore), qw)
-    return Turns(qs, np.where(other, -th4, th4), qw, branch & ~Branch.ELBOW)
+    return qs, np.where(other, -th4, th4), qw, branch & ~Branch.ELBOW
 
 
 def turned(a, b, c):

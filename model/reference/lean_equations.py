@@ -95,9 +95,6 @@ def solve_lean(x, y, z, phi, d1, d2):
     return dict(zip(RESULT_FIELDS, results, strict=True)) | {"flags": flags}
 
 
-# -- the same poses in fewer operations --------------------------------------------------------------------------------
-
-
 def solve_direct(target):
     """Return the results (6, N) and flags (N,) of :func:`solve_lean` within rounding, in a tenth of its time.
 

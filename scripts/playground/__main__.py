@@ -8,8 +8,6 @@ is cached in build/playground. Writes OUT/index.html, a self-contained page that
 shares the 3D view (arm.js) and the style sheet with the report.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import sys

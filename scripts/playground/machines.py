@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cores of the playground: ``ik_axis`` as WebAssembly, by Yosys' CXXRTL and zig's C++ compiler, and node tables."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import os

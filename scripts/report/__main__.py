@@ -11,8 +11,6 @@ datapaths side by side; the files of each are then in a folder such as OUT/lean.
 If a trajectory fails, the page is written with a notice.
 """
 
-from __future__ import annotations
-
 import html
 import json
 import sys

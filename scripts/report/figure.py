@@ -8,8 +8,6 @@ permuted cyclically until its up axis is z. Points are integers in a small unit,
 page of 3000 frames at a few megabytes.
 """
 
-from __future__ import annotations
-
 import base64
 from typing import Any
 
@@ -96,8 +94,6 @@ def packed(item: Prepared, width: int) -> dict[str, Any]:
         "rows": base64.b64encode(words.astype("<i2").tobytes()).decode(),
     }
 
-
-# -- the figure of a clip ----------------------------------------------------------------------------------------------
 
 STEPS = 4000
 """Units per diagonal of the figure's bounding box. A unit is smaller than a pixel."""

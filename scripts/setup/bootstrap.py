@@ -76,9 +76,6 @@ def run_logged(command, env=None):
         return log.read().decode("utf-8", "replace").splitlines()[-1] + " (more in build/setup.log)"
 
 
-# -- the system's packages -------------------------------------------------------------------------
-
-
 def apt_prefix():
     """Return the words to put before apt-get, [] or ["sudo", "-n"]; None if apt-get is missing or not allowed."""
     if which("apt-get") and os.geteuid() == 0:
@@ -105,9 +102,6 @@ def missing(needs, optional=False):
     """Return the programs of these needs that are not installed: the required or, if `optional`, the optional ones."""
     programs = [program for need in needs for program in PROGRAMS[need] if (program in OPTIONAL) == optional]
     return [program for program in programs if which(program) is None]
-
-
-# -- the virtual environment -----------------------------------------------------------------------
 
 
 def stamp_of(ready):
@@ -208,17 +202,6 @@ def set_up(needs):
         say("ready")
 
 
-def hold_lock():
-    """Wait for another set-up of this checkout to end. Return a lock, held until it is closed or this process ends."""
-    handle = os.open(".", os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        say("waiting for another set-up of this checkout ...")
-        fcntl.flock(handle, fcntl.LOCK_EX)
-    return handle
-
-
 def main(needs):
     for need in needs:
         if need not in PROGRAMS:
@@ -227,7 +210,12 @@ def main(needs):
     if is_ready(needs):
         return
     try:
-        hold_lock()
+        lock = os.open(".", os.O_RDONLY)  # held until this process ends
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            say("waiting for another set-up of this checkout ...")
+            fcntl.flock(lock, fcntl.LOCK_EX)
         if not is_ready(needs):  # another process may have done it
             set_up(needs)
     except OSError as error:

@@ -70,8 +70,7 @@ def test_integration(tmp_path, command):
 def test_from_c(tmp_path):
     """Compile the C example with the driver, under the driver's strict options; no symbol may be undefined."""
     example = "\n".join(line[4:] for line in FROM_C.splitlines() if line.startswith("    "))
-    library = compiled(tmp_path, str(SOURCE / "ik.c"), "-Wl,-z,defs", text=example + "\n")
-    assert ctypes.CDLL(str(library)).reach
+    assert ctypes.CDLL(str(compiled(tmp_path, str(SOURCE / "ik.c"), "-Wl,-z,defs", text=example + "\n"))).reach
 
 
 TOPS = "ik_axis", "ik_axis_bytes", "ik_arm", "ik_axi"
@@ -241,8 +240,7 @@ def test_debugging(checkout):
             continue
         streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "check": False}
         done = subprocess.run(["bash", "-c", "\n".join(lines)], cwd=checkout, env=env, **streams)
-        finds = lines[-1].startswith("make")
-        assert bool(done.returncode) == finds and "cga-ik: " not in done.stdout, done.stdout
+        assert bool(done.returncode) == lines[-1].startswith("make") and "cga-ik: " not in done.stdout, done.stdout
         printed = [line.rstrip() for line in done.stdout.splitlines()]
     saved = (checkout / "build" / "waves" / "streams-lean-18-full.gtkw").read_text()
     assert re.search(r"^\*\S+ 455000 ", saved, re.M), "the marker is not at 455 ns"

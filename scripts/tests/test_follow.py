@@ -12,7 +12,7 @@ from model.io import trajectories
 from model.io.stimuli import random_reachable
 from model.io.words import to_words
 from scripts import follow, trajectory, waves
-from scripts.tests.conftest import admissions, nodes_of
+from scripts.conftest import admissions, nodes_of
 from scripts.waves import TOPS, place
 from tb.sim.env import simulator as simulator_of_tests
 from tb.sim.seeded_bugs import Bug, copy_rtl

@@ -127,19 +127,13 @@ FEW = "out_of_reset|skew=0.0|answer_at_once|noise|no_stop_bit|button"
 
 @pytest.mark.sim
 @pytest.mark.parametrize(
-    "tests",
+    ("tests", "arm"),
     [
-        pytest.param(FEW, marks=[pytest.mark.slow, pytest.mark.cost(6)]),
-        pytest.param(f"^(?!.*({FEW}|program))", marks=pytest.mark.release),
+        pytest.param(FEW, 0, marks=[pytest.mark.slow, pytest.mark.cost(6)]),
+        pytest.param(f"^(?!.*({FEW}|program))", 0, marks=pytest.mark.release),
+        pytest.param("skew=0.0$|answer_at_once", 1, marks=[pytest.mark.slow, pytest.mark.cost(15)]),
     ],
-    ids=["few", "more"],
+    ids=["few", "more", "hand poses"],
 )
-def test_at_the_pins(tests):
-    simulated(tests)
-
-
-@pytest.mark.sim
-@pytest.mark.slow
-@pytest.mark.cost(15)
-def test_hand_poses_at_the_pins():
-    simulated("skew=0.0$|answer_at_once", 1)
+def test_at_the_pins(tests, arm):
+    simulated(tests, arm)

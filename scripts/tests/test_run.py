@@ -51,8 +51,7 @@ def test_options_reach_the_simulator(cli, simulator, files):
     status, out, err = cli(*words.split())
     assert (status, err) == (0, [])
     (call,) = simulator.calls
-    core = {"simulator": "verilator", "datapath": "lean", "width": 24, "cores": "digit"}
-    assert call.items() >= core.items()
+    assert call.items() >= {"simulator": "verilator", "datapath": "lean", "width": 24, "cores": "digit"}.items()
     names = ["aligned.gtkw", "aligned.vcd", "results.csv", "results.npz", "score.json", "waves.gtkw", "waves.vcd"]
     assert files() == [f"o/{name}" for name in names]
     assert sorted(line for line in out if line.startswith("wrote ")) == [f"wrote {name}" for name in files()]
@@ -145,9 +144,6 @@ def test_an_error_while_files_are_written_leaves_all_as_they_were(cli, simulator
     assert {path: Path(path).read_bytes() for path in files()} == before
 
 
-# -- clips of motion capture ------------------------------------------------------------------------
-
-
 @pytest.fixture
 def clip_cli(cli):
     """Return a function that runs t.bvh and checks that the written clip is unchanged, except for arms with --phi."""
@@ -187,8 +183,7 @@ def test_elbows_of_a_clip_point_at_a_joint(cli):
     clip = clips.read(figure.write(Path("t.bvh").absolute(), frames=3))
     assert cli("--trajectory", "t.bvh", "--out", "o", "--pole", "Hips")[0] == 0
     hips = clip.positions[:, clips.named(clip, "Hips")]
-    shoulders = clip.positions[:, [arm.upper for arm in clips.arms(clip)]]
-    assert off_plane((hips - shoulders).reshape(-1, 3)) < 1e-5
+    assert off_plane((hips - clip.positions[:, [arm.upper for arm in clips.arms(clip)]]).reshape(-1, 3)) < 1e-5
 
 
 def table(*names):
@@ -303,11 +298,6 @@ def test_a_straight_arm_stays_straight(clip_cli):
     assert json.loads(Path("o/score.json").read_text())[0]["passed"]
 
 
-# -- in the RTL ------------------------------------------------------------------------------------
-
-AIM = 1e-6  # hand error / reach that regular trajectories stay below here; their tolerance is wider
-
-
 def run_in(datapath, out, sim="icarus", trajectory="all"):
     """Run all trajectories, or one, through the RTL; return a dict: trajectory -> its score."""
     arguments = ["--trajectory", trajectory, "--datapath", datapath, "--out", str(out)]
@@ -339,7 +329,7 @@ if simulator_of_tests() == "icarus":
             if datapath == "lean":
                 assert score["hand_error_tolerance"] == tolerances.LEAN[32], name
             elif singular_distance(trajectories.make(name)).min() >= tolerances.REGULAR_DISTANCE:
-                assert score["hand_error_tolerance"] == tolerances.REGULAR and score["hand_error_max"] <= AIM, name
+                assert score["hand_error_tolerance"] == tolerances.REGULAR and score["hand_error_max"] <= 1e-6, name
 
     @pytest.mark.sim
     @pytest.mark.slow

@@ -11,6 +11,7 @@ from model.dataflow.datapaths import MODELS
 from model.io import trajectories
 from model.io.files import format_csv
 from model.io.flags import OVER_BIT
+from model.io.words import JOINTS
 from model.motion.arms import ROBOTS, Arm
 from model.motion.hands import limit_words
 from model.motion.pose import parse_axis, solve
@@ -19,8 +20,6 @@ from model.motion.tests.test_joints import poses
 from model.reference.kinematics import angle_between
 from scripts import run
 from scripts.tests.test_run import scores, table
-
-TH = [f"th{n}" for n in range(1, 8)]
 
 
 def write_poses(points, hands, **columns):
@@ -39,10 +38,9 @@ def test_hand_poses_of_a_file(cli, simulator, width, axis):
     words = "--trajectory", "t.csv", "--out", "o", f"--axis={axis}", "--width", str(width)
     assert cli(*words)[0] == 0
     (call,) = simulator.calls
-    free = [(-(1 << width - 1), (1 << width - 1) - 1)] * 7
-    assert (call["datapath"], call["limits"]) == ("arm", free)
+    assert (call["datapath"], call["limits"]) == ("arm", [(-(1 << width - 1), (1 << width - 1) - 1)] * 7)
     pose = solve(points, phi, axis=parse_axis(axis), width=width, hand=q, tool=tool, branch=branch)
-    np.testing.assert_array_equal(table(*TH), pose.joints)
+    np.testing.assert_array_equal(table(*JOINTS), pose.joints)
     arrays, first = np.load("o/results.npz"), Path("o/results.csv").read_bytes()
     np.testing.assert_allclose(table("elbow_x", "elbow_y", "elbow_z"), pose.elbow, atol=1e-15)
     np.testing.assert_allclose(np.abs((arrays["qw"] * pose.qw).sum(axis=1)), 1, atol=2.0 ** (6 - width))
@@ -119,11 +117,8 @@ def test_wrong_angles_and_flags_fail(cli, simulator):
 
 @pytest.mark.parametrize("name", trajectories.HANDS)
 def test_built_in_hands(cli, name):
-    """Check that the poses are smooth, within reach and limits, and give the same results from a file."""
+    """Check that the poses are within reach and limits, and give the same results from a file."""
     targets = trajectories.make(name)
-    step = np.diff(targets.position, axis=0)
-    assert len(targets) == 100 and np.linalg.norm(step, axis=1).max() < 0.05
-    assert np.linalg.norm(np.diff(step, axis=0), axis=1).max() < 0.02
     Path("t.csv").write_text(format_csv(targets))
     robot = ["--robot", trajectories.ROBOTS[name]] if name in trajectories.ROBOTS else []
     results = []

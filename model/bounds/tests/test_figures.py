@@ -125,13 +125,10 @@ def answers(targets: Callable[[int], np.ndarray], width: int, datapath: str) -> 
     if not lean:  # a few targets near singular poses dominate the maximum and the root mean square
         return found | {"hand median": float(np.median(run.hand)), "angle median": float(np.median(angle))}
     nodes = run.answer.bits.nodes
-    inner = np.column_stack([nodes[name].value * nodes[name].format.ulp for name in INNER]) * (1, 1, 1, 1, 1, -1)
+    final = [nodes[name] for name in ("w_q", "i_q", "j_q", "k_q", "elbow_w", "elbow_i")]  # to results
+    inner = np.column_stack([node.value * node.format.ulp for node in final]) * (1, 1, 1, 1, 1, -1)
     products = max(abs(e) for node in nodes.values() if node.kind == "mul3" for e in node.error)
     return found | measured(hand=run.hand, angle=angle, inner=run.off(inner)[1]) | {"products proved": products}
-
-
-INNER = ("w_q", "i_q", "j_q", "k_q", "elbow_w", "elbow_i")
-"""Nodes of the lean datapath that are rounded to results."""
 
 
 class Local(Real):

@@ -40,7 +40,6 @@ every_width = pytest.mark.parametrize("width", WORST)
 
 
 def ulp(width: int) -> float:
-    """Return the ulp of a result word."""
     return 2.0 ** (2 - width)
 
 
@@ -98,8 +97,7 @@ def walks(width: int) -> np.ndarray:
     """Return targets at the limits of formats, reach and equations, and near them: one word moved by up to 24 lsb."""
     steps = np.arange(-24, 25)[:, None] * np.eye(len(FIELDS), dtype=np.int64)[:, None]
     rows = np.concatenate([target + steps.reshape(-1, len(FIELDS)) for target in corners(width).values()])
-    top = (1 << (width - 1)) - 1
-    return rows[(np.abs(rows) <= top).all(axis=1)]
+    return rows[(np.abs(rows) < 1 << (width - 1)).all(axis=1)]
 
 
 @every_width
@@ -151,8 +149,7 @@ def test_every_input_has_a_unit_answer_and_exact_flags(datapath, width):
     words = np.concatenate([mixed(12000, width, 1), tiny, edges(3000, width, 1), walks(width)])
     run = Run(words, width, datapath, solve_clamped)
     run.check_words(tolerances.LEAN_NORMS[width] if datapath == "lean" else [tolerances.PAPER_NORM] * 2)
-    seen = np.bitwise_or.reduce(run.answer.flags)
-    assert seen == sum(CORE_FLAGS.values()), "every kind of target"
+    assert np.bitwise_or.reduce(run.answer.flags) == sum(CORE_FLAGS.values()), "every kind of target"
 
 
 @pytest.mark.parametrize(("datapath", "width"), [*(("lean", w) for w in WORST), ("paper", 18), ("paper", 32)])
@@ -237,13 +234,6 @@ def test_the_equation_is_what_the_operation_computes(datapath):
         assert off[np.isfinite(off)].max() <= most, node.name
 
 
-COMMENTED = re.compile(r"^ *// (?:\(\d+\) )*(?P<name>\w+) = (?P<text>[^\n]*)$", re.MULTILINE)
-"""Comment of the RTL with a node's equation, on a line of its own above the operator."""
-
-INLINE = "choose", "input"
-"""Kinds of nodes that may be computed by a line of Verilog instead of an instance of an operator."""
-
-
 @pytest.mark.parametrize(
     ("datapath", "section"), [(name, section) for name in ("arm", "paper") for section in MODELS[name].sections]
 )
@@ -254,10 +244,11 @@ def test_the_verilog_has_the_equation_of_each_operator(datapath, section):
         return
     text = (Path(__file__).parents[3] / path.folder / f"{path.module(section)}.v").read_text(encoding="utf-8")
     nodes = {node.name: node for node in fixed.nodes(datapath, 32).values() if node.section == section}
-    in_rtl = {match["name"]: match["text"] for match in COMMENTED.finditer(text) if match["name"] in nodes}
+    commented = re.findall(r"^ *// (?:\(\d+\) )*(\w+) = (.*)$", text, re.MULTILINE)
+    in_rtl = {name: equation for name, equation in commented if name in nodes}
     assert in_rtl == {name: nodes[name].right_side for name in in_rtl}
     for node in nodes.values():
-        if node.kind not in INLINE:
+        if node.kind not in ("choose", "input"):  # these may be a line of Verilog instead of an operator
             named = re.search(rf"{re.escape(node.equation)}.*\b{node.name} = ", text) and node.name in in_rtl
             assert named, f"{path.module(section)}.v lacks the comment {node.equation} {node.name} = {node.right_side}"
 

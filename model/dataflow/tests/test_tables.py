@@ -15,12 +15,9 @@ from model.dataflow.quadratic import INVERSE_ROOT, SINE, SINE_FRACS, SMALL_FRAC
 
 SMALL_TILE = 16
 
-every_form = pytest.mark.parametrize("size", ["short", "long", "small"])
-every_table = pytest.mark.parametrize("table", [INVERSE_ROOT, SINE], ids=["root", "sine"])
 
-
-@every_form
-@every_table
+@pytest.mark.parametrize("size", ["short", "long", "small"])
+@pytest.mark.parametrize("table", [INVERSE_ROOT, SINE], ids=["root", "sine"])
 def test_words_of_a_table_fit(table, size):
     """Check that all coefficients fit their widths, c0 also after the largest rounding constant is added."""
     form = getattr(table, size)

@@ -17,7 +17,7 @@ from model.io.scoring import score, singular_distance, singular_distances, table
 from model.io.trajectories import make
 from model.io.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values, to_words
 from model.reference.equations import solve_clamped
-from model.reference.kinematics import forward
+from model.reference.kinematics import about, forward, multiply
 
 ULP = 2.0**-30
 
@@ -38,14 +38,12 @@ class Case:
         self.bit_mismatches, self.first_mismatch = 0, None
 
     def score(self, tolerance=None):
-        about = {"width": self.width, "datapath": "paper", "simulator": "icarus", "predicted": self.predicted}
-        return score(self.targets, self.words, self.exponent, self, tolerance=tolerance, **about)
+        core = {"width": self.width, "datapath": "paper", "simulator": "icarus", "predicted": self.predicted}
+        return score(self.targets, self.words, self.exponent, self, tolerance=tolerance, **core)
 
     def turn_shoulder(self, n, angle):
         """Turn the core's shoulder at target n by `angle` (rad) about the z axis."""
-        w, i, j, k = np.ldexp(self.results[n, :4].astype(float), 2 - self.width)
-        c, s = math.cos(angle / 2), math.sin(angle / 2)
-        turned = np.array([c * w - s * k, c * i - s * j, c * j + s * i, c * k + s * w])
+        turned = multiply(about(2, angle), np.ldexp(self.results[n, :4].astype(float), 2 - self.width))
         self.results[n, :4] = np.rint(np.ldexp(turned, self.width - 2))
 
 

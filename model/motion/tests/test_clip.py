@@ -258,9 +258,6 @@ def test_motion_capture(path, tmp_path):
         assert fastest[0] <= 1.5 * fastest[1], move.limb
 
 
-# -- the animated file -----------------------------------------------------------------------------
-
-
 def values(file, accessor):
     """Return the numbers of an accessor, (count, components)."""
     about = file.accessors[accessor]

@@ -46,10 +46,6 @@ def elbow(result):
     return np.stack([result["qe_w"], result["qe_i"]], axis=-1)
 
 
-def vector(result, name):
-    return np.stack([result[f"{name}_{axis}"] for axis in "xyz"], axis=-1)
-
-
 def columns(*values):
     return tuple(np.array(column) for column in np.broadcast_arrays(*(np.atleast_1d(v) * 1.0 for v in values)))
 
@@ -126,8 +122,6 @@ def assert_pose(targets):
     return result
 
 
-# -- regular poses
-
 TARGETS = random_targets(20_000, seed=1)
 RESULT = solve(*TARGETS)
 
@@ -141,8 +135,9 @@ def test_poses_agree_with_forward_kinematics():
     gap = kinematics.angle_between(shoulder(RESULT), shoulder_quaternion(swivel_normal(*TARGETS[:4]), e))
     assert gap.max() < 1e-9 and gap[regular].max() < 1e-12, "(15)-(18)"
     elbows, _ = kinematics.forward(shoulder(RESULT), elbow(RESULT), d1, d2)
-    np.testing.assert_allclose(vector(RESULT, "p_e"), elbows, rtol=0, atol=1e-13, err_msg="(13) against Qs")
-    np.testing.assert_allclose(vector(RESULT, "p_e"), d1[:, None] * e, rtol=0, atol=1e-13, err_msg="(13)")
+    p_e = np.stack([RESULT[f"p_e_{axis}"] for axis in "xyz"], axis=-1)
+    np.testing.assert_allclose(p_e, elbows, rtol=0, atol=1e-13, err_msg="(13) against Qs")
+    np.testing.assert_allclose(p_e, d1[:, None] * e, rtol=0, atol=1e-13, err_msg="(13)")
     cosine = (d1**2 + d2**2 - x**2 - y**2 - z**2) / (2 * d1 * d2)
     np.testing.assert_allclose(RESULT["c4"], cosine, rtol=0, atol=1e-13, err_msg="(14)")
 
@@ -155,9 +150,6 @@ def test_unit_of_length_does_not_matter(solver, exponent):
     one = solver(*TARGETS)
     for name in RESULT_FIELDS:  # powers of two are exact, so even roundoff is the same
         np.testing.assert_array_equal(scaled[name], one[name], err_msg=name)
-
-
-# -- singular poses
 
 
 def solve_print(*target):
@@ -290,8 +282,6 @@ def exact_squares(*lengths):
     return {"qe_w": ((d1 + d2) ** 2 - s) / (4 * d1 * d2), "qe_i": (s - (d1 - d2) ** 2) / (4 * d1 * d2)}
 
 
-# -- clamped poses
-
 ANYWHERE, UP = directions(np.random.default_rng(3), 50), np.array([[0.0], [0.0], [1.0]])
 CLAMPED = {
     "too far": (1.5 * ANYWHERE, (0.4, 0.3), TOO_FAR, 0.4, 0.7, False),
@@ -349,9 +339,6 @@ def test_words_of_the_core():
     assert 0.1 < clamped.mean() < 0.95, "both kinds"
     assert angle(lean, paper)[clamped].max() < ROUNDOFF
     assert angle(lean, paper).max() < 1e-7, "small words hit singular poses, where the paper keeps half of the digits"
-
-
-# -- rejected input
 
 
 @pytest.mark.parametrize(

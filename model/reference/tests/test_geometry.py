@@ -10,7 +10,7 @@ import pytest
 
 from model.reference import cga, equations, geometry, kinematics
 from model.reference.cga import e1, e2, e3, e_0, e_inf
-from model.reference.tests.test_equations import random_targets
+from model.reference.tests.test_equations import directions, random_targets
 
 RNG = np.random.default_rng(20080101)
 BASIS = {"e1": e1, "e2": e2, "e3": e3, "einf": e_inf, "e0": e_0}
@@ -27,11 +27,6 @@ def values(mv):
 
 def close(a, b, what="", atol=1e-12):
     np.testing.assert_allclose(a, b, rtol=0, atol=atol, err_msg=what)
-
-
-def unit_vectors(size):
-    v = RNG.normal(size=(3, size))
-    return v / np.linalg.norm(v, axis=0)
 
 
 def test_each_blade_reads_as_itself():
@@ -52,7 +47,7 @@ def test_metric_of_points_and_parts_of_entities():
     p, q = RNG.normal(size=(2, 3, 20))
     close(cga.inner(cga.point(*p), cga.point(*q)), -((p - q) ** 2).sum(axis=0) / 2, "P . Q is -distance^2 / 2")
     close(cga.euclidean_coordinates(cga.point(*p) * cga.scalar(-3.0)), p, "a point is homogeneous")
-    radius, normal = RNG.uniform(0.5, 2, 20), unit_vectors(20)
+    radius, normal = RNG.uniform(0.5, 2, 20), directions(RNG, 20)
     sphere = cga.sphere(cga.point(*p), radius)
     close(cga.radius(sphere), radius)
     close(cga.euclidean_coordinates(cga.centre(sphere)), p)
@@ -62,8 +57,7 @@ def test_metric_of_points_and_parts_of_entities():
     close(cga.radius(sphere ^ plane), radius * np.sqrt(3) / 2, atol=1e-10)
     apart = cga.plane(*normal, (normal * p).sum(axis=0) + 2 * radius)
     assert np.isnan(cga.radius(sphere ^ apart)).all()
-    pair = cga.dual(cga.point(*p) ^ cga.point(*q))
-    close(cga.euclidean_coordinates(cga.centre(pair)), (p + q) / 2, atol=1e-10)
+    close(cga.euclidean_coordinates(cga.centre(cga.dual(cga.point(*p) ^ cga.point(*q)))), (p + q) / 2, atol=1e-10)
     line = cga.dual(cga.line_direct(cga.point(*p), cga.point(*q)))
     close(cga.direction(line), (q - p) / np.linalg.norm(q - p, axis=0), atol=1e-10)
 
@@ -97,7 +91,7 @@ def test_angle_between():
     a = RNG.normal(size=(50, 4))
     a /= np.linalg.norm(a, axis=1, keepdims=True)
     for angle in (0.0, 1e-15, 1e-9, 1e-4, 0.7, 3.0, np.pi):
-        turn = np.column_stack((np.full(50, np.cos(angle / 2)), np.sin(angle / 2) * unit_vectors(50).T))
+        turn = np.column_stack((np.full(50, np.cos(angle / 2)), np.sin(angle / 2) * directions(RNG, 50).T))
         b = kinematics.multiply(a, turn)
         for other in (b, -b, 3 * b):
             close(kinematics.angle_between(a, other), angle, f"angle {angle}", atol=1e-15 + 1e-14 * angle)

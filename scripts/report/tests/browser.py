@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Browser windows for tests: headless Chromium, driven by Playwright."""
 
-from __future__ import annotations
-
 WIDE, NARROW = (1400, 1000), (400, 800)
 
 # Scripts evaluated in the page.
@@ -45,7 +43,7 @@ class Page:
         self._page.set_viewport_size({"width": width, "height": height})
         self._page.emulate_media(**media)
 
-    def open(self, url: str, before: str = "") -> Page:
+    def open(self, url: str, before: str = "") -> "Page":
         """Load a page and wait until its scripts have run. The script `before` runs before them."""
         self._page.add_init_script(before)
         for address in ("about:blank", url):  # a change of only the #hash would not reload the page
@@ -53,8 +51,8 @@ class Page:
             self._page.goto(address)
         return self
 
-    def wait_for(self, script: str, seconds: float = LIMIT) -> None:
-        self._page.wait_for_function(f"() => {script}", timeout=1000 * seconds)
+    def wait_for(self, script: str) -> None:
+        self._page.wait_for_function(f"() => {script}")
 
     def choose(self, name: str, value: object) -> None:
         """Set the control with this id."""

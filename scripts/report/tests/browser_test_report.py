@@ -11,11 +11,12 @@ import pytest
 
 from model.io import trajectories
 from model.io.files import format_csv
+from model.motion.tests import figure
+from scripts.conftest import LATENCY, without_rtl
 from scripts.report import __main__ as report
 from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE
-from scripts.report.tests.conftest import write_without_rtl
 from scripts.report.tests.test_page import data_in
-from scripts.tests.conftest import LATENCY
+from tb.sim.env import simulator as simulator_name
 
 NAMES = list(trajectories.TRAJECTORIES)
 SIZES = [(WIDE, "light"), ((900, 700), "light"), (NARROW, "dark"), ((320, 600), "dark")]
@@ -29,6 +30,39 @@ PIXELS, CALLS, AXIS, GREEN = (f"{CANVAS}.{name}" for name in ("pixels", "calls",
 
 # Position of a plot's middle on the plot's axis, which lies between the margins: 0 to 1.
 MIDDLE = "((plot) => (plot.clientWidth / 2 - 66) / (plot.clientWidth - 80))(document.querySelector('{}'))"
+
+
+def write(folder, *options):
+    """Write a page into a folder; return its address."""
+    assert report.main([*options, "--sim", simulator_name(), "--out", str(folder)]) == 0
+    return (folder / "report.html").as_uri()
+
+
+def write_without_rtl(folder, *options):
+    with pytest.MonkeyPatch.context() as patch:
+        without_rtl(patch)
+        return write(folder, *options)
+
+
+@pytest.fixture(scope="session")
+def written(tmp_path_factory):
+    """Address of the page of all trajectories."""
+    return write_without_rtl(tmp_path_factory.mktemp("report"), "--trajectory", "all")
+
+
+@pytest.fixture(scope="session")
+def clip(tmp_path_factory):
+    """Address of the page of a clip whose swivel angles are changed to 1.5 rad."""
+    path = figure.write(tmp_path_factory.mktemp("clip") / "t.bvh", frames=61)
+    return write_without_rtl(path.parent, "--trajectory", str(path), "--phi", "1.5")
+
+
+@pytest.fixture(scope="session")
+def three(tmp_path_factory):
+    """Address of the page of 20 targets, run through the RTL of three datapaths."""
+    path = tmp_path_factory.mktemp("three") / "t.csv"
+    path.write_text("x,y,z\n" + "".join(f"0.3,{n / 50},0.1\n" for n in range(20)))
+    return write(path.parent, "--trajectory", str(path), "--datapath", "lean,fold,paper")
 
 
 def stays(page, seconds=0.1):

@@ -153,9 +153,6 @@ def test_commands_and_tests_can_be_imported_where_only_their_lock_file_is_instal
     assert done.returncode == 0, done.stderr
 
 
-# -- the Makefile ------------------------------------------------------------------------------------------------------
-
-
 def make(*words, cwd=ROOT, **env):
     env = environment() | env
     return subprocess.run(["make", *words], cwd=cwd, env=env, capture_output=True, text=True, timeout=60, check=False)
