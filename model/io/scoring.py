@@ -61,6 +61,12 @@ def singular_distance(targets: Targets) -> np.ndarray:
     return np.min(list(singular_distances(targets).values()), axis=0)
 
 
+def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
+    """Return the hand errors / reach (N,) of results (N, 6) in double precision."""
+    _, wrist = forward(answers[:, :4], answers[:, 4:], targets.d1, targets.d2)
+    return np.linalg.norm(wrist - targets.position, axis=1) / targets.reach
+
+
 def model_errors(words: np.ndarray, width: int, datapath: str) -> tuple[np.ndarray, float]:
     """Solve reachable targets, words (N, 6), with the bit-true model of a datapath. Return the hand errors / reach (N,)
     and the largest difference (rad) of the shoulder's or elbow's rotation from double precision."""
@@ -69,9 +75,7 @@ def model_errors(words: np.ndarray, width: int, datapath: str) -> tuple[np.ndarr
     pose = solve_lean(asked.x, asked.y, asked.z, asked.phi, asked.d1, asked.d2)
     exact = np.column_stack([pose[name] for name in RESULT_FIELDS])
     elbow = angle_between(_whole(values[:, 4:]), _whole(exact[:, 4:]))
-    _, wrist = forward(values[:, :4], values[:, 4:], asked.d1, asked.d2)
-    hand = np.linalg.norm(wrist - asked.position, axis=1) / asked.reach
-    return hand, max(angle_between(values[:, :4], exact[:, :4]).max(), elbow.max())
+    return hand_errors(values, asked), max(angle_between(values[:, :4], exact[:, :4]).max(), elbow.max())
 
 
 def _whole(q: np.ndarray) -> np.ndarray:
