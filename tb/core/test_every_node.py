@@ -12,6 +12,7 @@ import pytest
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS, MODELS
+from model.io.flags import names
 from model.io.stimuli import arithmetic_corners, arm_targets, mixed
 from tb.core import worst_targets
 from tb.sim.env import simulator
@@ -46,7 +47,10 @@ def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) 
     if vcd:
         vcd.unlink()
     expected = answer(words, width, datapath, limits)
-    assert (done.results == expected.results).all() and (done.flags == expected.flags).all()
+    assert (done.results == expected.results).all()
+    for n in np.flatnonzero(done.flags != expected.flags)[:1]:
+        given, wanted = (names(int(flags[n])) for flags in (done.flags, expected.flags))
+        pytest.fail(f"target {n} of {datapath}: flags {given} of the RTL, {wanted} of the model", pytrace=False)
     return done
 
 
