@@ -12,11 +12,11 @@ import numpy as np
 from model.dataflow import angles
 from model.dataflow.expressions import round_shift
 from model.dataflow.formats import Latency
-from tb.units.test_fold import Ports, check
 from tb.units.unit import (
     BIT,
     EVERY,
     Case,
+    Ports,
     Tests,
     Vector,
     checks,
@@ -27,6 +27,7 @@ from tb.units.unit import (
     signed,
     some,
     unsigned,
+    with_go,
     wrapped,
 )
 
@@ -139,7 +140,7 @@ def fold_angle(W: int) -> Tests:
             when = len(taken)
             return {"th": wanted[when]} if when in wanted and now is program[when] else {}
 
-        await check(dut, program, 0, expected)
+        await with_go(dut, program, 0, expected)
 
     return {"joints": joints}
 

@@ -2,41 +2,10 @@
 """Test modules of the folded core against their definitions. They hold their state while ``go`` is 0."""
 
 import random
-from collections.abc import Callable, Iterable
-
-from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge
+from collections.abc import Iterable
 
 from model.dataflow.fold.steps import CUTS, NORMS
-from tb.units.unit import Case, Tests, runs, sets_of
-
-Ports = dict[str, int]  # port -> word in one clock
-
-
-async def check(dut, vectors: Iterable[Ports], clocks: int, expected: Callable[[list[Ports], Ports], Ports]) -> None:
-    """Drive all vectors in order with ``go``. In 3 of 10 clocks, drive any vector without ``go``; it has no effect.
-
-    ``expected(taken, now)`` returns the outputs that are defined. ``taken`` has the inputs of all clocks with ``go``,
-    newest last; ``now`` has the present inputs. Outputs are compared once ``taken`` has ``clocks`` entries.
-    """
-    Clock(dut.clk, 10, unit="ns").start()
-    vectors = list(vectors)
-    taken: list[Ports] = []
-    while len(taken) < len(vectors):
-        go = random.random() < 0.7
-        now = vectors[len(taken)] if go else random.choice(vectors)
-        await RisingEdge(dut.clk)
-        dut.go.value = int(go)
-        for port, word in now.items():
-            getattr(dut, port).value = word
-        await FallingEdge(dut.clk)
-        if len(taken) >= clocks:
-            wanted = expected(taken, now)
-            outputs = {port: str(getattr(dut, port).value) for port in wanted}
-            bits = {port: f"{word:0{len(outputs[port])}b}" for port, word in wanted.items()}
-            assert outputs == bits, f"after {taken[-clocks:]} and with {now}: {outputs} instead of {bits}"
-        if go:
-            taken.append(now)
+from tb.units.unit import Case, Ports, Tests, runs, sets_of, with_go
 
 
 def memory(D: int, AD: int, DOWN: int, RW: int) -> Tests:
@@ -73,7 +42,7 @@ def memory(D: int, AD: int, DOWN: int, RW: int) -> Tests:
                     content[at["w_at"]] = at["w"]
             return reads[-1]
 
-        await check(dut, vectors(), 1, expected)
+        await with_go(dut, vectors(), 1, expected)
 
     return {"words": words}
 
@@ -105,7 +74,7 @@ def mul(D: int, TILE: int, WORD: int, ROOT: int, SINE: int) -> Tests:
 
     async def products(dut) -> None:
         vectors = ({"a": word(), "b": word(), "cut": random.randrange(len(CUTS))} for _ in range(2000))
-        await check(dut, vectors, 3, expected)
+        await with_go(dut, vectors, 3, expected)
 
     return {"products": products}
 
@@ -138,7 +107,7 @@ def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
         return {"t": t, "kind": kind, "n": random.getrandbits(6)}
 
     async def normals(dut) -> None:
-        await check(dut, (sums() for _ in range(2000)), 2, expected)
+        await with_go(dut, (sums() for _ in range(2000)), 2, expected)
 
     return {"normals": normals}
 

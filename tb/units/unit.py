@@ -27,6 +27,8 @@ from tb.sim.timeout import timed_test
 
 Vector = tuple[int, ...]
 Parameters = dict[str, int]
+Ports = dict[str, int]
+"""Port -> word in one clock."""
 Tests = dict[str, Callable[..., Awaitable[None]]]
 """Name -> check, a coroutine function of ``dut``."""
 
@@ -227,6 +229,32 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
         f"vector {wrong[0]} at {times[wrong[0]]:.0f} ns, {dict(zip(inputs, vectors[wrong[0]], strict=True))}: "
         f"{dict(zip(outputs, got[wrong[0]], strict=True))} instead of {wanted[wrong[0]]}"
     )
+
+
+async def with_go(dut, vectors: Iterable[Ports], clocks: int, expected: Callable[[list[Ports], Ports], Ports]) -> None:
+    """Drive all vectors in order with ``go``. In 3 of 10 clocks, drive any vector without ``go``; it has no effect.
+
+    ``expected(taken, now)`` returns the outputs that are defined. ``taken`` has the inputs of all clocks with ``go``,
+    newest last; ``now`` has the present inputs. Outputs are compared once ``taken`` has ``clocks`` entries.
+    """
+    Clock(dut.clk, 10, unit="ns").start()
+    vectors = list(vectors)
+    taken: list[Ports] = []
+    while len(taken) < len(vectors):
+        go = random.random() < 0.7
+        now = vectors[len(taken)] if go else random.choice(vectors)
+        await RisingEdge(dut.clk)
+        dut.go.value = int(go)
+        for port, word in now.items():
+            getattr(dut, port).value = word
+        await FallingEdge(dut.clk)
+        if len(taken) >= clocks:
+            wanted = expected(taken, now)
+            outputs = {port: str(getattr(dut, port).value) for port in wanted}
+            bits = {port: f"{word:0{len(outputs[port])}b}" for port, word in wanted.items()}
+            assert outputs == bits, f"after {taken[-clocks:]} and with {now}: {outputs} instead of {bits}"
+        if go:
+            taken.append(now)
 
 
 def _row(value: Vector | int) -> Vector:
