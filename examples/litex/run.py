@@ -74,7 +74,7 @@ def main(options: SimpleNamespace) -> int:
         from examples.litex import soc
     except ImportError as error:
         raise InputError(f"the package {error.name} is not installed: use make -C examples/litex") from None
-    logging.disable(logging.WARNING)  # LiteX's log
+    logging.basicConfig(level=logging.ERROR)  # without LiteX's log
     out = options.out.resolve()
     soc.build(out, options.width, options.bus, optimize=options.targets > 10)
     soc.load(out, header(options.targets, options.width))
