@@ -16,7 +16,7 @@ from tb.core.test_streams import SETS
 from tb.sim.env import simulator
 from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
-from tb.sim.shared import passes
+from tb.sim.shared import SECONDS, passes
 from tb.sim.sources import sources
 from tb.sim.timeout import timed_test
 
@@ -77,7 +77,7 @@ pytestmark = [pytest.mark.sim, *([] if ICARUS else [pytest.mark.cost(60)])]
 
 def failing(top: str, parameters: dict[str, int], tests: str, **options) -> Iterator[int]:
     """Yield the seeds with which tests fail; all seeds share one build."""
-    options["parameters"] = parameters
+    options |= {"parameters": parameters, "seconds": SECONDS}
     for seed in SEEDS:
         env = {"COCOTB_TEST_FILTER": tests if seed in STREAMED else "power_up", "IK_AXI_JOBS": "4"}
         built = seed != SEEDS[0]

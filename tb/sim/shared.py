@@ -80,22 +80,24 @@ def failures(log: Path, **options) -> list[tuple[str, str]]:
 
     A test that breaks a bus rule, which ends the simulation, has the rule as its message; later tests are "not run".
     If IK_WAVES is set, the simulation is recorded, and each message names a GTKWave save file that marks the failure.
-    Raises :class:`SystemExit` with the first error of the log if no test has ended.
+    Raises :class:`SystemExit` with the first error of the log if there are no results, if no test was selected, or if
+    the simulator failed after all tests had passed.
     """
     from tb.sim.runner import simulate  # benches import this module inside the simulator as well
 
-    results, vcd = log.with_suffix(".xml"), recording(log.stem)
+    results, vcd, failed = log.with_suffix(".xml"), recording(log.stem), ""
     results.unlink(missing_ok=True)
     with logged(log), patch.dict(os.environ, {"COCOTB_RESULTS_FILE": str(results)}):
         try:
             simulate(**options, waves=vcd, seconds=SECONDS)
         except SystemExit as ended:
+            failed = str(ended)
             if not results.exists():
                 text = log.read_text()
                 if rule := RULE.search(text):
                     raise SystemExit(rule[1]) from None
                 lines = re.findall("^.*error.*$", text, re.I | re.M)[:1] or re.findall(r"running \S+ \(.*", text)[-1:]
-                raise SystemExit(": ".join([str(ended), *lines])) from None
+                raise SystemExit(": ".join([failed, *lines])) from None
     rule = RULE.search(log.read_text())
     messages, stopped = [], ""
     for case in ElementTree.parse(results).iter("testcase"):
@@ -117,8 +119,11 @@ def failures(log: Path, **options) -> list[tuple[str, str]]:
         messages.append((name, message))
     if not messages:
         raise SystemExit("no cocotb test has the name that was selected")
-    if vcd and not any(message for _, message in messages):
-        vcd.unlink()
+    if not any(message for _, message in messages):
+        if failed:
+            raise SystemExit(f"all tests pass, but: {failed}")
+        if vcd:
+            vcd.unlink()
     return messages
 
 

@@ -13,7 +13,10 @@ from tb.sim.env import ROOT
 
 
 def timed_test(milliseconds: float = 10, name: str | None = None) -> Callable:
-    """Return a decorator like :func:`cocotb.test`, for a function of ``dut``. ``cocotb.parametrize`` goes above it."""
+    """Return a decorator like :func:`cocotb.test` that fails a test which has not ended after some simulated time.
+
+    ``cocotb.parametrize`` goes above it.
+    """
 
     def decorate(function):
         @cocotb.test(name=name)

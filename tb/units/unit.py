@@ -135,7 +135,7 @@ def cocotb_tests(cases: Sequence[Case]):
 
 
 def parameters_of(instance, signature: inspect.Signature) -> Parameters:
-    """Return an instance's parameters that a bench takes; one that takes any others gets the delays of ports."""
+    """Return an instance's values of a bench's parameters; for ``**delays``, also the delays of its ports."""
     names = {name for name, one in signature.parameters.items() if one.kind is not one.VAR_KEYWORD}
     delays = r"D[A-Z]" if names < signature.parameters.keys() else ""
     handles = {handle._name: handle for handle in instance}
