@@ -91,7 +91,7 @@ coverage: ## measure the Verilog coverage of the tests
 	@$(SETUP) checkout verilator
 	@$(RUN) scripts.coverage $(WORDS)
 
-docs: ## write the generated headers, scores.md, latency.md, memory.md
+docs: ## write the generated headers, scores.md, latency.md; MEMORY=1 memory.md too
 	@$(SETUP) checkout $(SIM)
 	@$(VENV) -m scripts.generate.headers
 	@$(VENV) -m scripts.generate.registers

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pages of scores, latency and memory-to-memory clocks, and pictures of the pipelines (make docs).
 
-    python -m scripts.generate.pages [--sim icarus|verilator]
+    python -m scripts.generate.pages [--sim icarus|verilator] [--memory]
 
-Runs all trajectories, and `ik_axi` with buses of 32, 64 and 128 bits, through the RTL.
+Runs all trajectories through the RTL; with --memory also `ik_axi` with buses of 32, 64 and 128 bits.
 """
 
 import json
@@ -26,7 +26,7 @@ from model.io import trajectories
 from model.io.scoring import model_errors
 from model.io.stimuli import REGIONS, hand_poses, region
 from scripts import run
-from scripts.console import command, sim_option
+from scripts.console import command, sim_option, switch
 from scripts.generate.flow import KINDS, WIDTH, kind, longest_path, start
 from scripts.generate.render import error, render, update
 from scripts.soak import hand_errors
@@ -125,7 +125,12 @@ def texts() -> dict[Path, str]:
     return {GENERATED / "latency.md": latency, **pictures}
 
 
-@command("generate.pages", __doc__.splitlines()[0], [sim_option()], fails="a simulation or a trajectory fails")
+@command(
+    "generate.pages",
+    __doc__.splitlines()[0],
+    [sim_option(), switch("--memory", "write memory.md too, which takes several minutes")],
+    fails="a simulation or a trajectory fails",
+)
 def main(options: SimpleNamespace) -> int:
     scores = {}
     for datapath in DATAPATHS:
@@ -134,11 +139,11 @@ def main(options: SimpleNamespace) -> int:
             if status:
                 return status
             scores[datapath] = json.loads((Path(out) / "score.json").read_text())
-    tables = [
-        list(zip(*(measured(options.sim, {"DATA_W": bus, "ARM": arm}) for bus in BUSES), strict=True)) for arm in (0, 1)
-    ]
-    memory = render("memory", tables=tables, buses=BUSES, short=BATCH, long=LONG)
-    update({SCORES: scores_page(scores), GENERATED / "memory.md": memory, **texts()})
+    update({SCORES: scores_page(scores), **texts()})
+    if options.memory:
+        rates = [[measured(options.sim, {"DATA_W": bus, "ARM": arm}) for bus in BUSES] for arm in (0, 1)]
+        tables = [list(zip(*rows, strict=True)) for rows in rates]
+        update({GENERATED / "memory.md": render("memory", tables=tables, buses=BUSES, short=BATCH, long=LONG)})
     return 0
 
 
