@@ -87,7 +87,7 @@ async def bus_errors(bench):
             bench.stall(*CHANNELS)
         side, area = (("read", SOURCE), ("write", DESTINATION))[k // 2 % 2]
         answer, other = ("slverr", "decerr") if k % 2 else ("decerr", "slverr")
-        count = numbers.randint(1, 200) if k != 1 else 512  # the last record index, 511, is all ones
+        count = numbers.randint(1, 100) if k != 1 else 512  # the last record index, 511, is all ones
         bad = numbers.randrange(count * bench.beats) * beat_bytes
         bad = {0: 0, 1: count * BYTES - beat_bytes, 2: 0}.get(k, bad)
         faults = {area + bad: AxiResp[answer.upper()]}
