@@ -7,8 +7,9 @@ Installed with `pip install .`, this is the package cga_ik; `help(cga_ik.solve)`
 from .io.flags import Flag
 from .motion import arms
 from .motion.arms import Arm
+from .motion.path import JointPath
 from .motion.pose import Pose, forward, hanging, soft_reach, solve, swivel, swivel_toward
-from .motion.swivels import Swivels, continuous_joints, feasible_swivel
+from .motion.swivels import Swivels, continuous_core_angles, feasible_swivel
 from .reference.joints import Branch
 from .reference.kinematics import continuous
 
@@ -16,11 +17,12 @@ __all__ = [
     "Arm",
     "Branch",
     "Flag",
+    "JointPath",
     "Pose",
     "Swivels",
     "arms",
     "continuous",
-    "continuous_joints",
+    "continuous_core_angles",
     "feasible_swivel",
     "forward",
     "hanging",

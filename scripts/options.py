@@ -52,6 +52,8 @@ def trajectory_options(
     pole = "point the elbow at X,Y,Z (CSV file: from the shoulder; clip: world) or at a clip's joint; overrides phi"
     soft = "outer fraction of the reach, 0 to 1, in which CSV or clip targets are pulled in smoothly"
     robot = "arm with its lengths, tool and joint limits; hand poses are poses of its tip in its base frame"
+    plan = "choose branch and swivel angle of hand poses along the whole path, or of each row alone  [default: path]"
+    limits = "rows with a joint outside the limits of ROBOT: fail the run, or report them  [default: fail]"
     link = "of a URDF file, if its chain is not the only one"
     tolerance = (
         "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "
@@ -75,6 +77,8 @@ def trajectory_options(
         option("--pole", pole, point, metavar="X,Y,Z|JOINT"),
         option("--soft", soft, Finite(0, 1), metavar="FRACTION"),
         option("--robot", robot, os.path.expanduser, metavar="|".join((*arms.ROBOTS, "FILE.urdf"))),
+        option("--plan", plan, click.Choice(["path", "rows"])),
+        option("--limits", limits, click.Choice(["fail", "report"])),
         option("--base", f"first link {link}", metavar="LINK"),
         option("--tip", f"last link {link}", metavar="LINK"),
         option("--tolerance", tolerance, POSITIVE, metavar="ERROR"),

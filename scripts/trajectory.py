@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from model.bounds.predict import predicted_error
 from model.dataflow import fixed
-from model.dataflow.datapaths import ARM, DATAPATHS, DEFAULT
+from model.dataflow.datapaths import DATAPATHS, DEFAULT
 from model.dataflow.nodes import Limits
 from model.io import trajectories
 from model.io.files import Place, read_csv
@@ -27,12 +27,14 @@ from model.motion import arms, gltf
 from model.motion import clip as clips
 from model.motion.clip import TORSO, Clip, Motion
 from model.motion.hands import limit_words
+from model.motion.path import JointPath
 from model.motion.pose import elbow_jumps, hanging, soft_reach, swivel, to_z
 from model.reference import joints
 from scripts.console import InputError, output, progress
 from tb.sim.simulate import Job, Run, simulate
 
 SCORES = "score.json"
+JUMPS = 5  # rows named in warnings
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ class Prepared:
     * words (N, 6), for hand poses (N, 12): input words of the targets, whose lengths are multiplied by 2^exponent
     * clip, moves, twist: the clip, the motions of its limbs, and --twist; scale: metres in the clip's unit of length
     * notes: warnings, each one line
-    * robot, limits: the arm of --robot, and for hand poses the lowest and highest word of each joint
+    * robot, path, limits: the arm of --robot, its planned path, and the lowest and highest word of each joint
     """
 
     targets: Targets
@@ -54,6 +56,7 @@ class Prepared:
     scale: float = 1.0
     notes: tuple[str, ...] = ()
     robot: arms.Arm | None = None
+    path: JointPath | None = None
     limits: Limits | None = None
 
     def core_words(self, width: int) -> np.ndarray:
@@ -63,21 +66,25 @@ class Prepared:
 
 def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[str, Path]:
     """Return a dict: datapath to run -> folder of its results. Without --datapath, the paper's scenario runs on both
-    dataflows, other wrist targets on lean, and hand poses on arm. Raises InputError for hand poses with --datapath."""
+    dataflows, other wrist targets on lean. Hand poses run on the whole arm of the datapath, which paper lacks: raises
+    InputError."""
     scenario = arguments.trajectory == trajectories.DEFAULT
     chosen = arguments.datapath or (list(DATAPATHS) if scenario else [DEFAULT])
     chosen = [chosen] if isinstance(chosen, str) else chosen
     if prepared[0].targets.hand is not None:
-        if "datapath" in arguments.given:
-            raise InputError(f"argument --datapath: applies to wrist targets; hand poses always run on {ARM.name}")
-        chosen = [ARM.name]
+        if "paper" in chosen and "datapath" in arguments.given:
+            raise InputError("argument --datapath: paper has no joints of a whole arm; hand poses run on lean or fold")
+        chosen = [WHOLE_ARM[name] for name in chosen if name in WHOLE_ARM]
     return {name: arguments.out / name for name in chosen} if len(chosen) > 1 else {chosen[0]: arguments.out}
 
+
+WHOLE_ARM = {"lean": "arm", "fold": "fold_arm"}
+"""Datapath of wrist targets -> the one of hand poses."""
 
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
 
 GOES_WITH = dict.fromkeys(("d1", "d2"), (CSV,)) | dict.fromkeys(("phi", "pole", "soft"), (CSV, CLIP))
-GOES_WITH |= dict.fromkeys(("robot",), (CSV, BUILT_IN))
+GOES_WITH |= dict.fromkeys(("robot", "plan", "limits"), (CSV, BUILT_IN))
 GOES_WITH |= dict.fromkeys(("arm", "limb", "joints", "up", "twist", "scale"), (CLIP,))
 """Option -> the kinds of trajectories to which it applies."""
 
@@ -153,7 +160,7 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
         raise InputError("argument --soft: applies to wrist targets, not to hand poses")
     if robot:
         try:
-            fitted, original = robot.targets(targets), targets
+            (fitted, path), original = robot.targets(targets, each=arguments.plan == "rows"), targets
         except ValueError as error:
             raise InputError(f"argument --robot: {error}") from None
         differ = [name for name in ("d1", "d2") if name not in original.default_arm]
@@ -162,12 +169,22 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
         if differ and original.path is not None:
             notes = (*notes, f"ROBOT= overrides {', '.join(differ)} of the file")
         targets = fitted
+        notes = (*notes, *_jumps(targets, path))
     limits = limit_words(robot.bounds if robot else None, arguments.width)
     for name, (low, high) in zip(robot.names if robot else (), limits, strict=False):
         if low > high:
             raise InputError(f"argument --robot: no word of {arguments.width} bits is within the limits of {name}")
     targets = _guided(targets, arguments.pole, None)
-    return Prepared(targets, *to_words(targets, arguments.width), notes=notes, robot=robot, limits=limits)
+    words = to_words(targets, arguments.width)
+    return Prepared(targets, *words, notes=notes, robot=robot, path=path if robot else None, limits=limits)
+
+
+def _jumps(targets: Targets, path: JointPath) -> Iterator[str]:
+    """Yield a line for each of the first rows where a joint moves by more than the goal or no joints are possible."""
+    for n, text in list(path.jumps.items())[:JUMPS]:
+        yield f"{f'row {targets.rows[n]}' if targets.rows is not None else f'target {n}'}: {text}"
+    if len(path.jumps) > JUMPS:
+        yield f"{len(path.jumps) - JUMPS} more such rows"
 
 
 def _of_clip(arguments: SimpleNamespace) -> Prepared:
@@ -255,6 +272,7 @@ def score_runs(
         predicted = predicted_error(item.words, arguments.width, datapath) if predict and wrists else None
         places = placed(item, run, arguments.width) if item.clip else None
         more = {"tolerance": arguments.tolerance, "predicted": predicted, "placed": places, "limits": item.limits}
+        more |= {"strict": item.robot is not None and arguments.limits != "report"}
         scored.append((run, score(item.targets, item.words, item.exponent, run, **core, **more)))
     return scored
 
@@ -345,7 +363,8 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 files(path.with_name("clip.glb")).write_bytes(gltf.animated(clip, targets.name, item.scale))
             more = {}
             if item.robot:
-                more = dict(zip(item.robot.names, item.robot.positions(result.per_target.hand.joints).T, strict=True))
+                at = item.robot.positions(result.per_target.hand.joints, item.path.joints)
+                more = dict(zip(item.robot.names, at.T, strict=True))
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))

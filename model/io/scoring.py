@@ -183,6 +183,7 @@ def score(
     tolerance: float | None = None,
     placed: tuple[np.ndarray, ...] | None = None,
     limits: Limits | None = None,
+    strict: bool = False,
 ) -> Score:
     """Score the core's results.
 
@@ -192,7 +193,7 @@ def score(
     * tolerance: of hand error / reach, requested by the user; by default from `model.bounds.tolerances`
     * placed: elbows and wrists (N, 3) to score, relative to the shoulder, in the user's units, and orientations (N, 4)
       for hand poses, which then have no tool; by default all are computed by forward kinematics
-    * limits: joint limits of hand poses, in words; none by default
+    * limits: joint limits of hand poses, in words; none by default; strict: a joint outside them is a failure
 
     Raises ValueError for arrays whose shapes do not match, and for a prediction that is not positive and finite.
     """
@@ -263,6 +264,7 @@ def score(
         *_large_errors("abs(norm^2-1) of Qs", qs_norm, norm_tolerance, everywhere),
         *_large_errors("abs(norm^2-1) of Qe", qe_norm, norm_tolerance, everywhere),
     ]
+    over = _over_limits(of_hand.over_limit) if of_hand and strict else []
     largest, furthest = _max(hand_error, reachable), _max(clamped_error, clamped)
     judged, at = np.where(clamped, clamped_error, hand_error), targets.points_from_core
     if of_hand:
@@ -301,9 +303,9 @@ def score(
         flagged=int(np.count_nonzero(run.flags & (1 << flag_bits.OVER_BIT) - 1)),
         over_limit=int(of_hand.over_limit.any(axis=1).sum()) if of_hand else None,
         scale_exponent=int(exponent),
-        passed=not failures,
-        outcome=_outcome(not failures, permitted, judged),
-        failures=tuple(failures),
+        passed=not failures + over,
+        outcome=f"FAIL: {over[0]}" if over and not failures else _outcome(not failures, permitted, judged),
+        failures=(*failures, *over),
         per_target=per_target,
     )
 
@@ -332,6 +334,15 @@ def _outcome(passed: bool, tolerance: np.ndarray | None, errors: np.ndarray) -> 
         return f"{verdict}: {bits}; {error}, no tolerance"
     rest = "" if passed or errors[n] > tolerance[n] else ", but bits, flags or norms are wrong"
     return f"{verdict}: {error}, tolerance {tolerance[n]:.3g}{rest}"
+
+
+def _over_limits(over: np.ndarray) -> list[str]:
+    """Return a message that counts the rows of ``over`` (N, 7) with a True and names the first, if there is one."""
+    rows = np.flatnonzero(over.any(axis=1))
+    if not len(rows):
+        return []
+    which = ", ".join(JOINTS[joint] for joint in np.flatnonzero(over[rows[0]]))
+    return [f"{len(rows)} targets with a joint outside its limits; first: target {rows[0]}, {which}"]
 
 
 def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:

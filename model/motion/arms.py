@@ -17,11 +17,13 @@ from numpy.typing import ArrayLike
 from ..io.words import DEFAULT_D1, DEFAULT_D2, Targets
 from ..reference import joints
 from ..reference.kinematics import about, conjugate, matrix, multiply, quaternion, rotate
-from .hands import Hands, checked_limits
-from .pose import Floats, Pose, hanging, solve
-from .swivels import Swivels, feasible_swivel
+from .hands import Hands, checked_limits, checked_rows, common_count
+from .path import JointPath, Planner
+from .pose import Floats, Pose, solve, swivel
+from .swivels import Circles, Swivels, feasible_swivel
 
-UNIT = (1.0, 0.0, 0.0, 0.0)
+UNIT = joints.UNIT
+BATCH = 128  # poses whose branch and swivel angle are chosen at a time, so that arrays stay in the cache
 TOLERANCE = 1e-6
 """Largest distance between axes that meet, relative to the chain's size; largest cosine between perpendicular axes."""
 
@@ -83,47 +85,116 @@ class Arm:
         """(upper, fore) if links are bent, otherwise None."""
         return None if np.array_equal((self.upper, self.fore), (UNIT, UNIT)) else (self.upper, self.fore)
 
-    def _wrists(self, points: ArrayLike, hand: ArrayLike) -> tuple[Floats, Floats]:
-        """Return the wrist targets (N, 3) and hands (N, 4), in the shoulder's frame, for poses of the tip."""
-        q = multiply(multiply(conjugate(self.mount), Hands.checked(hand, 0.0, 0).q.T), conjugate(self.tip))
-        return rotate(conjugate(self.mount), np.asarray(points, dtype=np.float64) - self.base) - rotate(q, self.tool), q
+    def _asked(
+        self, points: ArrayLike, hand: ArrayLike, phi: Any = None, branch: Any = None, near: Any = None
+    ) -> tuple[Circles, Floats, Floats, Any, Any, Any]:
+        """Return the circles, wrist targets (N, 3) and hands (N, 4) in the shoulder's frame for poses of the tip.
 
-    def positions(self, th: ArrayLike) -> Floats:
-        """Return the robot's joint positions (N, 7) for angles th1 .. th7 (N, 7), rad. Where a whole turn brings a
-        position into its limits, it is added or subtracted."""
+        The other arguments follow, with N rows or None.  Raises ValueError.
+        """
+        asked = {"points": checked_rows("points", points, 3), "hand": Hands.checked(hand, 0.0, 0).q.T}
+        asked |= {} if phi is None else {"phi": checked_rows("phi", np.ravel(phi)[:, None], 1)[:, 0]}
+        asked |= {} if branch is None else {"branch": np.atleast_1d(Hands.checked(hand, 0.0, branch).branch)}
+        asked |= {} if near is None else {"near": checked_rows("near", near, 7)}
+        count = common_count({name: len(rows) for name, rows in asked.items()})
+        asked = {name: np.broadcast_to(rows, (count, *rows.shape[1:])) for name, rows in asked.items()}
+        q = multiply(multiply(conjugate(self.mount), asked["hand"]), conjugate(self.tip))
+        wrists = rotate(conjugate(self.mount), asked["points"] - self.base) - rotate(q, self.tool)
+        circles = Circles.of(wrists, Hands.checked(q, 0.0, 0), self.d1, self.d2, bent=self._bent)
+        return circles, wrists, q, *(asked.get(name) for name in ("phi", "branch", "near"))
+
+    def _planner(self, circles: Circles) -> Planner:
+        return Planner(circles, self.limits, self.offsets, self.signs)
+
+    def _swivel(self, positions: Floats, wrists: Floats) -> Floats:
+        """Return the swivel angles (N,) that put the elbow on the side that it has at joint positions (N, 7)."""
+        th = self.angles(positions).T
+        elbow = rotate(multiply(joints.turned(*th[:3]).T, self.upper), (0, 0, self.d1))
+        return swivel((0.0, 0.0, 0.0), elbow, wrists)
+
+    def angles(self, positions: ArrayLike) -> Floats:
+        """Return th1 .. th7 (N, 7) for the robot's joint positions (N, 7), rad."""
+        return (np.asarray(positions) - self.offsets) * self.signs
+
+    def positions(self, th: ArrayLike, near: Floats | None = None) -> Floats:
+        """Return the robot's joint positions (N, 7) for angles th1 .. th7 (N, 7), rad.
+
+        Whole turns bring them nearest to ``near`` (N, 7), or where that is nan or None, into their limits if one does.
+        """
         low, high = self.limits.T + [[-joints.ROUNDING], [joints.ROUNDING]]
         at = joints.wrap(np.asarray(th) * self.signs + self.offsets)
         for turn in (-2 * np.pi, 2 * np.pi):
             at = np.where(((at < low) | (at > high)) & (at + turn >= low) & (at + turn <= high), at + turn, at)
-        return at
+        return at if near is None else np.where(np.isnan(near), at, near + joints.wrap(at - near))
 
-    def targets(self, poses: Targets) -> Targets:
-        """Return poses of the tip as targets of `ik_arm`; if all phi are nan, feasible swivel angles replace them.
+    def targets(self, poses: Targets, each: bool = False) -> tuple[Targets, JointPath]:
+        """Return poses of the tip as targets of `ik_arm`, and the path through them.
 
+        Swivel angles are chosen if all phi are nan, branches without a column ``branch``; a column ``path`` separates
+        paths. each: every row is a path of its own. A row without joints within the limits gets those of :meth:`solve`.
         Raises ValueError for bent links.
         """
         if self._bent:
             raise ValueError("links are bent: the joints of ik_arm are along or across its bones")
-        phi, q = poses.phi, multiply(poses.hand, conjugate(self.tip))
-        if np.isnan(phi).all():
-            chosen = self.feasible_swivel(poses.position, poses.hand, poses.branch).nearest(margin=0.1)
-            phi = np.where(np.isnan(chosen), hanging(), chosen)
+        count, labels = len(poses), np.array(poses.others.get("path", [""] * len(poses)))
+        phi = None if np.isnan(poses.phi).all() else poses.phi
+        branch = poses.branch if "branch" in poses.others else None
+        empty = np.full((count, 7), np.nan)
+        whole = JointPath(empty, empty[:, 0].copy(), np.zeros(count, dtype=np.int64), np.zeros(count), {})
+        groups = list(np.arange(count)[:, None]) if each else [np.flatnonzero(labels == one) for one in set(labels)]
+        for group in groups:
+            some_phi, some_branch = (None if v is None else v[group] for v in (phi, branch))
+            path = self.path(poses.position[group], poses.hand[group], phi=some_phi, branch=some_branch)
+            for name in ("joints", "phi", "branch", "step"):
+                getattr(whole, name)[group] = getattr(path, name)
+            whole.jumps.update({int(group[n]): text for n, text in path.jumps.items()})
+        missing = np.flatnonzero(np.isnan(whole.phi))
+        if len(missing):
+            asked = (None if v is None else v[missing] for v in (phi, branch))
+            pose = self.solve(poses.position[missing], poses.hand[missing], *asked)
+            whole.phi[missing], whole.branch[missing] = pose.phi, pose.branch
+        others = {name: poses.others[name] for name in poses.others if name != "branch"}
+        others |= {"branch": [*map(str, whole.branch.tolist())], "step": [*map(repr, whole.step.tolist())]}
         lengths: dict[str, Any] = {"d1": self.d1, "d2": self.d2, "tool": self.tool[None], "default_arm": ()}
-        return replace(poses, phi=phi, hand=q, origin=self.base, frame=conjugate(self.mount), **lengths)
+        lengths |= {"origin": self.base, "frame": conjugate(self.mount), "others": others, "branch": whole.branch}
+        q = multiply(poses.hand, conjugate(self.tip))
+        return replace(poses, phi=whole.phi if phi is None else phi, hand=q, **lengths), whole
 
-    def solve(self, points: ArrayLike, hand: ArrayLike, phi: ArrayLike | None = None, branch: ArrayLike = 0) -> Pose:
+    def solve(
+        self,
+        points: ArrayLike,
+        hand: ArrayLike,
+        phi: ArrayLike | None = None,
+        branch: ArrayLike | None = None,
+        near: ArrayLike | None = None,
+    ) -> Pose:
         """Return the poses in which the tip is at points (N, 3) or (3,) with orientations ``hand`` (N, 4) or (4,).
 
-        ``Pose.joints`` are the robot's :meth:`positions`.  The swivel angle phi (rad, a number or (N,)) is measured
-        from axis 1; None is :func:`hanging`.  Raises ValueError as :func:`cga_ik.solve` does.
+        * phi: swivel angle, rad, a number or (N,), measured from axis 1
+        * branch: bits of :class:`Branch`, a number or (N,)
+        * near (N, 7) or (7,): joint positions, rad
+
+        What is not given is chosen: joints within their limits if any branch and swivel angle has them; nearest to
+        ``near``, or without it farthest from the limits. Where there are none, the least number of joints is outside.
+        ``Pose.joints`` are the robot's positions.  Raises ValueError as :func:`cga_ik.solve` does.
         """
-        wrists, q = self._wrists(points, hand)
+        circles, wrists, q, *given = self._asked(points, hand, phi, branch, near)
+        chosen, batch = [], BATCH if phi is None else 16 * BATCH
+        if phi is None or branch is None:
+            given.append(None if near is None else self._swivel(given[2], wrists))
+            for rows in (slice(n, n + batch) for n in range(0, len(circles), batch)):
+                some = (None if v is None else v[rows] for v in given)
+                chosen.append(self._planner(circles.part(rows)).best(*some))
+            phi, branch = (np.concatenate([part[k] for part in chosen] or [np.zeros(0, dtype=int)]) for k in (1, 2))
         pose = solve(wrists, phi, self.d1, self.d2, hand=q, branch=branch)
         if self._bent:
             branches = np.broadcast_to(branch, len(pose.qs))
             axes = joints.bent(pose.qs.T, joints.flexion(pose.qe.T), pose.qw.T, branches, *self._bent)
             pose = replace(pose, joints=joints.angles(*axes).T)
         th = joints.settled(pose.joints.T, self.bounds)
+        at, over = self.positions(th.T), joints.outside(th, self.bounds).T
+        for first, (best, _, _) in zip(range(0, len(at), batch), chosen, strict=False):
+            at[first + best.row], over[first + best.row] = best.at.T, False
         elbow, wrist = (self.base + rotate(self.mount, point) for point in (pose.elbow, pose.wrist))
         return replace(
             pose,
@@ -131,13 +202,14 @@ class Arm:
             elbow=elbow,
             wrist=wrist,
             hand=wrist + rotate(self.mount, rotate(q, self.tool)),
-            joints=self.positions(th.T),
-            over_limit=joints.outside(th, self.bounds).T,
+            joints=at,
+            over_limit=over,
+            branch=np.broadcast_to(branch, len(at)).copy(),
         )
 
     def forward(self, positions: ArrayLike) -> tuple[Floats, Floats]:
         """Return points (N, 3) and orientations (N, 4) of the tip for joint positions (N, 7), rad."""
-        th = ((np.atleast_2d(np.asarray(positions, dtype=np.float64)) - self.offsets) * self.signs).T
+        th = self.angles(checked_rows("positions", positions, 7)).T
         qs = multiply(joints.turned(*th[:3]).T, self.upper)
         qf = multiply(qs, joints.turned(0 * th[3], th[3], 0 * th[3]).T)
         qh = multiply(multiply(qf, self.fore), joints.turned(*th[4:]).T)
@@ -146,8 +218,46 @@ class Arm:
 
     def feasible_swivel(self, points: ArrayLike, hand: ArrayLike, branch: ArrayLike = 0) -> Swivels:
         """Return the swivel angles for which all joints are within their limits.  Raises ValueError."""
-        wrists, q = self._wrists(points, hand)
+        _, wrists, q, *_ = self._asked(points, hand)
         return feasible_swivel(wrists, q, self.d1, self.d2, limits=self.bounds, branch=branch, bent=self._bent)
+
+    def path(
+        self,
+        points: ArrayLike,
+        hand: ArrayLike,
+        start: ArrayLike | None = None,
+        goal: float = 0.2,
+        *,
+        phi: ArrayLike | None = None,
+        branch: ArrayLike | None = None,
+    ) -> JointPath:
+        """Return joints along a path of poses of the tip: points (N, 3), orientations ``hand`` (N, 4).
+
+        All joints are within their limits, and no step of a joint exceeds the goal (rad) if branches and swivel angles
+        allow it. start (7,): joint positions before the first pose. phi (rad), branch: numbers or (N,), given instead
+        of chosen.  Raises ValueError.
+        """
+        circles, _, _, given_phi, given_branch, before = self._asked(points, hand, phi, branch, start)
+        if not 0 < goal < np.inf:
+            raise ValueError(f"goal {goal!r} is not an angle")
+        if before is not None:
+            before = before[0]
+            over = np.maximum(before - self.limits[:, 1], self.limits[:, 0] - before)
+            if over.max() > 1e-6:
+                name, by = self.names[over.argmax()], over.max()
+                raise ValueError(f"start: {name} is {by:.3g} rad outside its limits")
+        return self._planner(circles).plan(given_phi, given_branch, before, goal)
+
+    def continuous_joints(self, positions: ArrayLike) -> Floats:
+        """Return joint positions (N, 7), rad, of the same arm in the same places, but without jumps between branches.
+
+        positions (N, 7): rad; each row may be in any branch.  The results are within the limits, or nan where no branch
+        is.  Raises ValueError.
+        """
+        rows = checked_rows("positions", positions, 7)
+        points, hand = self.forward(rows)
+        _, wrists, *_ = self._asked(points, hand)
+        return self.path(points, hand, phi=self._swivel(rows, wrists)).joints
 
     @classmethod
     def from_urdf(cls, path: str | Path, base: str | None = None, tip: str | None = None) -> "Arm":

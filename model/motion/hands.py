@@ -2,6 +2,7 @@
 """Hand poses: checked arguments, vectors from wrist to hand, joint limits as words."""
 
 import math
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,12 +89,35 @@ def check_order(order: str) -> None:
         raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
 
 
+def checked_rows(name: str, values: ArrayLike, size: int) -> Floats:
+    """Return an array (N, size); one row may have the shape (size,).  Raises ValueError for others and for a nan."""
+    rows = np.asarray(values, dtype=np.float64)
+    rows = rows[None] if rows.ndim == 1 and rows.size else rows.reshape(-1, size) if not rows.size else rows
+    if rows.ndim != 2 or rows.shape[1] != size:
+        raise ValueError(f"{name}: shape {np.shape(values)}, not (N, {size})")
+    refuse(name, np.asarray(~np.isfinite(rows).all(axis=1)), "not finite")
+    return rows
+
+
+def common_count(counts: dict[str, int]) -> int:
+    """Return the number of rows of arguments with this number each, or 1.  Raises ValueError if they do not match."""
+    if len(different := set(counts.values()) - {1} or {1}) > 1:
+        listed = ", ".join(f"{name} has {count}" for name, count in counts.items())
+        raise ValueError(f"numbers of rows do not broadcast: {listed}")
+    return different.pop()
+
+
 def checked_limits(limits: ArrayLike) -> Floats:
-    """Return joint limits as an array (7, 2), rad.  Raises ValueError for a wrong shape or an empty interval."""
+    """Return joint limits as an array (7, 2), rad.  Warns of degrees.  Raises ValueError for a wrong shape or an empty
+    interval."""
     ends = np.asarray(limits, dtype=np.float64)
     if ends.shape != (7, 2):
         raise ValueError(f"limits have the shape {ends.shape}, not (7, 2)")
     for joint, (low, high) in enumerate(ends.tolist(), 1):
         if not low <= high:
             raise ValueError(f"limits of joint {joint}: {low:.6g} to {high:.6g} is not an interval")
+    sizes = np.abs(ends)
+    largest = sizes[sizes <= 1080].max(initial=0.0)
+    if largest > 8 * np.pi:
+        warnings.warn(f"limits reach {largest:g}; their unit is the radian: convert degrees", stacklevel=3)
     return ends

@@ -27,7 +27,7 @@ from ..dataflow.formats import WIDTHS
 from ..io.words import DEFAULT_D1, DEFAULT_D2, FIELDS, Targets, angle_doubt
 from ..reference import kinematics
 from ..reference.kinematics import matrix, multiply
-from .hands import Floats, Hands, check_order, checked_limits, refuse
+from .hands import Floats, Hands, check_order, checked_limits, common_count, refuse
 from .solver import Solver
 
 if TYPE_CHECKING:
@@ -66,6 +66,7 @@ class Pose:
     * hand (N, 3): the hand's point from forward kinematics
     * joints (N, 7): th1 .. th7, rad in -pi to pi
     * over_limit (N, 7): True for a joint outside its limits
+    * branch (N,): bits of :class:`Branch`
     """
 
     qs: Floats
@@ -79,6 +80,7 @@ class Pose:
     hand: Floats = field(default_factory=lambda: np.empty((0, 3)))
     joints: Floats = field(default_factory=lambda: np.empty((0, 7)))
     over_limit: NDArray[np.bool_] = field(default_factory=lambda: np.empty((0, 7), dtype=bool))
+    branch: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     def to_scipy(self) -> "tuple[Rotation, Rotation]":
         """Return shoulder and elbow as :class:`scipy.spatial.transform.Rotation` (matrices, Euler angles, slerp)."""
@@ -133,6 +135,8 @@ def solve(
         raise ValueError(f"nan {nan!r} is neither 'raise' nor 'pass'")
     if hand is not None and width is not None and datapath != "lean":
         raise ValueError(f"datapath {datapath!r}: with hand and width it must be 'lean'")
+    if limits is not None and hand is None:
+        raise ValueError("limits: wrist targets have no joints; give hand")
     hands = None if hand is None else Hands.checked(hand, tool, branch, order, nan)
     joint_limits = None if limits is None else checked_limits(limits)
     table, missing = _table(points, hanging(axis) if phi is None else phi, d1, d2, hands, nan)
@@ -150,6 +154,8 @@ def solve(
             values[missing] = np.nan if values.dtype.kind == "f" else 0
         if name in ("qs", "qe", "qw"):
             arrays[name] = _rolled(order, values, -1)
+    if hands is not None:
+        arrays["branch"] = np.broadcast_to(hands.branch, count).copy()
     return Pose(**arrays, order=order)
 
 
@@ -167,10 +173,8 @@ def _table(
     columns = [np.asarray(v, dtype=np.float64) for v in (phi, d1, d2)]
     arrays: dict[str, NDArray[Any]] = dict(zip(("points", *FIELDS[3:]), (position[:, 0], *columns), strict=True))
     arrays |= {"hand": hands.q[0], "tool": hands.tool, "branch": hands.branch} if hands else {}
-    if len(counts := {v.size for v in arrays.values()} - {1} or {1}) > 1:
-        listed = ", ".join(f"{name} has {v.size}" for name, v in arrays.items())
-        raise ValueError(f"numbers of rows do not broadcast: {listed}")
-    table = np.empty((len(FIELDS), *counts))
+    count = common_count({name: v.size for name, v in arrays.items()})
+    table = np.empty((len(FIELDS), count))
     table[:3], table[3], table[4], table[5] = position.T, *columns
     missing: Any = None
     if hands and hands.missing.any():

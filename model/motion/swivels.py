@@ -10,7 +10,9 @@ so an angle is at a limit where an expression of the same form is 0, which holds
 IEEE T-RO 24(5), 2008).  Each arc between two neighbours of these phi is feasible or infeasible as a whole.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,8 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..io.words import DEFAULT_D1, DEFAULT_D2
 from ..reference import joints
 from ..reference.kinematics import product
-from .hands import Hands, checked_limits
-from .pose import Axis, Floats, Order, hanging, solve, to_z
+from .hands import Hands, checked_limits, refuse
+from .pose import Axis, Floats, Order, direction, hanging, solve, to_z
 
 CHUNK = 1024
 TURN = 2 * np.pi
@@ -52,7 +54,7 @@ class Swivels:
         """Return text that explains why pose n is infeasible, or an empty string if it is feasible."""
         (near, far), distance = self.reach[n], self.distance[n]
         if _beyond(distance, near, far):
-            return f"wrist {distance:.6g} from the shoulder, where the arm reaches {near:.6g} to {far:.6g}"
+            return beyond(distance, near, far)
         over = [str(1 + joint) for joint in np.flatnonzero(self.over_limit[n])]
         return f"joint{'s'[: len(over) > 1]} {', '.join(over)} outside the limits" if over else ""
 
@@ -60,8 +62,12 @@ class Swivels:
         """Return the feasible swivel angle (N,) nearest to ``near``, rad in -pi to pi; nan where there is none.
 
         near: rad, a number or (N,).  None treats the poses as a path: near is ``start`` for the first pose, then the
-        previous angle.  margin: least distance (rad) from both ends; a shorter interval gives its middle.
+        previous angle.  margin: least distance (rad) from both ends; a shorter interval gives its middle.  Raises
+        ValueError for a negative margin and for numbers that are not finite.
         """
+        if not 0 <= margin < np.inf:
+            raise ValueError(f"margin {margin!r} is not a distance")
+        refuse("near", ~np.isfinite(np.atleast_1d(0.0 if near is None else near)), "not finite")
         first, last = np.moveaxis(self.intervals, 2, 0)
         inset = np.minimum(margin, (last - first) / 2)
         whole = last - first >= TURN
@@ -73,6 +79,11 @@ class Swivels:
             chosen[n] = _nearest(first[n : n + 1], last[n : n + 1], before)[0]
             before = chosen[n : n + 1] if np.isfinite(chosen[n]) else before
         return chosen
+
+
+def beyond(distance: float, near: float, far: float) -> str:
+    """Return text for a wrist at a distance from the shoulder that an arm does not reach."""
+    return f"wrist {distance:.6g} from the shoulder, where the arm reaches {near:.6g} to {far:.6g}"
 
 
 def _beyond(distance, near, far):
@@ -110,31 +121,110 @@ def feasible_swivel(
     intervals of length 0.  Raises ValueError like :func:`solve`.
     """
     hands = Hands.checked(hand, tool, branch, order)
-    wrists = np.asarray(points, dtype=np.float64) - hands.offset.T
-    poses = [solve(wrists, phi, d1, d2, axis=axis) for phi in (0.0, np.pi / 2, np.pi)]
-    count, frame = len(poses[0].qs), to_z(axis)
+    circles = Circles.of(np.asarray(points, dtype=np.float64) - hands.offset.T, hands, d1, d2, axis, bent)
     bounds = checked_limits(limits if limits is not None else [(-np.inf, np.inf)] * 7)
-    lengths = [np.broadcast_to(np.asarray(d, dtype=np.float64), count) for d in (d1, d2)]
-    reach = np.column_stack((np.abs(lengths[0] - lengths[1]), lengths[0] + lengths[1]))
-    distance = np.broadcast_to(np.linalg.norm(np.atleast_2d(wrists), axis=1), count)
-    unreachable = _beyond(distance, *reach.T)
-    hand_q, branches = np.broadcast_to(hands.q, (4, count)), np.broadcast_to(hands.branch, count)
-    parts = []
-    for rows in (slice(start, start + CHUNK) for start in range(0, max(count, 1), CHUNK)):
-        at_0, at_quarter, at_half = (pose.qs[rows].T for pose in poses)
-        # Q(phi) = cos(phi/2) Q(0) + sin(phi/2) Q(pi); a solved quaternion may have the other sign.
-        at_half = at_half * np.sign((at_quarter * at_0).sum(axis=0) * (at_quarter * at_half).sum(axis=0))
-        qe, ends = poses[0].qe[rows, :2].T, []
-        for qs in (at_0, at_half):
-            qw = joints.wrist_quaternion(qs, qe, hand_q[:, rows])
-            bones = product(frame, qs), joints.flexion(qe), qw, branches[rows]
-            qs, flexion, qw, axis_branch = bones if bent is None else joints.bent(*bones, *bent)
-            ends.append((qs, qw))
-        parts.append(_intervals(np.array(ends), flexion, bounds, axis_branch, unreachable[rows]))
-    most = max(1, *(part.shape[1] for part, _ in parts))
-    padded = [np.pad(p, ((0, 0), (0, most - p.shape[1]), (0, 0)), constant_values=np.nan) for p, _ in parts]
-    over_limit = np.concatenate([over for _, over in parts])
-    return Swivels(np.concatenate(padded), over_limit, distance, reach, hanging(axis))
+    branches = np.broadcast_to(hands.branch, len(circles))
+    elbow = (branches & joints.Branch.ELBOW > 0).astype(int)
+    intervals, over_limit = [], []
+    for rows in circles.chunks():
+        (some,), over = circles.arcs(rows, elbow[rows], bounds, [branches[rows]])
+        intervals.append(some)
+        over_limit.append(over)
+    most = max(1, *(some.shape[1] for some in intervals))
+    padded = [np.pad(p, ((0, 0), (0, most - p.shape[1]), (0, 0)), constant_values=np.nan) for p in intervals]
+    return Swivels(np.concatenate(padded), np.concatenate(over_limit), circles.distance, circles.reach, hanging(axis))
+
+
+@dataclass(frozen=True, eq=False)
+class Circles:
+    """Turns of the joint axes of N hand poses as functions of the swivel angle, for both elbow solutions.
+
+    * ends (2, N, 2, 2, 4): for each elbow solution and pose, at phi = 0 and pi, quaternions of shoulder and wrist;
+      Q(phi) = cos(phi/2) Q(0) + sin(phi/2) Q(pi)
+    * flexion (2, N): th4
+    * distance (N,): from shoulder to wrist; reach (N, 2): the least and the largest possible distance
+    """
+
+    ends: Floats
+    flexion: Floats
+    distance: Floats
+    reach: Floats
+
+    def __len__(self) -> int:
+        return len(self.distance)
+
+    def part(self, rows: slice) -> "Circles":
+        """Return the circles of some poses."""
+        return Circles(self.ends[:, rows], self.flexion[:, rows], self.distance[rows], self.reach[rows])
+
+    @classmethod
+    def of(
+        cls, wrists: ArrayLike, hands: Hands, d1: ArrayLike, d2: ArrayLike, axis: Axis = "z", bent: Any = None
+    ) -> "Circles":
+        """Return the circles for wrist targets (N, 3) and hands.  Raises ValueError like :func:`solve`."""
+        pose = solve(wrists, 0.0, d1, d2, axis=axis)
+        count, frame = len(pose.qs), to_z(axis)
+        lengths = [np.broadcast_to(np.asarray(d, dtype=np.float64), count) for d in (d1, d2)]
+        reach = np.column_stack((np.abs(lengths[0] - lengths[1]), lengths[0] + lengths[1]))
+        line = np.broadcast_to(np.atleast_2d(wrists), (count, 3))
+        distance = np.linalg.norm(line, axis=1)
+        # The arm turns about the line to the wrist; a wrist at the shoulder counts as above it.
+        about = np.where(distance > 0, line.T / np.where(distance > 0, distance, 1), direction(axis)[:, None])
+        qe, q = pose.qe[:, :2].T, np.broadcast_to(hands.q, (4, count))
+        ends, flexion = np.empty((2, count, 2, 2, 4)), np.empty((2, count))
+        for end, qs in enumerate((pose.qs.T, product((0, *about), pose.qs.T))):
+            bones = product(frame, qs), joints.flexion(qe), joints.wrist_quaternion(qs, qe, q)
+            for elbow in (0, 1):
+                turns = joints.bent(*bones, elbow * joints.Branch.ELBOW, *(bent or (joints.UNIT, joints.UNIT)))
+                ends[elbow, :, end, 0], flexion[elbow], ends[elbow, :, end, 1] = turns[0].T, turns[1], turns[2].T
+        return cls(ends, flexion, distance, reach)
+
+    @property
+    def unreachable(self) -> NDArray[np.bool_]:
+        """True for a wrist out of reach, (N,)."""
+        return np.asarray(_beyond(self.distance, *self.reach.T))
+
+    def chunks(self) -> Iterator[slice]:
+        """Yield slices of poses of which arrays stay in the cache."""
+        yield from (slice(start, start + CHUNK) for start in range(0, max(len(self), 1), CHUNK))
+
+    def joints(self, row: NDArray, elbow: NDArray, phi: Floats) -> Floats:
+        """Return th1 .. th7 (7, M) of poses at swivel angles, without the branches of shoulder and wrist."""
+        ends = self.ends[elbow.astype(int), row]
+        half = (phi / 2)[:, None, None]
+        qs, qw = np.moveaxis(ends[:, 0] * np.cos(half) + ends[:, 1] * np.sin(half), 0, 2)
+        return joints.angles(qs, self.flexion[elbow.astype(int), row], qw)
+
+    def extremes(self) -> tuple[Floats, Floats, Floats]:
+        """Return swivel angles (2, N, 2 balls, 2) at which cos th2 and cos th6 are largest and smallest, those cosines,
+        and half their difference R (2, N, 2 balls): cos th2 = C + R cos(phi - phi of the largest)."""
+        stations = self.ends[:, :, 0], (self.ends[:, :, 0] + self.ends[:, :, 1]) * 0.5**0.5, self.ends[:, :, 1]
+        at_0, at_quarter, at_half = ((np.square(q) * (1, -1, -1, 1)).sum(axis=-1) for q in stations)
+        constant, cosine = (at_0 + at_half) / 2, (at_0 - at_half) / 2
+        sine = at_quarter - constant
+        size, phi = np.hypot(sine, cosine), np.arctan2(sine, cosine)
+        return np.stack((phi, phi + np.pi), axis=-1), np.stack((constant + size, constant - size), axis=-1), size
+
+    def arcs(self, rows: slice, elbow: NDArray | int, bounds: Floats, branches: list) -> tuple[list[Floats], NDArray]:
+        """Return for each of ``branches``, numbers or (n,), the intervals (n, K, 2) of swivel angles of some poses, and
+        joints outside their limits (n, 7) at the angle of the last branch with the fewest such joints.
+
+        elbow (n,): elbow solution, whatever the branch's bit.
+        """
+        numbers = np.arange(len(self))[rows]
+        ends = np.moveaxis(self.ends[elbow, numbers], 0, 3)
+        roots, following, outside = _tried(ends, self.flexion[elbow, numbers], bounds)
+        outside |= self.unreachable[rows][:, None]
+        intervals = []
+        for branch in branches:
+            balls = np.asarray(branch) & joints.Branch.SHOULDER > 0, np.asarray(branch) & joints.Branch.WRIST > 0
+            other = np.broadcast_to(np.array(balls)[[0, 0, 0, 0, 1, 1, 1]].reshape(7, -1), (7, len(numbers)))
+            beyond = outside[other.astype(int), np.arange(7)[:, None], np.arange(len(numbers))]
+            at_root, arc = np.split(~beyond.any(axis=0), 2, axis=1)
+            arc = np.where(following == roots, at_root, arc)  # an arc of length 0
+            intervals.append(_joined(roots, at_root | arc | np.roll(arc, 1, axis=1), arc))
+        fewest = np.take_along_axis(beyond, beyond.sum(axis=0).argmin(axis=1)[None, :, None], 2)[..., 0].T
+        return intervals, fewest
 
 
 def _elements(q):
@@ -144,7 +234,7 @@ def _elements(q):
     return np.array((2 * (i * k + w * j), 2 * (w * i - j * k), tilt, 2 * (i * k - w * j), 2 * (j * k + w * i)))
 
 
-def _roots(ends, branch, bounds):
+def _roots(ends, bounds):
     """Return the swivel angles (N, ROOTS) at which a joint may be at a limit; nan for missing ones."""
     stations = ends[0], (ends[0] + ends[1]) * 0.5**0.5, ends[1]
     at_0, at_quarter, at_half = (np.array([_elements(q) for q in balls]) for balls in stations)  # (ball, element, N)
@@ -170,29 +260,29 @@ def _roots(ends, branch, bounds):
         sum_counts = w * w + k * k >= i * i + j * j  # the angle b is 0, not pi
         begin, quarter = (2 * np.where(sum_counts, *np.arctan2(q[ball][[3, 2]], q[ball][:2])) for q in stations[:2])
         rate, sign = np.sign(joints.wrap(quarter - begin)), np.where(sum_counts, 1, -1)
-        goal = centre[first] + sign * centre[first + 2] + np.pi * (branch & joints.Branch.ELBOW != 0) - begin
+        goal = centre[first] + sign * centre[first + 2] - begin
         straight += [rate * (goal + side * (width[first] + width[first + 2])) for side in (-1, 1)]
     return joints.wrap(np.concatenate((middle - half, middle + half, straight))).T
 
 
-def _intervals(ends, flexion, bounds, branch, unreachable):
-    """Return intervals (N, K, 2), and joints outside their limits (N, 7) at the angle with the fewest such joints.
-
-    ends (2, 2, 4, N): Qs and Qw at phi = 0 and pi.
+def _tried(ends, flexion, bounds):
+    """Return the swivel angles (N, ROOTS) at which a joint may be at a limit, the ones that follow them, and joints
+    outside their limits (2, 7, N, 2 ROOTS) at these and in the middle between them, with both ball joints in branch 0
+    and in the other; ends (2, 2, 4, N): Qs and Qw at phi = 0 and pi, flexion (N,).
     """
-    roots = np.sort(_roots(ends, branch, bounds), axis=1)  # nan last
+    roots = np.sort(_roots(ends, bounds), axis=1)  # nan last
     last = np.nanmax(np.where(np.isnan(roots), -np.pi, roots), axis=1, keepdims=True)
     roots = np.where(np.isnan(roots), last, roots)
     following = np.concatenate((roots[:, 1:], roots[:, :1] + TURN), axis=1)
     tried = np.concatenate((roots, (roots + following) / 2), axis=1)
     qs, qw = ends[0, ..., None] * np.cos(tried / 2) + ends[1, ..., None] * np.sin(tried / 2)
-    th4, branches = (np.broadcast_to(column[:, None], tried.shape) for column in (flexion, branch))
-    th = joints.settled(joints.angles(qs, th4, qw, branches), bounds)
-    outside = joints.outside(th, bounds) | unreachable[:, None]
-    fewest = np.take_along_axis(outside, outside.sum(axis=0).argmin(axis=1)[None, :, None], 2)[..., 0].T
-    at_root, arc = np.split(~outside.any(axis=0), 2, axis=1)
-    arc = np.where(following == roots, at_root, arc)  # an arc of length 0
-    at_root |= arc | np.roll(arc, 1, axis=1)
+    th = joints.angles(qs, np.broadcast_to(flexion[:, None], tried.shape), qw)
+    both = th, joints.branched(th, joints.Branch.SHOULDER | joints.Branch.WRIST)
+    return roots, following, np.array([joints.outside(joints.settled(th, bounds), bounds) for th in both])
+
+
+def _joined(roots, at_root, arc):
+    """Return intervals (N, K, 2) of neighbouring arcs between roots (N, ROOTS), given those that are feasible."""
     ring = np.stack((at_root, arc), axis=2).reshape(len(roots), 2 * ROOTS)
     whole = ring.all(axis=1)
     begins, ends = ring & ~np.roll(ring, 1, axis=1), ring & ~np.roll(ring, -1, axis=1)
@@ -204,14 +294,14 @@ def _intervals(ends, flexion, bounds, branch, unreachable):
     for side, marks in enumerate((begins, ends)):
         row, place = np.nonzero(marks)
         intervals[..., side][present] = roots[row, place // 2]
-    wrapped = intervals[:, :1, 1] < intervals[:, :1, 0]  # the first end in the row belongs to the last interval
-    for n in np.flatnonzero(wrapped[:, 0]) if wrapped.size else ():
-        lasts = intervals[n, : counts[n], 1]
-        lasts[:] = np.append(lasts[1:], lasts[0] + TURN)
-    return intervals, fewest
+    wrapped = np.flatnonzero(intervals[:, 0, 1] < intervals[:, 0, 0])  # its end belongs to the last interval
+    lasts = intervals[wrapped, :, 1]
+    intervals[wrapped, :, 1] = np.roll(lasts, -1, axis=1)
+    intervals[wrapped, counts[wrapped] - 1, 1] = lasts[:, 0] + TURN
+    return intervals
 
 
-def continuous_joints(angles: ArrayLike) -> Floats:
+def continuous_core_angles(angles: ArrayLike) -> Floats:
     """Return joints (N, 7) of a path without jumps: each pose takes the branch and turns nearest to the previous pose.
 
     angles (N, 7): rad; rows of nan are skipped.  Where th2 is within `joints.SINGULAR` of 0 or pi, only the sum or

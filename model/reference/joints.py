@@ -125,10 +125,15 @@ def centred(limits):
     return (low + high) / 2, (high - low) / 2
 
 
+def excess(joints, limits):
+    """Return distances (7, ...) of joints from their limits (7, 2), rad, negative inside. Whole turns are ignored."""
+    middle, half = (column.reshape(7, *[1] * (joints.ndim - 1)) for column in centred(limits))
+    return np.abs(wrap(joints - middle)) - half
+
+
 def outside(joints, limits):
     """Return the mask (7, ...) of joints more than ROUNDING outside their limits (7, 2); whole turns are ignored."""
-    middle, half = (column.reshape(7, *[1] * (joints.ndim - 1)) for column in centred(limits))
-    return np.abs(wrap(joints - middle)) > half + ROUNDING
+    return excess(joints, limits) > ROUNDING
 
 
 def settled(joints, limits):
@@ -150,6 +155,8 @@ def settled(joints, limits):
             result[c] = np.where(moved, wrap(sign * (both - first)), joints[c])
     return result
 
+
+UNIT = (1.0, 0.0, 0.0, 0.0)  # quaternion
 
 STRAIGHT = 1e-7
 """Angle (rad): :func:`settled` treats th2 and th6 as 0 or pi if they are nearer than this. It is so large because th4

@@ -1,7 +1,7 @@
 // Direction of the target: azimuth, elevation, and a half angle for each.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, roots faithful, shifts and halves floor.
+// Format of each node: ik_lean_nodes.vh; rounding: products as in ik_mul3, roots faithful, shifts and halves floor.
 // Azimuth (u_x, u_y) = (x, y)/rho and elevation sin_el = z/|p|, cos_el = rho/|p| of the target, and a half angle for
 // each. The half angle of (c, s) is (1 + c, s)/2, or (s, 1 - c)/2 if c < 0: a quaternion of squared length (1 + |c|)/2.
 // Results: (az_c, az_s) and az_sq, (tilt_c, tilt_s) and tilt_sq. Inputs at clock 0, each output at its clock T_<NODE>.

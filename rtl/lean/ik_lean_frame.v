@@ -1,7 +1,7 @@
 // The wrist's orientation Qw, from Qs, Qe and the hand.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounding and format of each node: ik_arm_nodes.vh; products as in ik_mul3, results half up.
+// Format of each node: ik_arm_nodes.vh; rounding: products as in ik_mul3, results half up.
 // Qw = (Qs Rx(th4))~ Qh, as two quaternion products: G = Qs~ h, then (-qe_i + qe_w i)~ G. h, qs and qe are valid at
 // clock T_QS_W, each output at its clock T_<NODE>.
 // Throughput: one pose per clock.

@@ -1,7 +1,7 @@
 // The wrist of a hand pose, and the check of the hand's quaternion.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounding and format of each node: ik_arm_nodes.vh; flags exact, products as in ik_mul3, the wrist half up, saturated.
+// Format of each node: ik_arm_nodes.vh; rounding: flags exact, products as in ik_mul3, the wrist half up, saturated.
 // The wrist is hand - 2 t r, where t is the tool's length and r is half the third column of Qh's rotation matrix. A
 // hand is bad if |Qh| is outside [1 - 2^-8, 1 + 2^-8); then Qh is replaced by 1 and t by 0. Inputs are valid at clock
 // 0, each output at its clock T_<NODE>.

@@ -1,7 +1,7 @@
 // The triangle of shoulder, elbow and wrist from its three sides: elbow quaternion, and angle at the shoulder.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, roots faithful, shifts and halves floor.
+// Format of each node: ik_lean_nodes.vh; rounding: products as in ik_mul3, roots faithful, shifts and halves floor.
 // Qe = (sqrt A, -sqrt B)/(2 sqrt(d1 d2)) (14), and the angle a at the shoulder, cos a = K/(2 d1 |p|), sin a = sqrt(A
 // B)/(2 d1 |p|), as half angle (bend_c, bend_s). d1 and d2 at clock 0, each other port at its clock T_<NODE>.
 // Throughput: one target per clock.

@@ -1,7 +1,7 @@
 // The shoulder quaternion Qs (18), the product of four rotations divided by its length.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounding and format of each node: ik_lean_nodes.vh; products as in ik_mul3, root faithful, results half up.
+// Format of each node: ik_lean_nodes.vh; rounding: products as in ik_mul3, root faithful, results half up.
 // The rotations: azimuth plus 90 degrees about z (az), angle to the z axis about x (tilt), swivel angle about z (sin_h,
 // cos_h), -a about x (bend). phi at clock 0, each other port at its clock T_<NODE>.
 // Throughput: one target per clock.

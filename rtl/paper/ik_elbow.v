@@ -1,7 +1,7 @@
 // The elbow: section 3.2, the point pair (12) in the form (19), and the elbow point (13).
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, root and quotients floor.
+// Format of each node: ik_paper_nodes.vh; rounding: products and sums half up, root and quotients floor.
 // The point pair is homogeneous: it is scaled by 2 as in (19) and by the ratio of the two units of length; the elbow
 // point is in the unit of d1 and d2.
 //

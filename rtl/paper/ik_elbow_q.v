@@ -1,7 +1,7 @@
 // The elbow quaternion Qe = qe_w + qe_i i: section 3.3, equation (14).
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, roots and quotient floor.
+// Format of each node: ik_paper_nodes.vh; rounding: products and sums half up, roots and quotient floor.
 // Each port is valid at its clock T_<NODE>.
 // Throughput: one target per clock.
 `default_nettype none

@@ -1,7 +1,7 @@
 // Distance of the target and the swivel plane: section 3.1, equations (10) and (11).
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, root and quotients floor.
+// Format of each node: ik_paper_nodes.vh; rounding: products and sums half up, root and quotients floor.
 // Sine and cosine of phi/2 come from a CORDIC in parallel with the first root. Every term of (11) has the target's
 // horizontal direction as a factor; here it has its own unit (b), which changes the length of the plane's normal but
 // not the plane. Each port is valid at its clock T_<NODE>.

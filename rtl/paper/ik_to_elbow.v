@@ -1,7 +1,7 @@
 // The rotation to the elbow, Q12 (15): section 3.4.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, root and quotients floor.
+// Format of each node: ik_paper_nodes.vh; rounding: products and sums half up, root and quotients floor.
 // Q12 is the half turn about the middle line L_m that takes the z axis to the elbow.
 //
 // L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) may have any length:

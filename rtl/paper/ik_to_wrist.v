@@ -1,7 +1,7 @@
 // The rotation to the wrist (17), and the shoulder quaternion Qs (18): section 3.5.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rounding and format of each node: ik_paper_nodes.vh; products and sums half up, roots and quotient floor.
+// Format of each node: ik_paper_nodes.vh; rounding: products and sums half up, roots and quotient floor.
 // theta_3 is the angle between the rotated y-z plane and the swivel plane; Qs = Q12 Q3. The division by |pi_swivel| is
 // a product with its reciprocal, computed long before c3 needs it. Each port is valid at its clock T_<NODE>.
 // Throughput: one target per clock.

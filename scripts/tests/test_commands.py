@@ -45,7 +45,7 @@ BAD_INPUT = [
     ("run --trajectory t.csv --robot iiwa14 --d1 2", "--robot and --d1"),
     ("run --trajectory circle --robot iiwa14", "--robot circle qw,qx,qy,qz"),
     ("run --trajectory in.csv --soft 0.1", "--soft wrist targets", "x,y,z,qw,qx,qy,qz\n.1,0,.3,1,0,0,0\n"),
-    ("run --trajectory pick_and_place --datapath fold", "--datapath hand poses arm"),
+    ("run --trajectory pick_and_place --datapath paper", "--datapath paper whole arm"),
     ("follow --target 100", "--target reach 0 99, 100"),
     ("follow --target 0 --trajectory all", "--trajectory --target"),
     ("soak --special --from 1000000", "--from"),

@@ -57,7 +57,7 @@ def test_hand_poses_of_a_file(cli, simulator, width, axis):
 @pytest.mark.parametrize("robot", ["human", "t.urdf"])
 def test_poses_of_a_robot(cli, simulator, robot):
     """Check that the computed joints put the robot's tip at the given pose.  If the file has no phi, also check that
-    the joints are within the robot's limits wherever a feasible swivel angle exists."""
+    all joints are within the limits, which these poses permit; else rows outside fail the run."""
     path = urdf(Path("t.urdf"), CHAINS["reversed"], limits=[(-0.5, 5.6), *[(-2.0, 2.0)] * 5, None])
     arm = ROBOTS.get(robot) or Arm.from_urdf(path)
     low, high = arm.limits.T
@@ -65,21 +65,27 @@ def test_poses_of_a_robot(cli, simulator, robot):
     points, q = arm.forward(th)
     for phi in ({}, {"phi": np.linspace(-3, 3, 60)}):
         write_poses(points, q, **phi)
-        assert cli("--trajectory", "t.csv", "--out", "o", "--robot", robot)[0] == 0
+        words = "--trajectory", "t.csv", "--out", "o", "--robot", robot
+        assert cli(*words, "--limits", "report")[0] == 0
         joints, over = table(*arm.names), table("over_limit")[:, 0].astype(int)
         tips, turned = arm.forward(joints)
         assert np.linalg.norm(tips - points, axis=1).max() < 3e-8 and angle_between(turned, q).max() < 2.1e-8
         outside = ((joints < low - 1e-8) | (joints > high + 1e-8)) @ (1 << np.arange(7))
         np.testing.assert_array_equal(over, outside)
-        feasible = arm.feasible_swivel(points, q).feasible
-        assert 20 < feasible.sum() and ((over == 0).tolist() == feasible.tolist() if not phi else len(set(over)) > 5)
+        assert 0 < np.count_nonzero(over) < 60 if phi else not over.any()
+        path = arm.path(points, q, **phi)
+        np.testing.assert_array_equal(over == 0, np.isfinite(path.joints[:, 0]))
+        np.testing.assert_array_equal(table("branch")[:, 0][over == 0], path.branch[over == 0])
+        np.testing.assert_allclose(table("step")[over == 0, 0], path.step[over == 0])
+        status, _, err = cli(*words)
+        assert status == bool(phi) and (not phi or re.search(r"fails: \d+ targets with a joint outside", err[-1]))
         expected = arm.solve(points, q, table("phi")[:, 0])
         np.testing.assert_allclose(table("elbow_x", "elbow_y", "elbow_z"), expected.elbow, atol=1e-7)
         np.testing.assert_allclose(np.load("o/results.npz")[arm.names[0]], joints[:, 0])
         assert simulator.calls[-1]["limits"] == limit_words(arm.bounds, 32)
         assert scores("o/score.json")[0]["over_limit"] == np.count_nonzero(over)
     write_poses(3 * points, q, phi=np.zeros(60))  # some are out of reach: poses are the nearest
-    assert cli("--trajectory", "t.csv", "--out", "o", "--robot", robot)[0] == 0
+    assert cli("--trajectory", "t.csv", "--out", "o", "--robot", robot, "--limits", "report")[0] == 0
     assert scores("o/score.json")[0]["flagged"] > 5
 
 
@@ -95,7 +101,8 @@ def test_an_unsuitable_urdf_file(cli):
 
 def test_lengths_and_poses_of_another_robot(cli):
     write_poses([(0.3, 0.1, 0.5)], [(1, 0, 0, 0)], d1=[0.42], tool=[0.2])
-    assert cli("--trajectory", "t.csv", "--robot", "iiwa14")[2] == ["warning: t.csv: ROBOT= overrides tool of the file"]
+    hint = "warning: t.csv: ROBOT= overrides tool of the file"
+    assert cli("--trajectory", "t.csv", "--robot", "iiwa14")[2][0] == hint
     hint = "warning: pick_and_place: the poses are for ROBOT=iiwa14"
     assert cli("--trajectory", "pick_and_place", "--robot", "human")[2][0] == hint
     assert cli("--trajectory", "pick_and_place")[2] == []
@@ -134,8 +141,9 @@ def test_a_robot_in_the_rtl(command, tmp_path):
     """Check in Icarus that limits reach the ports: more than half of the poses are outside the robot's limits."""
     tight = urdf(tmp_path / "t.urdf", CHAINS["reversed"], limits=[(-0.2, 0.1)] * 7)
     points, q = Arm.from_urdf(tight).forward(np.random.default_rng(1).uniform(-0.2, 0.1, (9, 7)))
-    write_poses(points, q, phi=np.linspace(-3, 3, 9))
+    write_poses(points, q, phi=np.linspace(-3, 3, 9), branch=np.zeros(9))
     words = "--trajectory", "t.csv", "--robot", str(tight), "--out", "o", "--width", "18", "--sim", "icarus"
+    words += "--limits", "report"
     assert command(run.main, *words)[0] == 0
     (result,) = scores("o/score.json")
     assert (result["targets"], result["bit_mismatches"], result["passed"]) == (9, 0, True) and result["over_limit"] > 4

@@ -170,7 +170,7 @@ def test_straight_arms(arm):
     first, last = np.moveaxis(swivels.intervals, 2, 0)
     for phi in np.linspace(-3.1, 3.1, 60):
         within = (np.mod(phi - first, 2 * np.pi) <= last - first).any(axis=1)
-        assert (within == ~arm.solve(points, q, phi).over_limit.any(axis=1)).all()
+        assert (within == ~arm.solve(points, q, phi, 0).over_limit.any(axis=1)).all()
 
 
 @pytest.mark.release

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from model.io.flags import Flag
 from model.motion.pose import solve, to_z
-from model.motion.swivels import Swivels, continuous_joints, feasible_swivel
+from model.motion.swivels import Swivels, continuous_core_angles, feasible_swivel
 from model.reference.joints import outside, turned
 from model.reference.kinematics import matrix, multiply
 
@@ -145,7 +145,7 @@ def test_poses_without_an_answer():
     nowhere = feasible_swivel(points[:0], q[:0], tool=TOOL, limits=LIMITS)
     assert nowhere.feasible.shape == nowhere.nearest().shape == nowhere.nearest(0.1).shape == (0,)
     none = solve(points[:0], 0.1, hand=q[:0], limits=LIMITS).joints
-    assert none.shape == continuous_joints(none).shape == (0, 7)
+    assert none.shape == continuous_core_angles(none).shape == (0, 7)
 
 
 @pytest.mark.parametrize(
@@ -298,7 +298,7 @@ def test_path_without_jumps():
     smooth, branch = path(), np.random.default_rng(1).integers(0, 8, 3000)
     scrambled = np.angle(np.exp(1j * branches_of(smooth)[branch, np.arange(3000)]))
     scrambled[[7, 8, 1500], [0, 3, 6]] = np.nan
-    joined, present = continuous_joints(scrambled), np.isfinite(scrambled).all(axis=1)
+    joined, present = continuous_core_angles(scrambled), np.isfinite(scrambled).all(axis=1)
     np.testing.assert_array_equal(joined[~present], scrambled[~present])
     np.testing.assert_allclose(joined[0], scrambled[0], rtol=0, atol=1e-12)
     turns = (joined[present] - branches_of(smooth)[branch[0], present]) / (2 * np.pi)
@@ -314,7 +314,7 @@ def test_singular_stretch_keeps_the_first_joint(first, tilt):
     split[rows, first] += share
     split[rows, first + 2] += share if tilt else -share
     np.testing.assert_allclose(chain(split)[1], chain(smooth)[1], atol=1e-13)
-    joined = continuous_joints(np.angle(np.exp(1j * split)))[rows]
+    joined = continuous_core_angles(np.angle(np.exp(1j * split)))[rows]
     np.testing.assert_allclose(joined[:, first], joined[0, first], rtol=0, atol=1e-12)
     off = (joined - smooth[rows])[:, first + 2] / (2 * np.pi)
     np.testing.assert_allclose(off, off[0].round(), rtol=0, atol=1e-12)

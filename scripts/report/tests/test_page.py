@@ -108,9 +108,10 @@ def test_several_datapaths(cli, command, simulator):
 
 def test_hands_of_a_robot(shown):
     """Points, orientations, joints and limits are right; an angle is free if and only if no joint is over its limit."""
-    poses = replace(trajectories.make("pick_and_place"), phi=np.linspace(-3, 3, 100))
+    poses = trajectories.make("pick_and_place")
+    poses = replace(poses, phi=np.linspace(-3, 3, 100), others=poses.others | {"branch": ["0"] * 100})
     Path("t.csv").write_text(format_csv(poses))
-    data = shown("--trajectory", "t.csv", "--robot", "iiwa14")
+    data = shown("--trajectory", "t.csv", "--robot", "iiwa14", "--limits", "report")
     hands, arm, run = data["hands"], ROBOTS["iiwa14"], np.load(PAGE.parent / "results.npz")
     np.testing.assert_allclose(hands["goal"], poses.position - arm.base, atol=1e-6)
     np.testing.assert_allclose(hands["point"], hands["goal"], atol=1e-6)

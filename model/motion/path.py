@@ -1,0 +1,374 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Joints of a robot along a path of hand poses: branches and swivel angles, chosen for the whole path at once.
+
+Each row has candidates: swivel angles at which a branch has all joints within their limits. The path through one
+candidate of each row with the least cost is found by dynamic programming (Viterbi) and refined in ever finer steps:
+
+    cost of a step d (7,) = sum d^2 + 100 max(0, max|d| - 0.1)^2
+    cost of a pose = weight * sum max(0, 1 - distance to the limit / 0.1)^2
+
+A joint whose range is a turn or less has one value; a step is a plain difference, since it cannot cross the gap. The
+steps of wider joints are taken modulo a turn first, and the values unwrapped; where these leave the limits, the path is
+planned again with all values that are whole turns apart as candidates.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..reference import joints
+from ..reference.joints import Branch
+from .hands import Floats
+from .swivels import TURN, Circles, beyond
+
+SWIVELS, MOST_SWIVELS = 16, 128
+"""Uniform swivel angles of the first and of the last attempt."""
+
+DENSE = 20  # rows on either side of a jump that get more swivel angles
+SPLITS = 16  # values of th1 (th5) tried where only a sum or difference of two joints counts
+SINGULAR = 1e-7  # |sin th2|, |sin th6| below this: only a sum or difference counts
+FREE_STEP, STEP_WEIGHT = 0.1, 100.0
+MARGIN, WEIGHTS = 0.1, (0.01, 0.01, 0.001, 0.001, 0.001)
+"""Distance from a limit (rad) below which a pose costs; weight of this cost in the search and its refinements."""
+
+FLIPS = np.array([(0, 1, 4, 5), (2, 3, 6, 7)])
+"""Branches of each elbow solution."""
+
+BESIDE = np.tan(np.radians((-75, -60, -40, -20, 0, 20, 40, 60, 75)))
+"""Offsets of swivel angles beside the one at which a ball joint is nearest to singular: equal turns of th1 and th3."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointPath:
+    """Joints of a robot along a path of N hand poses.
+
+    * joints (N, 7): rad, within the limits; nan where no branch and swivel angle has all joints within them
+    * phi (N,): swivel angle, rad; branch (N,): bits of :class:`Branch`
+    * step (N,): largest move of a joint from the previous row with joints, rad; of the first row from ``start``, or 0
+    * jumps: row -> text that says which joint moves by more than the goal and why, or why there are no joints
+    """
+
+    joints: Floats
+    phi: Floats
+    branch: NDArray[np.int64]
+    step: Floats
+    jumps: dict[int, str]
+
+    @property
+    def largest(self) -> float:
+        """Largest step, rad."""
+        return float(np.nanmax(self.step, initial=0.0))
+
+
+class Candidates(NamedTuple):
+    """Candidates of a path, sorted by row: row, branch, phi (M,) and joint positions (7, M)."""
+
+    row: NDArray[np.int64]
+    branch: NDArray[np.int64]
+    phi: Floats
+    at: Floats
+
+    def only(self, which: NDArray) -> "Candidates":
+        """Return the candidates of a mask or of indices."""
+        return Candidates(self.row[which], self.branch[which], self.phi[which], self.at[:, which])
+
+
+class Planner:
+    """Planner of a path. circles: the poses; limits (7, 2), offsets, signs (7,): of the robot's joints."""
+
+    def __init__(self, circles: Circles, limits: Floats, offsets: Floats, signs: Floats) -> None:
+        self.circles, self.limits, self.offsets, self.signs = circles, limits, offsets, signs
+        self.bounds = np.sort((limits - offsets[:, None]) * signs[:, None], axis=1)  # of th1 .. th7
+        self.wide = limits[:, 1] - limits[:, 0] > TURN + joints.ROUNDING
+        self.extremes: Any = None
+        self.middles: Any = None
+        self.dense = np.ones(len(circles), dtype=bool)
+        self.finer = TURN / SWIVELS
+        self.copied = np.zeros(7, dtype=bool)  # wide joints whose windings are candidates of their own
+
+    def placed(self, th: Floats, near: Floats | None = None) -> tuple[Floats, NDArray[np.bool_]]:
+        """Return joint positions (7, M) for th1 .. th7, and True (M,) where all are within their limits.
+
+        near (7, M): positions; those of copied joints are the nearest to them.
+        """
+        low, high = self.limits[:, :1], self.limits[:, 1:]
+        at = th * self.signs[:, None] + self.offsets[:, None]
+        bottom = np.where(np.isfinite(low), low - joints.ROUNDING, -np.pi)
+        at -= TURN * np.floor((at - bottom) * (1 / TURN))
+        if near is not None and self.copied.any():
+            at = np.where(self.copied[:, None], near + joints.wrap(at - near), at)
+        outside = (at < low - joints.ROUNDING) | (at > high + joints.ROUNDING)
+        return np.clip(at, low, high), np.asarray(~outside.any(axis=0))
+
+    def solved(self, row: NDArray, branch: NDArray, phi: Floats, near: Floats | None = None) -> Candidates:
+        """Return the candidates within the limits, sorted by row; where a ball joint is singular, several splits of the
+        two joints of which only a sum or difference counts.
+
+        * row, phi (M,); branch (M,) or (M, B): branches of the same elbow solution
+        * near (7, M): joint positions from the last search, for values and splits close to them
+        """
+        several = branch if branch.ndim > 1 else branch[:, None]
+        plain = self.circles.joints(row, several[:, 0] & Branch.ELBOW > 0, phi)
+        extra = [] if near is None else [near]
+        columns = [(row, of, phi, joints.branched(plain, of & ~Branch.ELBOW), *extra) for of in several.T]
+        parts = [np.concatenate(v, axis=-1) for v in zip(*columns, strict=True)]
+        for ball, bit in ((0, Branch.SHOULDER), (1, Branch.WRIST)):
+            singular = np.abs(np.sin(parts[3][1 + 4 * ball])) < SINGULAR
+            if singular.any():
+                split = self._split(ball, *(v[..., singular & (parts[1] & bit == 0)] for v in parts))
+                parts = [np.concatenate((v[..., ~singular], new), axis=-1) for v, new in zip(parts, split, strict=True)]
+        row, branch, phi, th, *near_of = parts
+        at, inside = self.placed(th, *near_of)
+        found = Candidates(row[inside], branch[inside], phi[inside], at[:, inside])
+        return found.only(np.argsort(found.row, kind="stable"))
+
+    def _split(self, ball: int, row, branch, phi, th, near=None) -> list[NDArray]:
+        """Return the arguments repeated, with the sum or difference of th1 and th3 (th5, th7) split in several ways."""
+        a, tilt, c = 4 * ball + np.arange(3)
+        turns = np.arange(SPLITS) * (TURN / SPLITS) if near is None else self.finer * np.arange(-3, 4)
+        parts = [np.repeat(v, len(turns), axis=-1) for v in (row, branch, phi, th, *([] if near is None else [near]))]
+        th = parts[3]
+        base = joints.settled(th, self.bounds)[a] if near is None else (parts[4][a] - self.offsets[a]) * self.signs[a]
+        first = base + np.resize(turns, len(base))
+        th[c] += np.where(np.cos(th[tilt]) < 0, -1, 1) * (th[a] - first)
+        th[a] = first
+        return parts
+
+    def plan(self, phi: Floats | None, branch: NDArray | None, start: Floats | None, goal: float) -> JointPath:
+        """Return the best path of several attempts; each tries twice as many swivel angles near the jumps of the last.
+
+        The last attempt reaches the goal, is not much better than the one before, or has MOST_SWIVELS angles. phi,
+        branch (N,): given instead of chosen; start (7,): joints before the first row.
+        """
+        self.extremes, count = self._extremes(), SWIVELS
+        best = self._attempt(count, phi, branch, start, goal)
+        while best.largest > goal and phi is None and count < MOST_SWIVELS:
+            count *= 2
+            jumps = np.flatnonzero(best.step > goal)
+            self.dense = np.abs(np.arange(len(self.circles))[:, None] - jumps).min(axis=1) <= DENSE
+            before, path = best.largest, self._attempt(count, phi, branch, start, goal)
+            best = path if path.largest < before else best
+            if best.largest > 0.9 * before:
+                break
+        return best
+
+    def best(
+        self, phi: Floats | None, branch: NDArray | None, near: Floats | None, hint: Floats | None
+    ) -> tuple[Candidates, Floats, NDArray[np.int64]]:
+        """Return the best candidate of each pose that has one, and phi and branch (N,) of all poses.
+
+        The best is nearest to the joints ``near`` (N, 7), or if they are None, farthest from the limits. In a pose
+        without candidates the joints exceed their limits by the smallest sum. phi, branch (N,): given instead of
+        chosen; hint (N,): a swivel angle near the one to choose.
+        """
+
+        def chosen(found: Candidates) -> Candidates:
+            if near is None:
+                cost = -np.minimum(found.at - self.limits[:, :1], self.limits[:, 1:] - found.at).min(axis=0)
+            else:
+                cost = self.edges(near[found.row].T, found.at)
+            order = np.lexsort((cost, found.row))
+            return found.only(order[np.flatnonzero(np.diff(found.row[order], prepend=-1))])
+
+        self.extremes = np.empty((len(self.circles), 0, 2)) if hint is None else np.stack((hint, hint), axis=1)[:, None]
+        found = chosen(self.candidates(SWIVELS, phi, branch))
+        for round in range(1, 5) if phi is None else ():
+            self.finer = TURN / SWIVELS / 3**round
+            found = chosen(self._around(found, near_extremes=False))
+        swivels, branches = np.empty(len(self.circles)), np.empty(len(self.circles), dtype=np.int64)
+        swivels[found.row], branches[found.row] = found.phi, found.branch
+        missing = np.flatnonzero(np.bincount(found.row, minlength=len(swivels)) == 0)
+        swivels[missing], branches[missing], _ = self._nearest_miss(missing, phi, branch)
+        return found, joints.wrap(swivels), branches
+
+    def _nearest_miss(self, row: NDArray, phi: Any, branch: Any) -> tuple[Floats, NDArray, Floats]:
+        """Return for rows (R,) without candidates phi and branch (R,) for which the sum of the joints' distances from
+        their limits is smallest, and these distances (7, R)."""
+        turns: Any = np.arange(SWIVELS) * (TURN / SWIVELS) if phi is None else phi[row, None]
+        of: Any = np.arange(8) if branch is None else branch[row, None]
+        shape = (len(row), turns.shape[-1], of.shape[-1])
+        rows = np.broadcast_to(row[:, None, None], shape).ravel()
+        turns, of = (np.broadcast_to(v, shape).ravel() for v in (turns[..., None], of[..., None, :]))
+        th = joints.branched(self.circles.joints(rows, of & Branch.ELBOW > 0, turns), of & ~Branch.ELBOW)
+        excess = np.maximum(joints.excess(th, self.bounds), 0)
+        least = excess.sum(axis=0).reshape(len(row), shape[1] * shape[2]).argmin(axis=1)
+        least += np.arange(len(row)) * (shape[1] * shape[2])
+        return turns[least], of[least], excess[:, least]
+
+    def _attempt(self, count: int, phi, branch, start, goal) -> JointPath:
+        found = self.candidates(count, phi, branch)
+        if self.copied.any():
+            found = self._with_copies(found)
+        path = self._search(found, start, WEIGHTS[0])
+        for round, weight in enumerate(WEIGHTS[1:], 1):
+            self.finer = TURN / count / 3**round
+            if phi is None and len(path.row):
+                path = self._search(self._around(path, near_extremes=round < 3), start, weight)
+        settled = self._unwound(path, start)
+        if settled is None:
+            self.copied |= self.wide & np.isfinite(self.limits).all(axis=1)
+            return self._attempt(count, phi, branch, start, goal)
+        return self._result(path._replace(at=settled), start, goal, phi, branch)
+
+    def candidates(self, count: int, phi: Floats | None, branch: NDArray | None) -> Candidates:
+        """Return the candidates of all rows, with ``phi`` (N,) only at these angles, with ``branch`` (N,) only of these
+        branches."""
+        count_of = len(self.circles)
+        if phi is not None:
+            swivels = np.broadcast_to(phi[:, None, None], (count_of, 1, 2))
+        else:
+            self.middles = self._middles() if self.middles is None else self.middles
+            turns = -np.pi + np.arange(count) * (TURN / count)
+            tried = self.dense[:, None] | (np.arange(count) % (count // SWIVELS) == 0)
+            grid = np.repeat(np.where(tried, turns, np.nan)[..., None], 2, axis=2)
+            swivels = np.concatenate((grid, self.extremes), axis=1)
+        within = ~self.circles.unreachable[:, None, None]
+        row, column, elbow = np.nonzero(np.isfinite(swivels) & within)
+        parts = [self.solved(row, FLIPS[elbow], swivels[row, column, elbow])]
+        if phi is None:
+            row, column, of = np.nonzero(np.isfinite(self.middles) & within)
+            parts.append(self.solved(row, of, self.middles[row, column, of]))
+        found = Candidates(*(np.concatenate(v, axis=-1) for v in zip(*parts, strict=True)))
+        if branch is not None:
+            found = found.only(found.branch == branch[found.row])
+        return found.only(np.argsort(found.row, kind="stable"))
+
+    def _extremes(self) -> Floats:
+        """Return swivel angles (N, K, 2 elbow solutions) at and near those where th2 or th6 is nearest to singular."""
+        phi, cosine, size = self.circles.extremes()
+        sine = np.sqrt(np.clip(1 - np.square(cosine), 0, 1))
+        beside = (sine / np.sqrt(np.maximum(size, 1e-12))[..., None])[..., None] * BESIDE
+        toward = cosine * (1, -1) > 0  # the side on which the joint comes near 0 or pi
+        used = (BESIDE == 0) | (((sine < 0.4) & toward)[..., None] & (np.abs(beside) < 0.5))
+        swivels = np.where(used, phi[..., None] + beside, np.nan)
+        return np.moveaxis(swivels.reshape(2, len(self.circles), 4 * len(BESIDE)), 0, 2)
+
+    def _middles(self) -> Floats:
+        """Return swivel angles (N, K, 8 branches): of each feasible interval its middle, and its ends inset."""
+        parts: list[list[Floats]] = [[] for _ in range(8)]
+        for rows in self.circles.chunks():
+            for elbow in (0, 1):
+                some_of = self.circles.arcs(rows, elbow, self.bounds, list(FLIPS[elbow]))[0]
+                for branch, some in zip(FLIPS[elbow], some_of, strict=True):
+                    parts[branch].append(some)
+        most = max(some.shape[1] for part in parts for some in part)
+        padded = [
+            [np.pad(some, ((0, 0), (0, most - some.shape[1]), (0, 0)), constant_values=np.nan) for some in part]
+            for part in parts
+        ]
+        first, last = np.moveaxis(np.stack([np.concatenate(part) for part in padded], axis=2), 3, 0)
+        inset = np.minimum(0.05, (last - first) / 2)
+        return np.concatenate((first + inset, (first + last) / 2, last - inset), axis=1)
+
+    def _with_copies(self, found: Candidates) -> Candidates:
+        """Return the candidates with each copied joint at all its positions within the limits."""
+        for joint in np.flatnonzero(self.copied):
+            low, high = self.limits[joint]
+            turns = np.arange(int((high - low) / TURN) + 1) * TURN
+            found = found.only(np.repeat(np.arange(len(found.row)), len(turns)))
+            found.at[joint] += np.tile(turns, len(found.row) // len(turns))
+            found = found.only(found.at[joint] <= high)
+        return found
+
+    def _around(self, path: Candidates, near_extremes: bool) -> Candidates:
+        """Return candidates close to the path's: finer swivel angles, those of the neighbouring rows, and extremes."""
+        offsets = self.finer * np.arange(-3, 4)
+        swivels = [path.phi[:, None] + offsets, np.roll(path.phi, 1)[:, None], np.roll(path.phi, -1)[:, None]]
+        if near_extremes:
+            near = self.extremes[path.row, :, path.branch >> 1 & 1]
+            close = np.abs(joints.wrap(near - path.phi[:, None])) < 3 * self.finer
+            swivels.append(np.where(close, near, np.nan))
+        phi = np.concatenate(swivels, axis=1)
+        which, column = np.nonzero(np.isfinite(phi))
+        return self.solved(path.row[which], path.branch[which], phi[which, column], path.at[:, which])
+
+    def edges(self, before: Floats, after: Floats) -> Floats:
+        """Return the costs (A, B) of steps between joint positions that broadcast, such as (7, A, 1) and (7, B)."""
+        total, most = np.zeros((2, *np.broadcast_shapes(before.shape[1:], after.shape[1:])))
+        for joint, modulo in enumerate(self.wide & ~self.copied):
+            move = before[joint] - after[joint]
+            if modulo:
+                move = joints.wrap(move)
+            np.maximum(most, np.abs(move, out=move), out=most)
+            total += np.multiply(move, move, out=move)
+        most -= FREE_STEP
+        np.maximum(most, 0, out=most)
+        total += STEP_WEIGHT * np.multiply(most, most, out=most)
+        return total
+
+    def _search(self, found: Candidates, start: Floats | None, weight: float) -> Candidates:
+        """Return the candidate of each row on the path of least cost; rows without candidates are left out."""
+        room = np.minimum(found.at - self.limits[:, :1], self.limits[:, 1:] - found.at)
+        nodes = weight * np.maximum(0, 1 - room / MARGIN).sum(axis=0) if weight else np.zeros(len(found.row))
+        edges = np.concatenate((np.flatnonzero(np.diff(found.row, prepend=-1)), [len(found.row)]))
+        backward: list[NDArray] = []
+        cost, before = np.zeros(1), None if start is None else start[:, None]
+        for first, last in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+            after = found.at[:, first:last]
+            if before is None:
+                cost, best = nodes[first:last], np.zeros(last - first, dtype=int)
+            else:
+                total = self.edges(before[..., None], after)
+                total += cost[:, None]
+                best = total.argmin(axis=0)
+                cost = total[best, np.arange(last - first)] + nodes[first:last]
+            backward.append(best)
+            before = after
+        chosen = np.empty(len(backward), dtype=int)
+        last = int(cost.argmin())
+        for n in range(len(backward) - 1, -1, -1):
+            chosen[n], last = edges[n] + last, backward[n][last]
+        return found.only(chosen)
+
+    def _unwound(self, path: Candidates, start: Floats | None) -> Floats | None:
+        """Return the positions (7, R) with wide joints unwrapped and shifted into their limits; None if impossible."""
+        at = path.at.copy()
+        for joint in np.flatnonzero(self.wide & ~self.copied) if at.size else ():
+            first = at[joint, :1] if start is None else start[joint : joint + 1]
+            turned = np.unwrap(np.concatenate((first, at[joint])))[1:]
+            low, high = (self.limits[joint] - (turned.min(), turned.max())) / TURN
+            least, most = np.ceil(low - joints.ROUNDING), np.floor(high + joints.ROUNDING)
+            if least > most or (start is not None and not least <= 0 <= most):
+                return None
+            at[joint] = turned + TURN * (0 if start is not None else np.clip(0, least, most))
+        return at
+
+    def _impossible(self, row: NDArray, phi: Floats | None, branch: NDArray | None) -> dict[int, str]:
+        """Return row -> text that explains why the row has no candidate."""
+        texts, (_, of, excess) = {}, self._nearest_miss(row, phi, branch)
+        for n, best, over in zip(row.tolist(), of.tolist(), excess.T, strict=True):
+            if self.circles.unreachable[n]:
+                near, far = self.circles.reach[n]
+                texts[n] = beyond(self.circles.distance[n], near, far)
+            else:
+                listed = (
+                    f"joint {joint + 1} by {over[joint]:.3g} rad" for joint in np.flatnonzero(over > joints.ROUNDING)
+                )
+                texts[n] = f"outside the limits, in branch {best}: {', '.join(listed)}"
+        return texts
+
+    def _result(self, path: Candidates, start: Floats | None, goal: float, asked_phi, asked_branch) -> JointPath:
+        count = len(self.circles)
+        place, phi, branch = np.full((count, 7), np.nan), np.full(count, np.nan), np.zeros(count, dtype=np.int64)
+        place[path.row], phi[path.row], branch[path.row] = path.at.T, joints.wrap(path.phi), path.branch
+        step, jumps = np.full(count, np.nan), self._impossible(np.flatnonzero(np.isnan(phi)), asked_phi, asked_branch)
+        moves = np.diff(path.at, axis=1, prepend=path.at[:, :1] if start is None else start[:, None])
+        step[path.row] = np.abs(moves).max(axis=0, initial=0)
+        for n in np.flatnonzero(step[path.row] > goal).tolist():
+            jumps[int(path.row[n])] = self._why(path, moves[:, n], n)
+        return JointPath(place, phi, branch, step, jumps)
+
+    def _why(self, path: Candidates, move: Floats, n: int) -> str:
+        joint = int(np.abs(move).argmax())
+        text = f"joint {joint + 1} moves by {abs(move[joint]):.3g} rad"
+        ends = path.only(np.array([max(n - 1, 0), n]))
+        tilts = np.abs(np.sin(((ends.at.T - self.offsets) * self.signs)[:, [1, 5]])).min(axis=0)
+        if n and path.row[n] - path.row[n - 1] > 1:
+            return f"{text}: the rows before have no candidate"
+        if abs(joints.wrap(move[joint])) < 0.5 * abs(move[joint]):
+            return f"{text}: other winding"
+        if tilts.min() < 0.05:
+            return f"{text}: singular {('shoulder', 'wrist')[int(tilts.argmin())]}"
+        return f"{text}: no smaller step within the limits was found"

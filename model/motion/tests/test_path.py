@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Test branches and swivel angles that `Arm` chooses, for poses and along paths."""
+
+import numpy as np
+import pytest
+
+from model.motion.arms import HUMAN, IIWA14, Arm
+from model.reference.joints import UNIT
+from model.reference.kinematics import about, matrix
+
+WIDE = np.array([(-3.0, 3.0)] * 6 + [(-6.2, 6.2)])
+BENT = Arm(0.3, 0.25, (0.02, 0, 0.1), limits=WIDE, upper=about(0, 0.2), fore=about(2, 0.3), base=(0.1, 0.2, 0.3))
+ARMS = {"iiwa14": IIWA14, "human": HUMAN, "bent": BENT, "free": Arm(0.33, 0.27, 0.1)}
+
+
+def curve(arm, kind, seed, rows=240, share=0.95):
+    """Return smooth joint positions (rows, 7) over most of each joint's range: a line or a sine."""
+    random, (low, high) = np.random.default_rng(seed), np.clip(arm.limits.T, -np.pi, np.pi)
+    middle, half, time = (low + high) / 2, share * (high - low) / 2, np.linspace(0, 1, rows)[:, None]
+    one, other = random.uniform(-1, 1, (2, 7))
+    if kind == "line":
+        return middle + half * (one + (other - one) * time)
+    return middle + half * np.sin(np.pi * random.integers(1, 4, 7) * time + np.pi * one)
+
+
+def check(arm, path, points, q, atol=1e-12):
+    """Check that the tip is in its poses and all joints are within their limits."""
+    reached, turned = arm.forward(path.joints)
+    np.testing.assert_allclose(reached, points, rtol=0, atol=atol)
+    np.testing.assert_allclose(matrix(turned), matrix(q), rtol=0, atol=atol)
+    assert (path.joints >= arm.limits[:, 0]).all() and (path.joints <= arm.limits[:, 1]).all()
+
+
+@pytest.mark.parametrize("kind", ["line", "sine"])
+@pytest.mark.parametrize(
+    "name", ["iiwa14", "human", *(pytest.param(name, marks=pytest.mark.slow) for name in ("bent", "free"))]
+)
+def test_no_jump(name, kind):
+    for seed in range(2):
+        joints = curve(ARMS[name], kind, seed)
+        points, q = ARMS[name].forward(joints)
+        for start in (None, joints[0]):
+            path = ARMS[name].path(points, q, start=start)
+            check(ARMS[name], path, points, q, 3e-7)
+            assert path.largest <= 0.2 and not path.jumps
+            moved = np.abs(np.diff(path.joints, axis=0)).max(axis=1)
+            np.testing.assert_allclose(path.step[1:], moved, rtol=0, atol=1e-12)
+            pose = ARMS[name].solve(points, q, path.phi, path.branch)
+            regular = np.abs(np.sin(ARMS[name].angles(path.joints)[:, [1, 5]])).min(axis=1) > 1e-5
+            apart = np.abs(np.exp(1j * pose.joints) - np.exp(1j * path.joints)).max(axis=1)
+            assert apart[regular].max() < 1e-9 and regular.mean() > 0.9
+
+
+@pytest.mark.parametrize("tilts", [(1,), (5,), (1, 5), (3,)], ids=str)
+def test_through_singular_poses(tilts):
+    """th2, th6 or th4 pass exactly through 0 in row 100."""
+    for seed in range(2):
+        joints = curve(IIWA14, "line", seed, 201)
+        for tilt in tilts:
+            joints[:, tilt] = np.linspace(-1.5, 1.5, 201) * (1 - 2 * (seed % 2))
+            assert joints[100, tilt] == 0
+        points, q = IIWA14.forward(joints)
+        path = IIWA14.path(points, q, start=joints[0] if seed else None)
+        check(IIWA14, path, points, q, 3e-7)
+        assert path.largest <= 0.2
+
+
+def test_windings():
+    """A joint with a range of more than a turn goes on beyond half a turn; at the end of its range a jump is named."""
+    low, high = np.array([-2.9] * 6 + [-6.0]), np.array([2.9] * 6 + [6.0])
+    arm = Arm(0.4, 0.4, 0.1, limits=np.column_stack((low, high)))
+    joints = np.tile(np.array((0.3, 0.9, 0.2, 1.1, 0.4, 0.8, 0.0)), (120, 1))
+    joints[:, 6] = np.linspace(-5.9, 5.9, 120)
+    points, q = arm.forward(joints)
+    path = arm.path(points, q)
+    assert path.largest < 0.2 and np.ptp(path.joints[:, 6]) > 11
+    check(arm, path, points, q)
+    joints[:, 6] += 2.0  # would end at 7.9, or have begun at -10.2
+    path = arm.path(*arm.forward(joints))
+    check(arm, path, *arm.forward(joints))
+    (jump,) = path.jumps.values()
+    assert 1 < path.largest < 6.4 and jump.startswith("joint 7 moves by ")
+    path = arm.path(points, q, start=[0.3, 0.9, 0.2, 1.1, 0.4, 0.8, 2 * np.pi - 5.9])  # would end at 12.2
+    check(arm, path, points, q)
+    assert path.largest > 1 and path.jumps
+
+
+def test_given_branch_and_swivel():
+    """The path keeps to given branches and swivel angles; rows that these do not permit have no joints but a reason."""
+    points, q = IIWA14.forward(curve(IIWA14, "sine", 4, 60))
+    whole = IIWA14.path(points, q)
+    some = IIWA14.path(points, q, phi=whole.phi)
+    np.testing.assert_array_equal(some.branch, whole.branch)
+    np.testing.assert_allclose(some.joints, whole.joints, atol=1e-6)
+    for branch in range(8):
+        path = IIWA14.path(points, q, phi=0.3, branch=branch)
+        expected = IIWA14.solve(points, q, 0.3, branch)
+        inside = ~expected.over_limit.any(axis=1)
+        np.testing.assert_array_equal(np.isfinite(path.joints).all(axis=1), inside)
+        np.testing.assert_allclose(path.joints[inside], expected.joints[inside], atol=1e-9)
+        for n in np.flatnonzero(~inside):
+            over = [f"joint {1 + joint} by" for joint in np.flatnonzero(expected.over_limit[n])]
+            assert f"in branch {branch}: " in path.jumps[n] and all(text in path.jumps[n] for text in over)
+    away = IIWA14.path([(3, 0, 0), points[0]], [UNIT, q[0]])
+    assert away.jumps == {0: "wrist 3.03911 from the shoulder, where the arm reaches 0.02 to 0.82"}
+    assert np.isnan(away.joints[0]).all() and np.isfinite(away.joints[1]).all()
+    nothing = IIWA14.path(points[:0], q[:0])
+    assert nothing.joints.shape == (0, 7) and nothing.largest == 0
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_poses_alone(name):
+    """All joints are within their limits; nearest to given joints are these joints themselves."""
+    arm, random = ARMS[name], np.random.default_rng(1)
+    joints = random.uniform(*np.clip(arm.limits.T, -np.pi, np.pi), (300, 7))
+    points, q = arm.forward(joints)
+    for pose in (arm.solve(points, q), arm.solve(points, q, near=joints)):
+        assert not pose.over_limit.any()
+        check(arm, pose, points, q, 1e-9)
+    np.testing.assert_allclose(np.exp(1j * pose.joints), np.exp(1j * joints), atol=1e-8)
+    one = arm.solve(points[0], q[0], near=joints[0])
+    np.testing.assert_allclose(one.joints, pose.joints[:1], atol=1e-12)
+    branch = arm.solve(points, q, phi=pose.phi, near=pose.joints).branch
+    np.testing.assert_array_equal(branch, pose.branch)
+    if np.isfinite(arm.limits).all():
+        room = [
+            np.minimum(p.joints - arm.limits[:, 0], arm.limits[:, 1] - p.joints).min(axis=1)
+            for p in (arm.solve(points, q), pose)
+        ]
+        assert (room[0] > room[1] - 1e-3).mean() > 0.95
+
+
+def test_continuous_joints():
+    """Whatever branch each row of joints is in, the hand stays, and the joints within their limits."""
+    offset = Arm(0.33, 0.27, 0.1, offsets=(0, -np.pi / 2, 0, 0, 0, 0, 0))
+    for arm in (offset, IIWA14):
+        joints = curve(arm, "sine", 2, 50, 0.5)
+        points, q = arm.forward(joints)
+        phi = arm.path(points, q).phi
+        mixed = np.concatenate([arm.solve(points[n], q[n], phi[n], n % 8).joints for n in range(50)])
+        joined = arm.continuous_joints(mixed)
+        present = np.isfinite(joined).all(axis=1)
+        assert present.all() and np.abs(np.diff(joined, axis=0)).max() < 0.5
+        reached, turned = arm.forward(joined)
+        np.testing.assert_allclose(reached, points, rtol=0, atol=1e-9)
+        assert (joined >= arm.limits[:, 0]).all() and (joined <= arm.limits[:, 1]).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"goal": np.nan}, "goal nan is not an angle"),
+        ({"start": [0.0] * 6}, r"near: shape \(6,\), not \(N, 7\)"),
+        ({"start": [9.0] + [0.0] * 6}, "start: A1 is 6.03 rad outside its limits"),
+        ({"phi": [0.0] * 3}, "numbers of rows do not broadcast: points has 2, hand has 2, phi has 3"),
+        ({"branch": 8}, "branch 8 is not a combination"),
+        ({"points": [(np.nan, 0, 0)] * 2}, "points: not finite in rows 0, 1"),
+        ({"points": [(0, 0)]}, r"points: shape \(1, 2\), not \(N, 3\)"),
+        ({"hand": [(np.nan, 0, 0, 1)] * 2}, "not finite in rows 0, 1"),
+    ],
+)
+def test_bad_arguments(change, message):
+    arguments = {"points": [(0.5, 0.1, 0.6)] * 2, "hand": [UNIT] * 2} | change
+    with pytest.raises(ValueError, match=message):
+        IIWA14.path(**arguments)
