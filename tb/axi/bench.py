@@ -272,7 +272,7 @@ class Bench:
 
     async def read(self, register: str) -> int:
         answer = await self._answer(self.lite.read(OFFSETS[register], 4), f"read of {register}")
-        assert answer.resp == AxiResp.OKAY, f"{register}: {answer.resp}"
+        assert answer.resp == AxiResp.OKAY, f"{register}: {answer.resp.name} from rtl/axi/ik_axi_regs.v"
         return int.from_bytes(answer.data, "little")
 
     async def _answer(self, access, what: str):

@@ -12,6 +12,7 @@ import pytest
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS, MODELS
+from model.dataflow.tests.test_datapaths import WORST
 from model.io.flags import names
 from model.io.stimuli import arithmetic_corners, arm_targets, mixed
 from tb.core import worst_targets
@@ -32,6 +33,14 @@ if ICARUS:  # builds are cheap
     SLOW += [("lean", 16), ("lean", 24), ("lean", 27), ("arm", 16), ("arm", 24), ("arm", 27)]
 else:
     SLOW += [("paper", 32)]
+
+
+@pytest.mark.skipif(not ICARUS, reason="builds for Verilator take long")
+def test_each_tested_word_length_is_simulated():
+    missing = [width for width in WORST if ("lean", width) not in QUICK + SLOW]
+    assert not missing, (
+        f"tb/core/test_every_node.py: add lean at W = {missing} to QUICK or SLOW, as test_datapaths has it"
+    )
 
 
 def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) -> Run:
