@@ -9,23 +9,24 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..io.words import DEFAULT_D1, DEFAULT_D2, Targets
 from ..reference import joints
-from ..reference.kinematics import about, conjugate, matrix, multiply, quaternion, rotate
+from ..reference.kinematics import conjugate, matrix, multiply, quaternion, rotate
 from .hands import Hands, checked_limits, checked_rows, common_count
-from .path import JointPath, Planner
+from .path import SWIVELS, JointPath, Planner
 from .pose import Floats, Pose, solve, swivel
 from .swivels import Circles, Swivels, feasible_swivel
+from .track import Step, Tracker
+from .urdf import Chain, arguments, from_axes, placed
 
 UNIT = joints.UNIT
+SPARE = 5e-3  # rad beyond the limits in which a start for the correction may lie
+CORRECTED, RETRIES = 1e-9, 32  # largest error after the correction, of size or in rad; further starts for larger ones
 BATCH = 128  # poses whose branch and swivel angle are chosen at a time, so that arrays stay in the cache
-TOLERANCE = 1e-6
-"""Largest distance between axes that meet, relative to the chain's size; largest cosine between perpendicular axes."""
 
 
 def _vector(name: str, values: ArrayLike, size: int) -> Floats:
@@ -46,7 +47,8 @@ class Arm:
     * tip (4,): orientation of the tip's frame in the hand's frame
     * upper (4,): orientation of the upper arm in the frame of axis 3, whose z is axis 3
     * fore (4,): orientation of the frame of axis 5 in the forearm's frame; links are bent unless upper = fore = 1
-    * names (7,): names of the joints
+    * names (7,): names of the joints; velocities (7,): greatest speeds, rad/s
+    * chain: the true chain of an arm that differs from an exact one by misfit: at the tip, and rad; None for exact arms
 
     Quaternions are w, i, j, k.  Methods take and return points and orientations of the tip in the base frame.
     """
@@ -66,6 +68,9 @@ class Arm:
         upper: ArrayLike = UNIT,
         fore: ArrayLike = UNIT,
         names: Sequence[str] = ("joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7"),
+        velocities: ArrayLike = (np.inf,) * 7,
+        chain: Chain | None = None,
+        misfit: tuple[float, float] = (0.0, 0.0),
     ) -> None:
         """Set the attributes.  Raises ValueError for wrong shapes and for a lower limit above the upper limit."""
         self.d1, self.d2, self.names, self.limits = float(d1), float(d2), tuple(names), checked_limits(limits)
@@ -74,6 +79,10 @@ class Arm:
         self.offsets, self.signs = _vector("offsets", offsets, 7), _vector("signs", signs, 7)
         self.base, self.mount, self.tip = _vector("base", base, 3), _vector("mount", mount, 4), _vector("tip", tip, 4)
         self.upper, self.fore = _vector("upper", upper, 4), _vector("fore", fore, 4)
+        self.velocities, self.chain, self.misfit = _vector("velocities", velocities, 7), chain, misfit
+        exact = self._bent is None and chain is None
+        lengths = self.d1, self.d2, self.tool, self.offsets, self.signs, self.limits, self.base, self.mount, self.tip
+        self._tracker = Tracker(*lengths) if exact else None
 
     @property
     def bounds(self) -> Floats:
@@ -101,10 +110,33 @@ class Arm:
         q = multiply(multiply(conjugate(self.mount), asked["hand"]), conjugate(self.tip))
         wrists = rotate(conjugate(self.mount), asked["points"] - self.base) - rotate(q, self.tool)
         circles = Circles.of(wrists, Hands.checked(q, 0.0, 0), self.d1, self.d2, bent=self._bent)
+        circles = replace(circles, slack=4 * self.misfit[0])
         return circles, wrists, q, *(asked.get(name) for name in ("phi", "branch", "near"))
 
     def _planner(self, circles: Circles) -> Planner:
-        return Planner(circles, self.limits, self.offsets, self.signs)
+        spare = SPARE * bool(self.chain)
+        return Planner(circles, self.limits + (-spare, spare), self.offsets, self.signs)
+
+    def _corrected(self, positions: Floats, points: Floats, hand: Floats) -> tuple[Floats, Floats]:
+        """Return joint positions (N, 7) of the true chain near the given ones for poses of the tip; and errors (N,)."""
+        assert self.chain
+        return self.chain.corrected(positions, points, matrix(hand))
+
+    def _retried(self, left: NDArray[np.intp], circles: Circles, points: Floats, hand: Floats) -> tuple[Floats, Floats]:
+        """Return what :meth:`_corrected` does for poses ``left`` (R,) from the best of several starts."""
+        found = self._planner(circles.part(left)).candidates(SWIVELS, None, None)
+        first = np.searchsorted(found.row, np.arange(len(left)))
+        counts = np.bincount(found.row, minlength=len(left))
+        best, errors = np.full((len(left), 7), np.nan), np.full(len(left), np.inf)
+        for start in range(0, RETRIES):
+            rows = np.flatnonzero((counts > start) & (errors > CORRECTED))
+            if not len(rows):
+                break
+            places = first[rows] + start * counts[rows] // min(RETRIES, counts.max())
+            at, error = self._corrected(found.at[:, places].T, points[left[rows]], hand[left[rows]])
+            better = error < errors[rows]
+            best[rows[better]], errors[rows[better]] = at[better], error[better]
+        return best, errors
 
     def _swivel(self, positions: Floats, wrists: Floats) -> Floats:
         """Return the swivel angles (N,) that put the elbow on the side that it has at joint positions (N, 7)."""
@@ -195,6 +227,14 @@ class Arm:
         at, over = self.positions(th.T), joints.outside(th, self.bounds).T
         for first, (best, _, _) in zip(range(0, len(at), batch), chosen, strict=False):
             at[first + best.row], over[first + best.row] = best.at.T, False
+        if self.chain:
+            tips, turns = np.broadcast_to(points, wrists.shape), np.broadcast_to(hand, q.shape)
+            within = np.flatnonzero(~over.any(axis=1))
+            at[within], errors = self._corrected(at[within], tips[within], turns[within])
+            left = within[errors > CORRECTED]
+            if len(left):
+                at[left], errors = self._retried(left, circles, tips, turns)
+                over[left[errors > CORRECTED]] = True
         elbow, wrist = (self.base + rotate(self.mount, point) for point in (pose.elbow, pose.wrist))
         return replace(
             pose,
@@ -209,6 +249,9 @@ class Arm:
 
     def forward(self, positions: ArrayLike) -> tuple[Floats, Floats]:
         """Return points (N, 3) and orientations (N, 4) of the tip for joint positions (N, 7), rad."""
+        if self.chain:
+            place, turn, _ = self.chain.forward(checked_rows("positions", positions, 7))
+            return place, quaternion(turn)
         th = self.angles(checked_rows("positions", positions, 7)).T
         qs = multiply(joints.turned(*th[:3]).T, self.upper)
         qf = multiply(qs, joints.turned(0 * th[3], th[3], 0 * th[3]).T)
@@ -246,7 +289,31 @@ class Arm:
             if over.max() > 1e-6:
                 name, by = self.names[over.argmax()], over.max()
                 raise ValueError(f"start: {name} is {by:.3g} rad outside its limits")
-        return self._planner(circles).plan(given_phi, given_branch, before, goal)
+        planner = self._planner(circles)
+        if self.chain:
+            tips, turns = np.broadcast_to(points, (len(circles), 3)), np.broadcast_to(hand, (len(circles), 4))
+            planner.corrected = lambda at, rows: self._corrected(at, tips[rows], turns[rows])
+        return planner.plan(given_phi, given_branch, before, goal)
+
+    def track(self, point: Sequence[float], hand: Sequence[float], positions: Sequence[float]) -> Step:
+        """Return the pose of the tip nearest to the robot's present joint positions (7,), for a control loop.
+
+        point (3,), hand (4,): sequences of numbers.  If no branch is within the limits with the elbow on its present
+        side, or a joint moves by more than 0.2 rad, all swivel angles are tried, which takes a hundred times as long.
+        A dead end has no joints, and a reason.
+        """
+        step = None
+        if self._tracker:
+            step = self._tracker.step(point, hand, positions)
+            if step.joints and step.largest <= 0.2:
+                return step
+        pose = self.solve(point, hand, near=positions)
+        if pose.over_limit.any() or pose.flags.any() and not self.chain:
+            return Step(None, 0, np.inf, self.path(point, hand).jumps.get(0, "out of reach"))
+        slow = Step(
+            tuple(pose.joints[0].tolist()), int(pose.branch[0]), float(np.abs(pose.joints[0] - positions).max())
+        )
+        return step if step and step.joints and step.largest <= slow.largest else slow
 
     def continuous_joints(self, positions: ArrayLike) -> Floats:
         """Return joint positions (N, 7), rad, of the same arm in the same places, but without jumps between branches.
@@ -263,140 +330,14 @@ class Arm:
     def from_urdf(cls, path: str | Path, base: str | None = None, tip: str | None = None) -> "Arm":
         """Return the arm between two links of a URDF file, by default its only first link and its only last link.
 
-        Raises OSError, and ValueError for a file that is no URDF, for a chain without exactly seven turning joints, and
-        for axes that do not meet or are not perpendicular.
+        An arm whose axes almost meet is accepted (``misfit``), and the answers of :meth:`solve` and :meth:`path` are
+        corrected on its own chain.  Raises OSError, and ValueError for a file that is no URDF, for a chain without
+        exactly seven turning joints, and for axes that do not meet.
         """
         try:
-            return cls(**_chain(ElementTree.parse(path).getroot(), base, tip))
-        except (ElementTree.ParseError, KeyError) as error:
-            raise ValueError(f"{path}: not a URDF file: {error}") from None
+            return cls(**arguments(path, base, tip))
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
-
-
-def _chain(robot: ElementTree.Element, base: str | None, tip: str | None) -> dict[str, Any]:
-    """Return the arguments of :class:`Arm` for the chain between two links, by default the only first and last link."""
-    joints = [joint for joint in robot.iter("joint") if joint.find("child") is not None]
-    above = {_attributes(joint, "child")["link"]: joint for joint in joints}
-    parents = {_attributes(joint, "parent")["link"] for joint in joints}
-    base, tip = base or _only("base", parents - set(above)), tip or _only("tip", set(above) - parents)
-    chain: list[ElementTree.Element] = []
-    link = tip
-    while link != base:
-        if link not in above or len(chain) > len(above):
-            raise ValueError(f"no chain of joints leads from {base} to {tip}")
-        chain.append(above[link])
-        link = _attributes(above[link], "parent")["link"]
-    frame = np.eye(4)
-    names, axes, points, limits = [], [], [], []
-    for joint in reversed(chain):
-        name, kind = joint.attrib["name"], joint.attrib["type"]
-        roll, pitch, yaw = _numbers(joint, "origin", "rpy", "0 0 0")
-        turn = multiply(multiply(about(2, yaw), about(1, pitch)), about(0, roll))
-        frame = frame @ _placed(matrix(turn), _numbers(joint, "origin", "xyz", "0 0 0"))
-        if kind == "fixed":
-            continue
-        if kind not in ("revolute", "continuous"):
-            raise ValueError(f"joint {name} is {kind}; all joints have to turn")
-        axis = frame[:3, :3] @ _numbers(joint, "axis", "xyz", "1 0 0")
-        if not axis.any():
-            raise ValueError(f"joint {name} has the axis 0 0 0")
-        limited = kind == "revolute" and joint.find("limit") is not None
-        sides = (("lower", "0"), ("upper", "0")) if limited else (("", "-inf"), ("", "inf"))
-        names.append(name)
-        axes.append(axis / np.linalg.norm(axis))
-        points.append(frame[:3, 3])
-        limits.append([_numbers(joint, "limit", *side)[0] for side in sides])
-    if len(names) != 7:
-        raise ValueError(f"{len(names)} joints between {base} and {tip}; an arm has 7")
-    return _from_axes(np.array(axes), np.array(points), frame) | {"limits": limits, "names": names}
-
-
-def _only(what: str, links: set[str]) -> str:
-    if len(links) != 1:
-        raise ValueError(f"no unique link for {what}: {', '.join(sorted(links)) or 'there are no joints'}")
-    return links.pop()
-
-
-def _attributes(joint: ElementTree.Element, part: str) -> dict[str, str]:
-    element = joint.find(part)
-    return {} if element is None else element.attrib
-
-
-def _numbers(joint: ElementTree.Element, part: str, name: str, default: str) -> Floats:
-    """Return the numbers in the attribute ``name`` of a joint's element ``part``, or in ``default``."""
-    text = _attributes(joint, part).get(name, default)
-    values = np.array(text.split(), dtype=np.float64)
-    if len(values) != len(default.split()) or np.isnan(values).any():
-        raise ValueError(f"joint {joint.attrib['name']}: {part} {name} {text!r}")
-    return values
-
-
-def _placed(turn: Floats, point: Floats) -> Floats:
-    """Return the homogeneous matrix (4, 4) of an orientation (3, 3) and a position (3,)."""
-    return np.vstack((np.column_stack((turn, point)), (0, 0, 0, 1)))
-
-
-def _from_axes(axes: Floats, points: Floats, end: Floats) -> dict[str, Any]:
-    """Return the arguments of :class:`Arm` for axes (7, 3) through points (7, 3) and a tip (4, 4), with joints at 0."""
-    size = np.linalg.norm(np.ptp(np.vstack((points, end[:3, 3])), axis=0))
-    centres = []
-    for first, name in ((0, "shoulder"), (4, "wrist")):
-        three = slice(first, first + 3)
-        for one, other in ((first, first + 1), (first + 1, first + 2)):
-            if abs(axes[one] @ axes[other]) > TOLERANCE:
-                angle = np.degrees(np.arccos(abs(axes[one] @ axes[other])))
-                raise ValueError(f"axes {one + 1} and {other + 1} are {angle:.6g} degrees apart, not 90")
-        across = np.eye(3) - axes[three, :, None] * axes[three, None, :]  # removes the part along each axis
-        centre = np.linalg.solve(across.sum(axis=0), (across @ points[three, :, None]).sum(axis=0)[:, 0])
-        away = np.linalg.norm(np.cross(centre - points[three], axes[three]), axis=1)
-        if away.max() > TOLERANCE * size:
-            raise ValueError(f"the axes of the {name} do not meet: they miss by {away.max():.6g}")
-        centres.append(centre)
-    shoulder, wrist = centres
-    elbow = points[3] + axes[3] * ((shoulder - points[3]) @ axes[3])
-    aside = (wrist - elbow) @ axes[3]
-    if abs(aside) > TOLERANCE * size:
-        raise ValueError(f"shoulder and wrist are {abs(aside):.6g} apart along axis 4, not 0")
-    d1, d2 = np.linalg.norm(elbow - shoulder), np.linalg.norm(wrist - elbow)
-    if min(d1, d2) <= TOLERANCE * size:
-        raise ValueError(f"axis 4 passes through the {'shoulder' if d1 < d2 else 'wrist'}")
-    u, f, reach = (elbow - shoulder) / d1, (wrist - elbow) / d2, end[:3, 3] - wrist
-    signs = np.ones(7)
-    signs[2], signs[4], signs[6] = (
-        1.0 if along >= 0 else -1.0 for along in (axes[2] @ u, axes[4] @ f, axes[6] @ reach)
-    )
-    a = axes * signs[:, None]
-
-    def frame(x, z):
-        return np.column_stack((x, np.cross(z, x), z))
-
-    def tilt(first, second, third):  # angle about the second axis from the first to the third
-        return np.arctan2(third @ np.cross(second, first), third @ first)
-
-    def spin(m):  # angle of a turn about z, None for other turns
-        return np.arctan2(m[1, 0], m[0, 0]) if m[2, 2] > 1 - TOLERANCE**2 else None
-
-    flexion = np.arctan2(axes[3] @ np.cross(u, f), u @ f)
-    mount, upper_arm = frame(a[1], a[0]), frame(axes[3], u)
-    upper = matrix(about(0, -tilt(a[0], a[1], a[2]))) @ mount.T @ upper_arm
-    wrist_frame = frame(a[5], a[4])
-    fore = (upper_arm @ matrix(about(0, flexion))).T @ wrist_frame
-    to_hand = matrix(about(0, -tilt(a[4], a[5], a[6]))) @ wrist_frame.T
-    th = np.array((0, tilt(a[0], a[1], a[2]), spin(upper) or 0, flexion, spin(fore) or 0, tilt(a[4], a[5], a[6]), 0))
-    turns = quaternion(np.stack((mount, to_hand @ end[:3, :3], upper, fore)))
-    return {
-        "d1": d1,
-        "d2": d2,
-        "tool": to_hand @ reach,
-        "offsets": -signs * th,
-        "signs": signs,
-        "base": shoulder,
-        "mount": turns[0],
-        "tip": turns[1],
-        "upper": UNIT if spin(upper) is not None else turns[2],
-        "fore": UNIT if spin(fore) is not None else turns[3],
-    }
 
 
 IIWA14 = Arm(
@@ -413,10 +354,10 @@ IIWA14 = Arm(
 _DOWN, _FORWARD, _RIGHT = np.array((0.0, 0.0, -1.0)), np.array((1.0, 0.0, 0.0)), np.array((0.0, -1.0, 0.0))
 
 HUMAN = Arm(
-    **_from_axes(
+    **from_axes(
         axes=np.array((_DOWN, _FORWARD, _DOWN, _RIGHT, _DOWN, -_FORWARD, _RIGHT)),
         points=np.array((0.0, 0.0, 0.0, DEFAULT_D1, *[DEFAULT_D1 + DEFAULT_D2] * 3))[:, None] * _DOWN,
-        end=_placed(np.column_stack((_FORWARD, _RIGHT, _DOWN)), (DEFAULT_D1 + DEFAULT_D2 + 0.08) * _DOWN),
+        end=placed(np.column_stack((_FORWARD, _RIGHT, _DOWN)), (DEFAULT_D1 + DEFAULT_D2 + 0.08) * _DOWN),
     ),
     limits=np.radians(((-45, 135), (0, 180), (-120, 70), (0, 150), (-80, 80), (-70, 80), (-30, 20))),
     names=("plane", "elevation", "rotation", "elbow", "pronation", "flexion", "deviation"),

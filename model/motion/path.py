@@ -12,6 +12,7 @@ steps of wider joints are taken modulo a turn first, and the values unwrapped; w
 planned again with all values that are whole turns apart as candidates.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -86,6 +87,7 @@ class Planner:
         self.middles: Any = None
         self.dense = np.ones(len(circles), dtype=bool)
         self.finer = TURN / SWIVELS
+        self.corrected: Callable[[Floats, NDArray], tuple[Floats, Floats]] | None = None
         self.copied = np.zeros(7, dtype=bool)  # wide joints whose windings are candidates of their own
 
     def placed(self, th: Floats, near: Floats | None = None) -> tuple[Floats, NDArray[np.bool_]]:
@@ -142,7 +144,7 @@ class Planner:
         The last attempt reaches the goal, is not much better than the one before, or has MOST_SWIVELS angles. phi,
         branch (N,): given instead of chosen; start (7,): joints before the first row.
         """
-        self.extremes, count = self._extremes(), SWIVELS
+        count = SWIVELS
         best = self._attempt(count, phi, branch, start, goal)
         while best.largest > goal and phi is None and count < MOST_SWIVELS:
             count *= 2
@@ -177,6 +179,10 @@ class Planner:
         for round in range(1, 5) if phi is None else ():
             self.finer = TURN / SWIVELS / 3**round
             found = chosen(self._around(found, near_extremes=False))
+        if near is not None:
+            closer = near[found.row].T + joints.wrap(found.at - near[found.row].T)
+            allowed = self.wide[:, None] & (closer >= self.limits[:, :1]) & (closer <= self.limits[:, 1:])
+            found = found._replace(at=np.where(allowed, closer, found.at))
         swivels, branches = np.empty(len(self.circles)), np.empty(len(self.circles), dtype=np.int64)
         swivels[found.row], branches[found.row] = found.phi, found.branch
         missing = np.flatnonzero(np.bincount(found.row, minlength=len(swivels)) == 0)
@@ -210,7 +216,14 @@ class Planner:
         if settled is None:
             self.copied |= self.wide & np.isfinite(self.limits).all(axis=1)
             return self._attempt(count, phi, branch, start, goal)
-        return self._result(path._replace(at=settled), start, goal, phi, branch)
+        errors = np.zeros(len(path.row))
+        if self.corrected:
+            corrected, errors = self.corrected(settled.T, path.row)
+            settled = corrected.T
+        result = self._result(path._replace(at=settled), start, goal, phi, branch)
+        for n in np.flatnonzero(errors > joints.ROUNDING):
+            result.jumps[int(path.row[n])] = f"the tip misses its pose by {errors[n]:.3g} of the size or rad"
+        return result
 
     def candidates(self, count: int, phi: Floats | None, branch: NDArray | None) -> Candidates:
         """Return the candidates of all rows, with ``phi`` (N,) only at these angles, with ``branch`` (N,) only of these
@@ -220,6 +233,7 @@ class Planner:
             swivels = np.broadcast_to(phi[:, None, None], (count_of, 1, 2))
         else:
             self.middles = self._middles() if self.middles is None else self.middles
+            self.extremes = self._extremes() if self.extremes is None else self.extremes
             turns = -np.pi + np.arange(count) * (TURN / count)
             tried = self.dense[:, None] | (np.arange(count) % (count // SWIVELS) == 0)
             grid = np.repeat(np.where(tried, turns, np.nan)[..., None], 2, axis=2)

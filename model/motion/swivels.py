@@ -142,20 +142,22 @@ class Circles:
     * ends (2, N, 2, 2, 4): for each elbow solution and pose, at phi = 0 and pi, quaternions of shoulder and wrist;
       Q(phi) = cos(phi/2) Q(0) + sin(phi/2) Q(pi)
     * flexion (2, N): th4
-    * distance (N,): from shoulder to wrist; reach (N, 2): the least and the largest possible distance
+    * distance (N,): from shoulder to wrist; reach (N, 2): the least and the largest possible distance; slack: distance
+      by which they may be exceeded
     """
 
     ends: Floats
     flexion: Floats
     distance: Floats
     reach: Floats
+    slack: float = 0.0
 
     def __len__(self) -> int:
         return len(self.distance)
 
-    def part(self, rows: slice) -> "Circles":
+    def part(self, rows: slice | NDArray) -> "Circles":
         """Return the circles of some poses."""
-        return Circles(self.ends[:, rows], self.flexion[:, rows], self.distance[rows], self.reach[rows])
+        return Circles(self.ends[:, rows], self.flexion[:, rows], self.distance[rows], self.reach[rows], self.slack)
 
     @classmethod
     def of(
@@ -182,7 +184,7 @@ class Circles:
     @property
     def unreachable(self) -> NDArray[np.bool_]:
         """True for a wrist out of reach, (N,)."""
-        return np.asarray(_beyond(self.distance, *self.reach.T))
+        return np.asarray(_beyond(self.distance, *(self.reach + (-self.slack, self.slack)).T))
 
     def chunks(self) -> Iterator[slice]:
         """Yield slices of poses of which arrays stay in the cache."""

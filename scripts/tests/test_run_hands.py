@@ -96,7 +96,7 @@ def test_an_unsuitable_urdf_file(cli):
     assert cli(*words) == (2, [], [f"{said}links are bent: the joints of ik_arm are along or across its bones"])
     fork = '<joint name="f" type="fixed"><parent link="l7"/><child link="other"/></joint></robot>'
     path.write_text(path.read_text().replace("</robot>", fork))
-    assert cli(*words) == (2, [], [f"{said}t.urdf: no unique link for tip: other, tip"])
+    assert cli(*words) == (2, [], [f"{said}t.urdf: no unique link for tip: other, tip; choose with TIP="])
 
 
 def test_lengths_and_poses_of_another_robot(cli):

@@ -114,6 +114,65 @@ def test_refused_chains(chain, given, message, tmp_path):
         Arm.from_urdf(path, "base", given.get("tip", "tip"))
 
 
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (('<axis xyz="0 0 1"/><limit', '<mimic joint="j2"/><axis xyz="0 0 1"/><limit'), "joint j1 mimics j2"),
+        (('xyz="0 0 0.42"', 'xyz="0 0 ${d1}"'), r"joint j4: origin xyz '0 0 \$\{d1\}' is not 3 numbers"),
+        (('type="revolute"><parent link="base"', 'type="floating"><parent link="base"'), "6 joints between l1 and tip"),
+        (
+            ("</robot>", '<joint name="j9" type="fixed"><parent link="l7"/><child link="end"/></joint></robot>'),
+            "no unique link for tip: end, tip; choose with TIP=",
+        ),
+    ],
+)
+def test_refused_files(change, message, tmp_path):
+    path = urdf(tmp_path / "arm.urdf", IIWA)
+    assert change[0] in path.read_text()
+    path.write_text(path.read_text().replace(*change, 1))
+    with pytest.raises(ValueError, match=f"arm.urdf: {message}"):
+        Arm.from_urdf(path)
+
+
+def test_files_with_more_than_the_arm(tmp_path):
+    """A floating joint above the arm and joints inside of a simulator's element are not of its chain."""
+    path = urdf(tmp_path / "arm.urdf", IIWA)
+    plain, text = Arm.from_urdf(path), path.read_text()
+    loop = '<gazebo><joint name="x" type="revolute"><parent>l7</parent><child>l6</child></joint></gazebo>'
+    world = '<link name="w"/><joint name="f" type="floating"><parent link="w"/><child link="base"/></joint>'
+    path.write_text(text.replace("</robot>", f"{loop}{world}</robot>"))
+    more = Arm.from_urdf(path)
+    assert more.names == plain.names and more.velocities.tolist() == [1.0] * 7
+    np.testing.assert_array_equal(more.forward(np.ones(7))[0], plain.forward(np.ones(7))[0])
+
+
+@pytest.mark.parametrize(
+    ("chain", "warned"),
+    [
+        (moved(1, (0.00044, 0, 0)), True),  # axes 1 and 2 miss each other by 0.44 mm
+        (bones(SERIAL, rpy=(0.0002, 0, 0))[:1] + [(O, (0.00002, 0, 0), Y), *IIWA[2:]], False),  # 0.001 degrees off
+    ],
+    ids=["offset", "angle"],
+)
+def test_nearly_exact_arms(chain, warned, tmp_path, recwarn):
+    """Answers reach the pose on the file's own chain, within the limits, almost straight arms included."""
+    arm, random = Arm.from_urdf(urdf(tmp_path / "arm.urdf", chain)), np.random.default_rng(1)
+    assert 0 < max(arm.misfit) < 1e-3 and any("at the tip" in str(w.message) for w in recwarn) == warned
+    th = random.uniform(-2.9, 2.9, (300, 7))
+    th[:100, 3] *= 0.01
+    points, m = tips(chain, th)
+    assert_same(arm.forward(th), (points, m), 1e-12)
+    q = arm.forward(th)[1]
+    for pose in (arm.solve(points, q), arm.solve(points, q, near=th)):
+        assert not pose.over_limit.any() and (np.abs(pose.joints) <= 2.9).all()
+        assert_same(tips(chain, pose.joints), (points, m), 1e-9)
+    time = np.linspace(0, 1, 60)[:, None]
+    points, q = arm.forward(th[200] + time * (th[201] - th[200]) / 4)
+    path = arm.path(points, q)
+    assert_same(tips(chain, path.joints), (points, matrix(q)), 1e-9)
+    assert path.largest < 0.2 and not path.jumps
+
+
 def test_refused_shapes():
     with pytest.raises(ValueError, match=r"signs of the arm: shape \(6,\)"):
         Arm(0.3, 0.3, signs=np.ones(6))

@@ -163,3 +163,44 @@ def test_bad_arguments(change, message):
     arguments = {"points": [(0.5, 0.1, 0.6)] * 2, "hand": [UNIT] * 2} | change
     with pytest.raises(ValueError, match=message):
         IIWA14.path(**arguments)
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human", "bent"])
+def test_track(name):
+    """Each step reaches the pose within the limits, and the step named is the largest of a joint."""
+    arm = ARMS[name]
+    joints = curve(arm, "line", 1, 100, 0.5)
+    points, q = arm.forward(joints)
+    at = joints[0].tolist()
+    for point, hand in zip(points[1:].tolist(), q[1:].tolist(), strict=True):
+        step = arm.track(point, hand, at)
+        assert step.joints and not step.reason
+        assert np.isclose(step.largest, np.abs(np.subtract(step.joints, at)).max(), rtol=0, atol=1e-9)
+        assert ((np.array(step.joints) >= arm.limits[:, 0]) & (np.array(step.joints) <= arm.limits[:, 1])).all()
+        reached, turned = arm.forward(step.joints)
+        np.testing.assert_allclose(reached[0], point, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(matrix(turned)[0], matrix(np.array(hand)), rtol=0, atol=1e-9)
+        assert step.largest < 0.2
+        at = list(step.joints)
+
+
+@pytest.mark.parametrize(("tilt", "third"), [(1, 2), (5, 6)])
+def test_track_in_singular_poses(tilt, third):
+    """Where th2 or th6 is 0, the turn about the common axis is shared so that no joint moves by more than it."""
+    joints = np.array((0.4, 0.7, -0.3, 1.1, 0.2, 0.6, 0.5))
+    joints[tilt] = 0
+    moved = joints.copy()
+    moved[third] += 0.1
+    (point,), (hand,) = IIWA14.forward(moved)
+    step = IIWA14.track(point.tolist(), hand.tolist(), joints.tolist())
+    assert step.largest < 0.1 + 1e-6
+    np.testing.assert_allclose(IIWA14.forward(step.joints)[0][0], point, rtol=0, atol=2e-7)
+
+
+def test_dead_ends():
+    point, hand = (0.5, 0.1, 0.6), (1.0, 0.0, 0.0, 0.0)
+    away = IIWA14.track((3.0, 0.0, 0.0), hand, [0.0] * 7)
+    assert away.joints is None and away.reason.startswith("wrist 3.")
+    stiff = Arm(0.42, 0.4, 0.126, limits=[(-0.1, 0.1)] * 7)
+    dead = stiff.track(point, hand, [0.0] * 7)
+    assert dead.joints is None and dead.reason.startswith("outside the limits, in branch ")
