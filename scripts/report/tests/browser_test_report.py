@@ -244,10 +244,10 @@ def test_hand_poses_are_drawn_and_fit(browser, size, scheme, tmp_path):
     """Each joint has a strip; the elbow's circle is green exactly where all joints are within their limits."""
     poses, phi = trajectories.make("pick_and_place"), np.linspace(-3, 3, 100)
     still = {name: np.full(100, getattr(poses, name)[30]) for name in "xyz"}
-    others = {name: column[30:31] * 100 for name, column in poses.others.items()}
+    others = {name: column[30:31] * 100 for name, column in poses.others.items()} | {"branch": ["0"] * 100}
     (tmp_path / "t.csv").write_text(format_csv(replace(poses, phi=phi, others=others, **still)))
-    address = write_without_rtl(tmp_path, "--trajectory", str(tmp_path / "t.csv"), "--robot", "iiwa14")
-    page = browser(address + "#target=0", size, color_scheme=scheme)
+    words = "--trajectory", str(tmp_path / "t.csv"), "--robot", "iiwa14", "--limits", "report"
+    page = browser(write_without_rtl(tmp_path, *words) + "#target=0", size, color_scheme=scheme)
     hands = data_in(tmp_path / "report.html")[0]["hands"]
     over, names, ends = np.array(hands["over"]), np.array(hands["names"]), np.radians(hands["free"][0]).ravel()
     away = np.abs(np.angle(np.exp(1j * (phi - ends[:, None])))).min(axis=0)
