@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Robots with seven joints: base frame, zero positions, joint directions and limits; reader of URDF files.
 
-Joint n of the robot is at signs[n] * th_n + offsets[n], where th_n is an angle of :mod:`cga_ik.reference.joints`. Two
-arms are built in: `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, a left arm with anatomical limits.
+Joint n of the robot is at signs[n] * th_n + offsets[n], where th_n is an angle of :mod:`cga_ik.reference.joints`. The
+built-in arms are in `ROBOTS`, among them `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, with anatomical limits.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -117,6 +117,10 @@ class Arm:
         spare = SPARE * bool(self.chain)
         return Planner(circles, self.limits + (-spare, spare), self.offsets, self.signs)
 
+    def _tips(self, points: ArrayLike, hand: Any, count: int) -> tuple[Floats, Floats]:
+        """Return the poses of the tip that were asked for: points (N, 3), quaternions (N, 4)."""
+        return np.broadcast_to(points, (count, 3)), np.broadcast_to(Hands.checked(hand, 0.0, 0).q.T, (count, 4))
+
     def _corrected(self, positions: Floats, points: Floats, hand: Floats) -> tuple[Floats, Floats]:
         """Return joint positions (N, 7) of the true chain near the given ones for poses of the tip; and errors (N,)."""
         assert self.chain
@@ -200,8 +204,9 @@ class Arm:
         branch: ArrayLike | None = None,
         near: ArrayLike | None = None,
     ) -> Pose:
-        """Return the poses in which the tip is at points (N, 3) or (3,) with orientations ``hand`` (N, 4) or (4,).
+        """Return the poses in which the tip is at points (N, 3) or (3,) with orientations ``hand``.
 
+        * hand: quaternions (N, 4) or (4,), matrices (N, 3, 3), (3, 3) or (N, 4, 4), or a scipy Rotation
         * phi: swivel angle, rad, a number or (N,), measured from axis 1
         * branch: bits of :class:`Branch`, a number or (N,)
         * near (N, 7) or (7,): joint positions, rad
@@ -228,7 +233,7 @@ class Arm:
         for first, (best, _, _) in zip(range(0, len(at), batch), chosen, strict=False):
             at[first + best.row], over[first + best.row] = best.at.T, False
         if self.chain:
-            tips, turns = np.broadcast_to(points, wrists.shape), np.broadcast_to(hand, q.shape)
+            tips, turns = self._tips(points, hand, len(circles))
             within = np.flatnonzero(~over.any(axis=1))
             at[within], errors = self._corrected(at[within], tips[within], turns[within])
             left = within[errors > CORRECTED]
@@ -274,7 +279,7 @@ class Arm:
         phi: ArrayLike | None = None,
         branch: ArrayLike | None = None,
     ) -> JointPath:
-        """Return joints along a path of poses of the tip: points (N, 3), orientations ``hand`` (N, 4).
+        """Return joints along a path of poses of the tip: points (N, 3), orientations ``hand`` as in :meth:`solve`.
 
         All joints are within their limits, and no step of a joint exceeds the goal (rad) if branches and swivel angles
         allow it. start (7,): joint positions before the first pose. phi (rad), branch: numbers or (N,), given instead
@@ -291,7 +296,7 @@ class Arm:
                 raise ValueError(f"start: {name} is {by:.3g} rad outside its limits")
         planner = self._planner(circles)
         if self.chain:
-            tips, turns = np.broadcast_to(points, (len(circles), 3)), np.broadcast_to(hand, (len(circles), 4))
+            tips, turns = self._tips(points, hand, len(circles))
             planner.corrected = lambda at, rows: self._corrected(at, tips[rows], turns[rows])
         return planner.plan(given_phi, given_branch, before, goal)
 
@@ -370,4 +375,27 @@ out of the palm, and z along the fingers. Limits are the norms of the AAOS, with
 because the AAOS measures it with the arm held sideways.
 """
 
-ROBOTS = {"iiwa14": IIWA14, "human": HUMAN}  # built-in arms by name
+
+class Robots(Mapping[str, Arm]):
+    """Built-in arms by name: those of this module, and those of files in the folder robots, read when asked for."""
+
+    folder = Path(__file__).with_name("robots")
+
+    def __init__(self, **arms: Arm) -> None:
+        self.arms, self.names = arms, [*arms, *sorted(path.stem for path in self.folder.glob("*.urdf"))]
+
+    def __getitem__(self, name: str) -> Arm:
+        if name not in self.names:
+            raise KeyError(name)
+        if name not in self.arms:
+            self.arms[name] = Arm.from_urdf(self.folder / f"{name}.urdf")
+        return self.arms[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+ROBOTS = Robots(iiwa14=IIWA14, human=HUMAN)

@@ -4,12 +4,14 @@
 import math
 import warnings
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..io.words import LENGTH_TOLERANCE
 from ..reference import joints
+from ..reference.kinematics import quaternion
 
 Floats = NDArray[np.float64]
 
@@ -33,12 +35,12 @@ class Hands:
     def checked(
         cls, hand: ArrayLike, tool: ArrayLike, branch: ArrayLike, order: str = "wxyz", nan: str = "raise"
     ) -> "Hands":
-        """Return the hands with quaternions (N, 4) or (4,), normalized to length 1.
+        """Return the hands with quaternions, normalized to length 1, for orientations as in :func:`quaternions`.
 
         Raises ValueError for a length that is not about 1, for other wrong arguments, and for a nan with nan="raise".
         """
         check_order(order)
-        rows = np.atleast_2d(np.asarray(hand, dtype=np.float64))
+        rows = quaternions(hand, order)
         if rows.ndim != 2 or rows.shape[1] != 4:
             raise ValueError(f"hand has the shape {np.shape(hand)}, not (N, 4)")
         length = np.sqrt(np.einsum("ij,ij->i", rows, rows))
@@ -87,6 +89,20 @@ def refuse(name: str, rows: NDArray[np.bool_], reason: str) -> None:
 def check_order(order: str) -> None:
     if order not in ("wxyz", "xyzw"):
         raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
+
+
+def quaternions(hand: Any, order: str) -> Floats:
+    """Return quaternions (N, 4) in ``order`` for quaternions (N, 4) or (4,), matrices (N, 3, 3), (3, 3) or (N, 4, 4), or
+    a scipy Rotation.  Raises ValueError for matrices that are no rotations."""
+    if hasattr(hand, "as_quat"):
+        return np.atleast_2d(np.roll(hand.as_quat(), int(order == "wxyz"), axis=-1))
+    values = np.asarray(hand, dtype=np.float64)
+    if values.shape[-2:] != (3, 3) and not (values.ndim == 3 and values.shape[1:] == (4, 4)):
+        return np.atleast_2d(values)
+    turns = values[..., :3, :3].reshape(-1, 3, 3)
+    off = np.abs(turns @ turns.swapaxes(1, 2) - np.eye(3)).max(axis=(1, 2))
+    refuse("hand", ~(off < LENGTH_TOLERANCE) | ~(np.linalg.det(turns) > 0), "no rotation")
+    return np.roll(quaternion(turns), -int(order == "xyzw"), axis=1)
 
 
 def checked_rows(name: str, values: ArrayLike, size: int) -> Floats:

@@ -35,7 +35,8 @@ REPORT = HERE.parent / "report"
 SCRIPTS = ("machine", "solve", "lane", "waves", "hand", "playground")
 
 HAND = (0.0, 0.5**0.5, 0.0, 0.5**0.5)  # of the hand: z axis forward, x axis up
-ARMS = {"arm": Arm(DEFAULT_D1, DEFAULT_D2, names=[f"th{n}" for n in range(1, 8)]), **ROBOTS}
+ARMS = {"arm": Arm(DEFAULT_D1, DEFAULT_D2, names=[f"th{n}" for n in range(1, 8)])}
+ARMS |= {name: ROBOTS[name] for name in ("iiwa14", "human")}
 
 
 def _robot(name: str, arm: Arm) -> dict[str, Any]:

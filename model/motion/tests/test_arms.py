@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from model.motion.arms import HUMAN, IIWA14, Arm
+from model.motion.arms import HUMAN, IIWA14, ROBOTS, Arm
 from model.motion.tests.test_joints import apart
 from model.reference.kinematics import matrix
 
@@ -144,6 +144,33 @@ def test_files_with_more_than_the_arm(tmp_path):
     more = Arm.from_urdf(path)
     assert more.names == plain.names and more.velocities.tolist() == [1.0] * 7
     np.testing.assert_array_equal(more.forward(np.ones(7))[0], plain.forward(np.ones(7))[0])
+
+
+def test_orientations_in_other_forms():
+    """Rotations, matrices (3, 3) and (4, 4) give the same joints as quaternions; other matrices are refused."""
+    points, q = IIWA14.forward(np.random.default_rng(8).uniform(-1.5, 1.5, (20, 7)))
+    whole = np.tile(np.eye(4), (20, 1, 1))
+    whole[:, :3, :3] = matrix(q)
+    for hand in (Rotation.from_quat(q, scalar_first=True), matrix(q), whole):
+        np.testing.assert_allclose(
+            IIWA14.solve(points, hand, 0.3, 0).joints, IIWA14.solve(points, q, 0.3, 0).joints, atol=1e-12
+        )
+    one = IIWA14.solve(points[0], matrix(q)[0], 0.3, 0).joints
+    np.testing.assert_allclose(one, IIWA14.solve(points[0], q[0], 0.3, 0).joints, atol=1e-12)
+    for wrong in (matrix(q) * 1.1, -matrix(q), matrix(q) + np.nan):
+        with pytest.raises(ValueError, match="hand: no rotation in rows 0, 1, 2 and 17 more"):
+            IIWA14.solve(points, wrong)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_built_in_robots(name):
+    """Poses within the limits are solved within the limits, on the robot's own chain."""
+    arm = ROBOTS[name]
+    low, high = np.clip(arm.limits.T, -np.pi, np.pi)
+    points, q = arm.forward(np.random.default_rng(5).uniform(low, high, (100, 7)))
+    pose = arm.solve(points, q)
+    assert not pose.over_limit.any() and (np.isfinite(arm.velocities).all() or name in ("iiwa14", "human"))
+    assert_same(arm.forward(pose.joints), (points, matrix(q)), 1e-9)
 
 
 @pytest.mark.parametrize(
