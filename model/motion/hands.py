@@ -92,8 +92,8 @@ def check_order(order: str) -> None:
 
 
 def quaternions(hand: Any, order: str) -> Floats:
-    """Return quaternions (N, 4) in ``order`` for quaternions (N, 4) or (4,), matrices (N, 3, 3), (3, 3), (N, 4, 4), or a
-    scipy Rotation.  Raises ValueError for matrices that are no rotations."""
+    """Return quaternions (N, 4) in ``order`` of orientations: quaternions (N, 4) or (4,), matrices (N, 3, 3), (3, 3) or
+    (N, 4, 4), or a scipy Rotation.  Raises ValueError for matrices that are no rotations."""
     if hasattr(hand, "as_quat"):
         return np.atleast_2d(np.roll(hand.as_quat(), int(order == "wxyz"), axis=-1))
     values = np.asarray(hand, dtype=np.float64)
