@@ -168,8 +168,11 @@ class Arm:
 
         Swivel angles are chosen if all phi are nan, branches without a column ``branch``; a column ``path`` separates
         paths. each: every row is a path of its own. A row without joints within the limits gets those of :meth:`solve`.
-        Raises ValueError for bent links.
+        Raises ValueError for bent links and for a chain that is corrected.
         """
+        if self.chain:
+            text = f"this one differs from the nearest by {self.misfit[0]:.3g} at the tip"
+            raise ValueError(f"ik_arm solves only arms whose axes meet exactly; {text}: solve it from Python")
         if self._bent:
             raise ValueError("links are bent: the joints of ik_arm are along or across its bones")
         count, labels = len(poses), np.array(poses.others.get("path", [""] * len(poses)))
