@@ -167,7 +167,7 @@ class Arm:
         """Return poses of the tip as targets of `ik_arm`, and the path through them.
 
         Swivel angles are chosen if all phi are nan, branches without a column ``branch``; a column ``path`` separates
-        paths. each: every row is a path of its own. A row without joints within the limits gets those of :meth:`solve`.
+        paths. each: every row is a path of its own. A row without joints within the limits gets the pose of :meth:`solve`.
         Raises ValueError for bent links and for a chain that is corrected.
         """
         if self.chain:
@@ -380,7 +380,7 @@ because the AAOS measures it with the arm held sideways.
 
 
 class Robots(Mapping[str, Arm]):
-    """Built-in arms by name: those of this module, and those of files in the folder robots, read when asked for."""
+    """Built-in arms by name: two of this module, others from files in the folder robots, read when asked for."""
 
     folder = Path(__file__).with_name("robots")
 

@@ -48,7 +48,7 @@ class JointPath:
     * joints (N, 7): rad, within the limits; nan where no branch and swivel angle has all joints within them
     * phi (N,): swivel angle, rad; branch (N,): bits of :class:`Branch`
     * step (N,): largest move of a joint from the previous row with joints, rad; of the first row from ``start``, or 0
-    * jumps: row -> text that says which joint moves by more than the goal and why, or why there are no joints
+    * jumps: row -> text that names the joint which moves by more than the goal and why, or why there are no joints
     """
 
     joints: Floats
@@ -287,7 +287,7 @@ class Planner:
         return found
 
     def _around(self, path: Candidates, near_extremes: bool) -> Candidates:
-        """Return candidates close to the path's: finer swivel angles, those of the neighbouring rows, and extremes."""
+        """Return candidates close to the path's: finer swivel angles, the neighbouring rows' angles, and extremes."""
         offsets = self.finer * np.arange(-3, 4)
         swivels = [path.phi[:, None] + offsets, np.roll(path.phi, 1)[:, None], np.roll(path.phi, -1)[:, None]]
         if near_extremes:
