@@ -167,7 +167,7 @@ class Arm:
         """Return poses of the tip as targets of `ik_arm`, and the path through them.
 
         Swivel angles are chosen if all phi are nan, branches without a column ``branch``; a column ``path`` separates
-        paths. each: every row is a path of its own. A row without joints within the limits gets the pose of :meth:`solve`.
+        paths. each: every row is a path of its own. A row without joints within the limits takes :meth:`solve`'s.
         Raises ValueError for bent links and for a chain that is corrected.
         """
         if self.chain:

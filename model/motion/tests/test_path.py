@@ -66,7 +66,7 @@ def test_through_singular_poses(tilts):
 
 
 def test_windings():
-    """A joint with a range of more than a turn continues beyond half a turn; at the end of its range a jump is named."""
+    """A joint with a range of more than a turn continues beyond half a turn; at its end a jump is named."""
     low, high = np.array([-2.9] * 6 + [-6.0]), np.array([2.9] * 6 + [6.0])
     arm = Arm(0.4, 0.4, 0.1, limits=np.column_stack((low, high)))
     joints = np.tile(np.array((0.3, 0.9, 0.2, 1.1, 0.4, 0.8, 0.0)), (120, 1))
