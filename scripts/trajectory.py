@@ -35,6 +35,7 @@ from tb.sim.simulate import Job, Run, simulate
 
 SCORES = "score.json"
 JUMPS = 5  # rows named in warnings
+APART = 0.01  # rad between planned joints and the core's, which splits two joints otherwise where th2 or th6 is 0
 
 
 @dataclass(frozen=True)
@@ -365,6 +366,10 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
             if item.robot:
                 at = item.robot.positions(result.per_target.hand.joints, item.path.joints)
                 more = dict(zip(item.robot.names, at.T, strict=True))
+                apart = np.flatnonzero(np.abs(at - item.path.joints).max(axis=1) > APART)
+                if len(apart):
+                    text = f"the core's joints differ from the planned ones in {len(apart)} rows, first: target {apart[0]}"
+                    print(f"warning: {targets.name}: {text}", file=sys.stderr)
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))

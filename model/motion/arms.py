@@ -74,6 +74,8 @@ class Arm:
     ) -> None:
         """Set the attributes.  Raises ValueError for wrong shapes and for a lower limit above the upper limit."""
         self.d1, self.d2, self.names, self.limits = float(d1), float(d2), tuple(names), checked_limits(limits)
+        if (half := np.isfinite(self.limits).sum(axis=1) == 1).any():
+            raise ValueError(f"limits of joint {half.argmax() + 1}: only one of them is finite")
         along: Any = np.asarray(tool, dtype=np.float64)
         self.tool = _vector("tool", along if along.ndim else along * (0.0, 0.0, 1.0), 3)
         self.offsets, self.signs = _vector("offsets", offsets, 7), _vector("signs", signs, 7)
@@ -126,9 +128,15 @@ class Arm:
         assert self.chain
         return self.chain.corrected(positions, points, matrix(hand))
 
-    def _retried(self, left: NDArray[np.intp], circles: Circles, points: Floats, hand: Floats) -> tuple[Floats, Floats]:
-        """Return what :meth:`_corrected` does for poses ``left`` (R,) from the best of several starts."""
-        found = self._planner(circles.part(left)).candidates(SWIVELS, None, None)
+    def _retried(
+        self, left: NDArray[np.intp], circles: Circles, points: Floats, hand: Floats, phi: Any, branch: Any
+    ) -> tuple[Floats, Floats]:
+        """Return what :meth:`_corrected` does for poses ``left`` (R,) from the best of several starts.
+
+        phi, branch (N,): given, or None.
+        """
+        asked = (None if v is None else v[left] for v in (phi, branch))
+        found = self._planner(circles.part(left)).candidates(SWIVELS, *asked)
         first = np.searchsorted(found.row, np.arange(len(left)))
         counts = np.bincount(found.row, minlength=len(left))
         best, errors = np.full((len(left), 7), np.nan), np.full(len(left), np.inf)
@@ -180,13 +188,18 @@ class Arm:
         branch = poses.branch if "branch" in poses.others else None
         empty = np.full((count, 7), np.nan)
         whole = JointPath(empty, empty[:, 0].copy(), np.zeros(count, dtype=np.int64), np.zeros(count), {})
-        groups = list(np.arange(count)[:, None]) if each else [np.flatnonzero(labels == one) for one in set(labels)]
+        paths = [np.flatnonzero(labels == one) for one in dict.fromkeys(labels.tolist())]
+        groups = list(np.arange(count)[:, None]) if each else paths
         for group in groups:
             some_phi, some_branch = (None if v is None else v[group] for v in (phi, branch))
             path = self.path(poses.position[group], poses.hand[group], phi=some_phi, branch=some_branch)
             for name in ("joints", "phi", "branch", "step"):
                 getattr(whole, name)[group] = getattr(path, name)
             whole.jumps.update({int(group[n]): text for n, text in path.jumps.items()})
+        for rows in (rows[np.isfinite(whole.phi[rows])] for rows in paths if each):
+            whole.step[rows[1:]] = np.abs(np.diff(whole.joints[rows], axis=0)).max(axis=1)
+            large = rows[whole.step[rows] > 0.2].tolist()
+            whole.jumps.update({n: f"a joint moves by {whole.step[n]:.3g} rad" for n in large})
         missing = np.flatnonzero(np.isnan(whole.phi))
         if len(missing):
             asked = (None if v is None else v[missing] for v in (phi, branch))
@@ -197,7 +210,9 @@ class Arm:
         lengths: dict[str, Any] = {"d1": self.d1, "d2": self.d2, "tool": self.tool[None], "default_arm": ()}
         lengths |= {"origin": self.base, "frame": conjugate(self.mount), "others": others, "branch": whole.branch}
         q = multiply(poses.hand, conjugate(self.tip))
-        return replace(poses, phi=whole.phi if phi is None else phi, hand=q, **lengths), whole
+        return replace(poses, phi=whole.phi if phi is None else phi, hand=q, **lengths), replace(
+            whole, jumps=dict(sorted(whole.jumps.items()))
+        )
 
     def solve(
         self,
@@ -215,10 +230,12 @@ class Arm:
         * near (N, 7) or (7,): joint positions, rad
 
         What is not given is chosen: joints within their limits if any branch and swivel angle has them; nearest to
-        ``near``, or without it farthest from the limits. Where there are none, the least number of joints is outside.
+        ``near``, or without it farthest from the limits. Where there are none, the
+        joints exceed their limits by the smallest sum.
         ``Pose.joints`` are the robot's positions.  Raises ValueError as :func:`cga_ik.solve` does.
         """
         circles, wrists, q, *given = self._asked(points, hand, phi, branch, near)
+        kept = given[:2]
         chosen, batch = [], BATCH if phi is None else 16 * BATCH
         if phi is None or branch is None:
             given.append(None if near is None else self._swivel(given[2], wrists))
@@ -241,7 +258,7 @@ class Arm:
             at[within], errors = self._corrected(at[within], tips[within], turns[within])
             left = within[errors > CORRECTED]
             if len(left):
-                at[left], errors = self._retried(left, circles, tips, turns)
+                at[left], errors = self._retried(left, circles, tips, turns, *kept)
                 over[left[errors > CORRECTED]] = True
         elbow, wrist = (self.base + rotate(self.mount, point) for point in (pose.elbow, pose.wrist))
         return replace(
@@ -288,11 +305,13 @@ class Arm:
         allow it. start (7,): joint positions before the first pose. phi (rad), branch: numbers or (N,), given instead
         of chosen.  Raises ValueError.
         """
-        circles, _, _, given_phi, given_branch, before = self._asked(points, hand, phi, branch, start)
+        circles, _, _, given_phi, given_branch, _ = self._asked(points, hand, phi, branch)
         if not 0 < goal < np.inf:
             raise ValueError(f"goal {goal!r} is not an angle")
+        before = None if start is None else _vector("start", start, 7)
         if before is not None:
-            before = before[0]
+            if not np.isfinite(before).all():
+                raise ValueError("start: not finite")
             over = np.maximum(before - self.limits[:, 1], self.limits[:, 0] - before)
             if over.max() > 1e-6:
                 name, by = self.names[over.argmax()], over.max()
@@ -304,7 +323,7 @@ class Arm:
         return planner.plan(given_phi, given_branch, before, goal)
 
     def track(self, point: Sequence[float], hand: Sequence[float], positions: Sequence[float]) -> Step:
-        """Return the pose of the tip nearest to the robot's present joint positions (7,), for a control loop.
+        """Return a pose of the tip near the robot's present joint positions (7,), for a control loop.
 
         point (3,), hand (4,): sequences of numbers.  If no branch is within the limits with the elbow on its present
         side, or a joint moves by more than 0.2 rad, all swivel angles are tried, which takes a hundred times as long.

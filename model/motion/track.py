@@ -95,7 +95,10 @@ class Tracker:
         return tuple(options)
 
     def step(self, point: Sequence[float], hand: Sequence[float], joints: Sequence[float]) -> Step:
-        """Return the nearest pose with the elbow on its present side; at a dead end, without a reason."""
+        """Return the nearest pose with the elbow on its present side; none for a hand whose length is not 1."""
+        size = hand[0] * hand[0] + hand[1] * hand[1] + hand[2] * hand[2] + hand[3] * hand[3]
+        if not abs(size - 1) < ROUNDING:
+            return Step(None, 0, inf)
         present = [(at - offset) * sign for at, (offset, sign, _, _) in zip(joints, self.joints, strict=True)]
         (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = self.frame
         bx, by, bz = self.base

@@ -151,3 +151,19 @@ def test_a_robot_in_the_rtl(command, tmp_path):
     assert command(run.main, *words)[0] == 0
     (result,) = scores("o/score.json")
     assert (result["targets"], result["bit_mismatches"], result["passed"]) == (9, 0, True) and result["over_limit"] > 4
+
+
+def test_rows_alone_name_their_jumps(cli):
+    """With PLAN=rows each row is farthest from its limits, and rows that then jump are named."""
+    arm = ROBOTS["iiwa14"]
+    th = np.array((0.4, 0.7, -0.3, 1.1, 0.2, 0.6, 0.5)) * np.linspace(1, -1, 40)[:, None]
+    write_poses(*arm.forward(th))
+    words = "--trajectory", "t.csv", "--out", "o", "--robot", "iiwa14"
+    assert cli(*words)[::2] == (0, [])
+    assert table("step").max() <= 0.2
+    status, _, err = cli(*words, "--plan", "rows")
+    at = table(*arm.names)
+    moved = np.abs(np.diff(at, axis=0)).max(axis=1)
+    assert status == 0 and moved.max() > 0.2
+    np.testing.assert_allclose(table("step")[1:, 0], moved, atol=1e-6)
+    assert re.match(rf"warning: t.csv: row {2 + 1 + np.flatnonzero(moved > 0.2)[0]}: a joint moves by ", err[0])

@@ -150,7 +150,8 @@ def test_continuous_joints():
     ("change", "message"),
     [
         ({"goal": np.nan}, "goal nan is not an angle"),
-        ({"start": [0.0] * 6}, r"near: shape \(6,\), not \(N, 7\)"),
+        ({"start": [0.0] * 6}, r"start of the arm: shape \(6,\), not \(7,\)"),
+        ({"start": [np.nan] * 7}, "start: not finite"),
         ({"start": [9.0] + [0.0] * 6}, "start: A1 is 6.03 rad outside its limits"),
         ({"phi": [0.0] * 3}, "numbers of rows do not broadcast: points has 2, hand has 2, phi has 3"),
         ({"branch": 8}, "branch 8 is not a combination"),
@@ -201,6 +202,10 @@ def test_dead_ends():
     point, hand = (0.5, 0.1, 0.6), (1.0, 0.0, 0.0, 0.0)
     away = IIWA14.track((3.0, 0.0, 0.0), hand, [0.0] * 7)
     assert away.joints is None and away.reason.startswith("wrist 3.")
+    with pytest.raises(ValueError, match="hand: length 2, not 1"):
+        IIWA14.track(point, (2.0, 0.0, 0.0, 0.0), [0.0] * 7)
+    with pytest.raises(ValueError, match="limits of joint 3: only one of them is finite"):
+        Arm(0.3, 0.3, limits=[(-1, 1)] * 2 + [(-np.inf, 1)] + [(-1, 1)] * 4)
     stiff = Arm(0.42, 0.4, 0.126, limits=[(-0.1, 0.1)] * 7)
     dead = stiff.track(point, hand, [0.0] * 7)
     assert dead.joints is None and dead.reason.startswith("outside the limits, in branch ")
