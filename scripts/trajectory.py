@@ -368,7 +368,7 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 more = dict(zip(item.robot.names, at.T, strict=True))
                 apart = np.flatnonzero(np.abs(at - item.path.joints).max(axis=1) > APART)
                 if len(apart):
-                    text = f"the core's joints differ from the planned ones in {len(apart)} rows, first: target {apart[0]}"
+                    text = f"joints of {len(apart)} targets differ from the planned ones; first: target {apart[0]}"
                     print(f"warning: {targets.name}: {text}", file=sys.stderr)
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)

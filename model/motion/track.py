@@ -81,15 +81,11 @@ class Tracker:
         self.joints = list(zip(offsets.tolist(), signs.tolist(), *limits.T.tolist(), strict=True))
 
     def _options(self, joint: int, th: float, other: float, present: float) -> tuple[tuple[float, float], ...]:
-        """Return for two angles of a joint its step and its nearest position within the limits; step inf if none."""
+        """Return for two angles of a joint the step and its nearest position; step inf outside the limits."""
         offset, sign, low, high = self.joints[joint]
         options = []
         for angle in (th, other):
             at = present + remainder(sign * angle + offset - present, TURN)
-            if at < low - ROUNDING:
-                at += TURN
-            elif at > high + ROUNDING:
-                at -= TURN
             inside = low - ROUNDING <= at <= high + ROUNDING
             options.append((abs(at - present), min(max(at, low), high)) if inside else (inf, at))
         return tuple(options)

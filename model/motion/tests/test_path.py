@@ -176,6 +176,7 @@ def test_track(name):
     for point, hand in zip(points[1:].tolist(), q[1:].tolist(), strict=True):
         step = arm.track(point, hand, at)
         assert step.joints and not step.reason
+        assert not arm._tracker or arm._tracker.step(point, hand, at) == step, "the slow path answers instead"
         assert np.isclose(step.largest, np.abs(np.subtract(step.joints, at)).max(), rtol=0, atol=1e-9)
         assert ((np.array(step.joints) >= arm.limits[:, 0]) & (np.array(step.joints) <= arm.limits[:, 1])).all()
         reached, turned = arm.forward(step.joints)
