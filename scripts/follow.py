@@ -88,7 +88,7 @@ def main(arguments: SimpleNamespace) -> int:
     if target >= total:
         raise InputError(f"argument --target: {item.targets.name} has targets 0 to {total - 1}, not {target}")
     (datapath,), width = datapaths(arguments, [item]), arguments.width
-    nodes = list(answer(item.words, width, datapath, item.limits).bits.nodes.values())
+    nodes = answer(item.words, width, datapath, item.limits).shown
     with ExitStack() as stack:
         out = arguments.out if arguments.waves else Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="ik_")))
         written = [out / name for name in WAVES]

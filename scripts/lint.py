@@ -40,7 +40,10 @@ MODULE_SETS = {
     **{name: [{"W": width} for width in (32, 20)] for name in ("ik_fold", "ik_fold_arm")},
     **{name: [{}] for name in ("ik_fold_datapath", "ik_fold_norm", "ik_fold_arm_hand")},
     "icebreaker": [{}, {"BAUD": 115200}, {"ARM": 1}],
-    "ik_arm": [{"W": 24}, {"W": 16}, {"W": 18, "TILE": 25}, {"W": 24, "TILE": 16}, {"W": 24, "DATAPATH": 2}],
+    "ik_arm": [
+        *({"W": 24}, {"W": 16}, {"W": 18, "TILE": 25}, {"W": 24, "TILE": 16}, {"W": 24, "DATAPATH": 2}),
+        *({"W": 24, "CHOOSE": 1}, {"W": 18, "CHOOSE": 1, "EPS": 1}, {"W": 24, "DATAPATH": 2, "CHOOSE": 1}),
+    ],
     **{
         f"ik_lean_{part}": [{"W": 32, "N": 35}, {"W": 18, "N": 25}]
         for part in ("direction", "triangle", "turn", "hand", "frame")

@@ -256,7 +256,7 @@ def align(
     vcd: Path, words: np.ndarray, width: int, datapath: str, files: Place = Path, limits: Limits | None = None
 ) -> None:
     """Read the recording ``vcd`` of one trajectory with the input words ``words``, and call `write_waves`."""
-    nodes = list(answer(words, width, datapath, limits).bits.nodes.values())
+    nodes = answer(words, width, datapath, limits).shown
     recording = read(files(vcd), datapath, nodes)
     write_waves(vcd, recording, list(differences(recording, nodes)), datapath, width, nodes, files)
 

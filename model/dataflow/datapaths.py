@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
-from ..io.flags import ARM_FLAG_BITS, ARM_FLAGS, CORE_FLAGS, FLAG_BITS
-from ..io.words import ARM_FIELDS, ARM_RESULT_FIELDS, BRANCHES, FIELDS, RESULT_FIELDS
-from . import arm, lean, lean_turn, paper
+from ..io.flags import ARM_FLAG_BITS, ARM_FLAGS, CHOICE_FLAG_BITS, CHOICE_FLAGS, CORE_FLAGS, FLAG_BITS
+from ..io.words import ARM_FIELDS, ARM_RESULT_FIELDS, BRANCHES, CHOICE_FIELDS, FIELDS, REFERENCES, RESULT_FIELDS
+from . import arm, choose, lean, lean_turn, paper
 from .fold import program, shown
 from .formats import WIDTHS
 from .mul3 import TILE
@@ -49,7 +49,13 @@ class Datapath:
     @property
     def parameters(self) -> dict[str, int]:
         """Verilog parameters of ``top`` that select the datapath."""
-        return {"DATAPATH": self.number} | ({"TILE": self.tile} if self.equations == "lean" else {})
+        tile = {"TILE": self.tile} if self.equations == "lean" else {}
+        return {"DATAPATH": self.number} | tile | ({"CHOOSE": int(self.chooses)} if self.side else {})
+
+    @property
+    def chooses(self) -> bool:
+        """True if the datapath chooses the branch of a hand pose."""
+        return self.inputs[-1] == REFERENCES[-1]
 
     @property
     def rtl(self) -> str:
@@ -82,6 +88,8 @@ class Datapath:
 
     def instance(self, node: Node) -> str:
         """Return the instance that holds a node's signal, levels joined by dots; empty if the datapath itself does."""
+        if node.section == "choose" or node.name in REFERENCES:
+            return "g_choose.u_choose" if node.operands else "g_choose"
         inside = self.core and node.instance and node.section in lean.SECTIONS
         return f"{self.core}.{node.instance}" if inside else node.instance
 
@@ -119,5 +127,17 @@ FOLD_ARM16 = replace(FOLD_ARM, name="fold_arm16", tile=16, widths=FOLD16.widths)
 
 ARM25, ARM16 = replace(ARM, name="arm25", tile=25), replace(ARM, name="arm16", tile=16, widths=TILED[1].widths)
 
-MODELS = {**CONFIGURATIONS, **{path.name: path for path in (ARM, ARM25, ARM16, FOLD_ARM, FOLD_ARM16)}}
+
+def choosing(path: Datapath, name: str) -> Datapath:
+    """Return the version of the whole arm that chooses the branch of a hand pose."""
+    path = replace(path, name=name, flow=choose.arm_and_choice, sections=path.sections | choose.SECTION)
+    path = replace(path, inputs=(*path.inputs, *REFERENCES), results=CHOICE_FIELDS)
+    return replace(path, flags=CHOICE_FLAGS, flag_bits=CHOICE_FLAG_BITS)
+
+
+CHOOSE = choosing(ARM, "choose")
+FOLD_CHOOSE = replace(choosing(FOLD_ARM, "fold_choose"), behind=choose.FOLD_CLOCKS)
+
+WHOLE = ARM, ARM25, ARM16, FOLD_ARM, FOLD_ARM16, CHOOSE, FOLD_CHOOSE
+MODELS = {**CONFIGURATIONS, **{path.name: path for path in WHOLE}}
 """Name -> datapath, for all that the model computes: the configurations of the core, and the whole arm."""

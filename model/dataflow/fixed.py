@@ -26,8 +26,10 @@ def dataflow(datapath: str, width: int, limits: tuple[tuple[int, int], ...] | No
     path = MODELS[datapath]
     flow = Dataflow(width, path.widths, path.tile, limits)
     path.flow(flow, flow.inputs((*path.inputs, *path.side)))
-    for name, time in path.times(width).items() if path.times else ():
-        flow.nodes[name].time = time
+    if path.times:
+        times = path.times(width)
+        for name, node in flow.nodes.items():
+            node.time = times.get(name, -1)
     return flow
 
 
@@ -51,6 +53,11 @@ class Answer:
     flags: np.ndarray
     bits: Bits
 
+    @property
+    def shown(self) -> list[Node]:
+        """Nodes that the RTL has, with their words."""
+        return [node for node in self.bits.nodes.values() if node.in_rtl]
+
 
 def run(words: np.ndarray, width: int, datapath: str = DEFAULT, branch=0, limits: Limits | None = None) -> Answer:
     """Run N targets through a datapath.  ``words`` (N, 6), for the whole arm (N, 11), are in the order of its inputs.
@@ -69,8 +76,8 @@ def run(words: np.ndarray, width: int, datapath: str = DEFAULT, branch=0, limits
 
 
 def nodes(datapath: str, width: int) -> dict[str, Node]:
-    """Return the nodes of a datapath in dataflow order, with their formats and clocks."""
-    return dataflow(datapath, width).nodes
+    """Return the nodes of a datapath that its RTL has, in dataflow order, with their formats and clocks."""
+    return {name: node for name, node in dataflow(datapath, width).nodes.items() if node.in_rtl}
 
 
 def latency(datapath: str, width: int) -> int:

@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from ..io.words import BRANCHES, FIELDS
+from ..io.words import BRANCHES, FIELDS, REFERENCES
 from .annotations import Bound, Case, Growth, Limited, Rule, Within
 from .expressions import EXACT, HALF_UP, JAM, Operation, Term, round_shift, wrap
 from .formats import GUARD, WIDTHS, Format, Latency
@@ -39,7 +39,7 @@ SATURATE, WRAP = "saturate", "wrap"
 class Node(Term):
     """Named value of a dataflow.
 
-    * ``time``: clocks from the clock in which the target is at the input
+    * ``time``: clocks from the clock in which the target is at the input; -1 if the RTL has no signal for the node
     * ``after``: node for which the operation waits without using it, to align results
     * ``rounding``, ``ends``: treatment of the bits below and above the format; ``limited``: intended saturation
     * ``within``: range in exact arithmetic; ``proof``: facts that prove it (:mod:`tb.formal.lean_proofs`)
@@ -90,6 +90,11 @@ class Node(Term):
     def decision(self) -> bool:
         """True if the node counts as exact: a mask, a shift count, or a node of the section ``guard``."""
         return self.section == "guard" or not self.frac
+
+    @property
+    def in_rtl(self) -> bool:
+        """True if the RTL has a signal with the node's name."""
+        return self.time >= 0
 
     @property
     def instance(self) -> str:
@@ -219,7 +224,9 @@ class Dataflow:
 
     def inputs(self, fields: tuple[str, ...] = FIELDS) -> dict[str, Node]:
         """Add the nodes of the input words; their time is 0, the clock in which the target is accepted."""
-        formats = {name: self.bit if name in BRANCHES else self.word(int(name != "phi")) for name in fields}
+        formats = {
+            name: self.bit if name in BRANCHES else self.word(int(name not in ("phi", *REFERENCES))) for name in fields
+        }
         return {name: self.node(name, Input(), fmt) for name, fmt in formats.items()}
 
     # ---- statements between nodes ----------------------------------------------------------------------------------

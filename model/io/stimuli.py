@@ -15,7 +15,7 @@ from ..reference.joints import turned
 from ..reference.kinematics import multiply, rotate
 from ..reference.lean_equations import solve_lean
 from .flags import UNREACHABLE, expected_flags
-from .words import FIELDS
+from .words import ARM_FIELDS, FIELDS
 
 
 def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
@@ -398,6 +398,19 @@ def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
     if count > 2 * len(corners):
         rows[: len(corners)] = corners
     return np.column_stack([random.permutation(rows), random.integers(8, size=count)])
+
+
+def choice_targets(count: int, width: int, seed: int) -> np.ndarray:
+    """Return words and branches (N, 19) of the poses of :func:`arm_targets` with any reference joints."""
+    references = np.random.default_rng((seed, width, 8)).integers(-(1 << width - 1), 1 << width - 1, (count, 7))
+    return np.insert(arm_targets(count, width, seed), [len(ARM_FIELDS)] * 7, references, axis=1)
+
+
+def choice_limits(width: int) -> list[tuple[int, int]]:
+    """Return limits (low, high) of seven joints, words: long arcs, so that some branches are inside; one is a turn."""
+    half = 1 << width - 1
+    arcs = (-0.95, 0.9), (0.1, 0.0), (-1.0, 1.0), (-0.9, 0.7), (0.6, 0.55), (-0.97, 0.93), (-1.0, 0.99)
+    return [(round(low * half), min(round(high * half), half - 1)) for low, high in arcs]
 
 
 def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:

@@ -35,6 +35,12 @@ WRIST_FIELDS = ("qw_w", "qw_i", "qw_j", "qw_k")
 ARM_RESULT_FIELDS = (*JOINTS, *RESULT_FIELDS, *WRIST_FIELDS)
 """Fields of a result word of the whole arm, lowest bits first."""
 
+CHOICE_FIELDS = (*(f"joint_{k}" for k in range(1, 8)), *RESULT_FIELDS, *WRIST_FIELDS)
+"""The same where the core chooses the branch: joints of the chosen branch."""
+
+REFERENCES = tuple(f"ref_{k}" for k in range(1, 8))
+"""Reference joints of a hand pose, for the choice of its branch; binary angles."""
+
 DEFAULT_D1 = 0.33
 DEFAULT_D2 = 0.27
 """Bone lengths of the default arm (m); its reach is 0.6 m, as in the paper."""

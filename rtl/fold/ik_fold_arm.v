@@ -5,25 +5,30 @@
 // A hand pose enters; Qs, Qe, Qw and seven joint angles leave. Laps, steps and datapath as in ik_fold. Codes of
 // fields that both programs have are the same.
 // Throughput: one target per PERIOD clocks.
-// Latency: set by the program (ik_fold_arm_program.vh), counted from the clock that accepts the target.
+// Latency: set by the program (ik_fold_arm_program.vh), counted from the clock that accepts the target. With CHOOSE, 50
+// clocks more.
 `default_nettype none
 
 module ik_fold_arm #(
     parameter integer W     = 24,  // word length, even, 20 to 32; 18 to 24 with TILE = 16
     parameter integer TAG_W = 8,   // tag width, at least 1
-    parameter integer TILE  = 18   // multiplier tile width: 18 or 16
+    parameter integer TILE  = 18,  // multiplier tile width: 18 or 16
+    parameter integer CHOOSE = 0,  // 1: ik_fold_choose replaces the joints by those of the branch nearest to a reference
+    parameter integer EPS    = 16  // see ik_fold_choose
 ) (
     input  wire                clk,
     input  wire                rst,            // synchronous, active high: discards all targets
     // Targets
-    input  wire [    11*W-1:0] s_axis_tdata,   // hand_x, _y, _z, phi, d1, d2, tool, qh_w, _i, _j, _k, lowest bits first
+    // hand_x, _y, _z, phi, d1, d2, tool, qh_w, _i, _j, _k, lowest bits first; with CHOOSE, above them reference joints
+    input  wire [(11+7*CHOOSE)*W-1:0] s_axis_tdata,
     input  wire [   TAG_W+2:0] s_axis_tuser,   // tag; above it branch: shoulder, elbow, wrist
     input  wire                s_axis_tvalid,
     output wire                s_axis_tready,
     input  wire [    14*W-1:0] limits,         // lower and upper of th1 .. th7, lowest bits first; static
     // Results
     output wire [    17*W-1:0] m_axis_tdata,   // th1 .. th7, qs_w .. qs_k, qe_w, qe_i, qw_w .. qw_k, lowest bits first
-    output wire [TAG_W+16-1:0] m_axis_tuser,   // tag, flags of the core, bad_hand, over_limit 1 .. 7
+    // tag, flags of the core, bad_hand, over_limit 1 .. 7; with CHOOSE, as ik_arm's
+    output wire [TAG_W+16+25*CHOOSE-1:0] m_axis_tuser,
     output wire                m_axis_tvalid,
     input  wire                m_axis_tready
 );
@@ -67,11 +72,12 @@ module ik_fold_arm #(
       .step(step), .clock(clock), .begins(begins), .last(last), .no_step(no_step)
   );
   wire first_result = step[AT_FIRST_RESULT];
+  wire result_valid, result_ready;
   ik_fold_lap #(.HOLD_LAP(HOLD_LAP), .FIRST_LAP(FIRST_LAP), .LAST_LAP(LAST_LAP)) u_lap (
       .clk(clk), .rst(rst),
       .begins(begins), .last(last), .last_input(step[AT_LAST_INPUT]), .hold(step[AT_HOLD]), .first_result(first_result),
       .last_result(step[AT_LAST_RESULT]),
-      .s_valid(s_axis_tvalid), .s_ready(s_axis_tready), .m_valid(m_axis_tvalid), .m_ready(m_axis_tready),
+      .s_valid(s_axis_tvalid), .s_ready(s_axis_tready), .m_valid(result_valid), .m_ready(result_ready),
       .go(go), .waits(waits), .restart(restart), .writing(writing)
   );
 
@@ -171,12 +177,33 @@ module ik_fold_arm #(
   assign head[FLAG_SATURATED] = wrist_saturated;
   assign head[FLAG_BAD_HAND-1:FLAG_SATURATED+1] = flags[FLAG_BAD_HAND-1:FLAG_SATURATED+1];
   assign head[FLAG_BAD_HAND] = hand_is_bad;
+  wire [17*W-1:0] result_data;
+  wire [TAG_W+16-1:0] result_user;
   ik_fold_arm_results #(.W(W), .TAG_W(TAG_W), .AFTER(AFTER)) u_results (
       .clk(clk), .rst(rst), .go(go), .limits(limits),
       .writing(writing), .first_result(first_result), .result(result_field), .answer(answer), .th(th),
       .head({head, tag}),
-      .m_axis_tdata(m_axis_tdata), .m_axis_tuser(m_axis_tuser), .over(over)
+      .m_axis_tdata(result_data), .m_axis_tuser(result_user), .over(over)
   );
+  generate
+    if (CHOOSE == 0) begin : g_given
+      assign m_axis_tdata = result_data;
+      assign m_axis_tuser = result_user;
+      assign m_axis_tvalid = result_valid;
+      assign result_ready = m_axis_tready;
+    end else begin : g_choose
+      ik_fold_choose #(.W(W), .TAG_W(TAG_W), .EPS(EPS)) u_choose (
+          .clk(clk), .rst(rst), .limits(limits),
+          .refs(s_axis_tdata[11*W+:7*W]), .s_valid(s_axis_tvalid), .s_ready(s_axis_tready),
+          .write(go && writing && result_field != RESULT_NONE && result_field <= RESULT_TH7), .joint(result_field[2:0]),
+          .th(th), .ends(go && writing && step[AT_LAST_RESULT]),
+          .r_words(result_data[7*W+:10*W]), .r_head(result_user[TAG_W+8:0]), .r_branch(branch),
+          .r_valid(result_valid), .r_ready(result_ready),
+          .m_data(m_axis_tdata), .m_user(m_axis_tuser), .m_valid(m_axis_tvalid), .m_ready(m_axis_tready)
+      );
+      wire unused_joints = &{1'b0, result_data, result_user};
+    end
+  endgenerate
 
   // ---- dataflow nodes, for waves and testbenches only ----
 

@@ -9,13 +9,15 @@
 //
 // A signal named like a node holds it in the node's clock, T_<NODE>; x_at_y is x in clock T_<Y>. ik_lean gets the
 // wrist in clock T_X, and its results leave in clock T_QS_W.
-// Latency: T_OUT clocks.
+// Latency: T_OUT clocks; with CHOOSE, T_CHOICE (ik_choose_nodes.vh).
 `default_nettype none
 
 module ik_lean_arm #(
     parameter integer W     = 32,  // word length, 16 to 32, at most 24 with TILE = 16
     parameter integer TAG_W = 8,   // tag width, at least 1
-    parameter integer TILE  = 18   // width of the multipliers' longer operand: 18, 25 or 16
+    parameter integer TILE  = 18,  // width of the multipliers' longer operand: 18, 25 or 16
+    parameter integer CHOOSE = 0,  // 1: ik_choose replaces the joints by those of the branch nearest to a reference
+    parameter integer EPS    = 16  // see ik_choose
 ) (
     // Clock
     input  wire             clk,
@@ -26,16 +28,18 @@ module ik_lean_arm #(
     input  wire             in_valid,
     input  wire [TAG_W-1:0] in_tag,
     input  wire [      2:0] in_branch,   // shoulder, elbow, wrist, lowest bit first
-    input  wire [ 11*W-1:0] in_data,     // hand_x .. hand_z, phi, d1, d2, tool, qh_w .. qh_k, lowest bits first
+    // hand_x .. hand_z, phi, d1, d2, tool, qh_w .. qh_k, lowest bits first; with CHOOSE, above them reference joints
+    input  wire [(11+7*CHOOSE)*W-1:0] in_data,
     // Result
     output wire             out_valid,
     output wire [TAG_W-1:0] out_tag,
-    output wire [     15:0] out_flags,   // positions: ik_flags.vh
+    output wire [16+25*CHOOSE-1:0] out_flags,  // positions: ik_flags.vh; above them `choice` of ik_choose
     output wire [ 17*W-1:0] out_data     // th1 .. th7, qs_w .. qs_k, qe_w, qe_i, qw_w .. qw_k, lowest bits first
 );
 
   `include "ik_flags.vh"
   `include "ik_arm_nodes.vh"
+  `include "ik_choose_nodes.vh"
 
   generate
     if (W < 16 || W > ((TILE == 16) ? 24 : 32)) begin : g_no_words
@@ -51,9 +55,11 @@ module ik_lean_arm #(
 
   localparam integer N = FRAC + 2;  // width of an inner word
 
+  localparam integer T_LAST = (CHOOSE != 0) ? T_CHOICE : T_OUT;  // clock of the results
+
   // ---- valid, outside ik_lean ----
 
-  localparam integer T_AFTER = T_OUT - T_QS_W;
+  localparam integer T_AFTER = T_LAST - T_QS_W;
   reg [T_X-1:0] valid;  // newest in bit 0
   reg [T_AFTER-1:0] valid_after;
   wire lean_valid;
@@ -179,7 +185,7 @@ module ik_lean_arm #(
   wire [10*W-1:0] words_at_out;
   wire saturated_at_out, bad_hand_at_out;
   wire [FLAG_BAD_LENGTH:0] flags_at_out;  // of ik_lean
-  ik_ring #(.W(SIDE_W+10*W), .N(T_OUT-T_QW_W)) u_words_at_out (
+  ik_ring #(.W(SIDE_W+10*W), .N(T_LAST-T_QW_W)) u_words_at_out (
       .clk(clk), .rst(rst),
       .d({side_at_qw, qw_k, qw_j, qw_i, qw_w, qse_at_qw}),
       .q({saturated_at_out, bad_hand_at_out, out_tag, flags_at_out, words_at_out})
@@ -190,20 +196,48 @@ module ik_lean_arm #(
   );
   ik_ring #(.W(W), .N(T_OUT-T_TH4)) u_th4_at_out (.clk(clk), .rst(rst), .d(th4), .q(th4_at_out));
   ik_delay #(.W(2*W), .N(T_OUT-T_TH2)) u_th2_at_out (.clk(clk), .d({th6, th2}), .q({th6_at_out, th2_at_out}));
-  assign out_data = {words_at_out, th7_at_out, th6_at_out, th5_at_out, th4_at_out, th3_at_out, th2_at_out, th1_at_out};
-
-  wire over_1_at_out, over_3_at_out, over_4_at_out, over_5_at_out, over_7_at_out;
-  ik_delay #(.W(4), .N(T_OUT-T_OVER_1)) u_over_1_at_out (
-      .clk(clk), .d({over_7, over_5, over_3, over_1}), .q({over_7_at_out, over_5_at_out, over_3_at_out, over_1_at_out})
-  );
-  ik_delay #(.W(1), .N(T_OUT-T_OVER_4)) u_over_4_at_out (.clk(clk), .d(over_4), .q(over_4_at_out));
+  wire [7*W-1:0] joints_at_out = {th7_at_out, th6_at_out, th5_at_out, th4_at_out, th3_at_out, th2_at_out, th1_at_out};
+  assign out_data[7*W+:10*W] = words_at_out;
   assign out_flags[FLAG_BAD_LENGTH:0] = flags_at_out;
   assign out_flags[FLAG_SATURATED] = saturated_at_out;
   assign out_flags[FLAG_BAD_HAND-1:FLAG_SATURATED+1] = 0;
   assign out_flags[FLAG_BAD_HAND] = bad_hand_at_out;
-  assign out_flags[FLAG_OVER_1+:7] = {
-    over_7_at_out, over_6, over_5_at_out, over_4_at_out, over_3_at_out, over_2, over_1_at_out
-  };
+
+  generate
+    if (CHOOSE == 0) begin : g_given
+      wire over_1_at_out, over_3_at_out, over_4_at_out, over_5_at_out, over_7_at_out;
+      ik_delay #(.W(4), .N(T_OUT-T_OVER_1)) u_over_1_at_out (
+          .clk(clk), .d({over_7, over_5, over_3, over_1}),
+          .q({over_7_at_out, over_5_at_out, over_3_at_out, over_1_at_out})
+      );
+      ik_delay #(.W(1), .N(T_OUT-T_OVER_4)) u_over_4_at_out (.clk(clk), .d(over_4), .q(over_4_at_out));
+      assign out_data[0+:7*W] = joints_at_out;
+      assign out_flags[FLAG_OVER_1+:7] = {
+        over_7_at_out, over_6, over_5_at_out, over_4_at_out, over_3_at_out, over_2, over_1_at_out
+      };
+    end else begin : g_choose
+      wire [W-1:0] ref_1 = in_data[11*W+:W];
+      wire [W-1:0] ref_2 = in_data[12*W+:W];
+      wire [W-1:0] ref_3 = in_data[13*W+:W];
+      wire [W-1:0] ref_4 = in_data[14*W+:W];
+      wire [W-1:0] ref_5 = in_data[15*W+:W];
+      wire [W-1:0] ref_6 = in_data[16*W+:W];
+      wire [W-1:0] ref_7 = in_data[17*W+:W];
+      wire [7*W-1:0] refs_at_out;
+      wire [2:0] branch_at_out;
+      ik_ring #(.W(7*W), .N(T_OUT)) u_refs_at_out (
+          .clk(clk), .rst(rst), .d({ref_7, ref_6, ref_5, ref_4, ref_3, ref_2, ref_1}), .q(refs_at_out)
+      );
+      ik_ring #(.W(3), .N(T_OUT-T_QW_W)) u_branch_at_out (.clk(clk), .rst(rst), .d(branch_at_qw), .q(branch_at_out));
+      ik_choose #(.W(W), .TILE(TILE), .EPS(EPS)) u_choose (
+          .clk(clk), .rst(rst),
+          .limits(limits),
+          .joints(joints_at_out), .refs(refs_at_out), .branch(branch_at_out),
+          .joints_chosen(out_data[0+:7*W]), .outs(out_flags[FLAG_OVER_1+:7]), .choice(out_flags[FLAG_OVER_1+7+:25])
+      );
+      wire unused_overs = &{1'b0, over_1, over_2, over_3, over_4, over_5, over_6, over_7};
+    end
+  endgenerate
 
 endmodule
 

@@ -54,7 +54,8 @@ def lean_formats() -> str:
     return BODIES.lean_formats(WIDTHS[0], *ROOT_FRACS, inner_frac(24) - 24, INNER_FRAC)
 
 
-def node_formats(datapath: str) -> str:
+def node_formats(datapath: str, only: str = "") -> str:
+    """Return a header of nodes; with ``only``, of this section, for a body that also includes the others' header."""
     runs, path = traced(datapath), MODELS[datapath]
     nodes = runs[WIDTHS[-1]]
     used = {node.latency for node in nodes.values()}
@@ -68,8 +69,11 @@ def node_formats(datapath: str) -> str:
     sections = [
         (path.sections[section], [(node, ready(node)) for node in own])
         for section, own in groupby(nodes.values(), lambda node: node.section)
+        if section == only or not only
     ]
     last = _start(tuple(nodes[n] for n in (*path.results, *path.flags)), runs)
+    if only:
+        return BODIES.choose_nodes(sections, last)
     return BODIES.nodes(GUARD if datapath == "paper" else None, latencies, sections, last)
 
 
@@ -207,6 +211,7 @@ def texts() -> dict[Path, str]:
         "paper_nodes": (node_formats("paper"), "paper.py"),
         "lean_nodes": (node_formats("lean"), "lean.py"),
         "arm_nodes": (node_formats("arm"), "arm.py", "lean.py"),
+        "choose_nodes": (node_formats("choose", "choose"), "choose.py"),
         "lean_formats": (lean_formats(), "nodes.py"),
         "flags": (BODIES.flags((name, flag.bit_length() - 1) for name, flag in ARM_FLAGS.items()), "../io/flags.py"),
         "latency": (latencies(), "paper.py", "lean.py"),

@@ -18,12 +18,12 @@ from cocotbext.axi import AxiStreamBus, AxiStreamSink
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Limits, Node
-from model.io.stimuli import arm_limits, arm_targets, mixed
+from model.io.words import ARM_FIELDS
 from tb.core import functional_coverage
 from tb.core.driver import Driver
 from tb.core.monitor import Monitor
 from tb.core.scoreboard import Scoreboard
-from tb.sim.job import limits_port
+from tb.sim.job import limits_port, usual_limits, usual_words
 
 
 def configuration(dut) -> str:
@@ -37,7 +37,7 @@ def configuration(dut) -> str:
 
 
 class Pipeline:
-    """Bench of one ``ik_axis`` or ``ik_arm``. ``limits`` are the joints' limits, by default :func:`arm_limits`.
+    """Bench of one ``ik_axis`` or ``ik_arm``. ``limits`` are the joints' limits, by default :func:`.usual_limits`.
 
     With ``nodes`` every node is compared, otherwise results only.
     """
@@ -53,7 +53,7 @@ class Pipeline:
         data = [len(words) * self.slot for words in (path.inputs, path.results)]
         sizes = [data[0], self.tag_width + len(path.side), data[1], self.tag_width + path.flag_bits]
         assert [len(port) for port in ports] == sizes
-        self.limits = limits or arm_limits(self.width)
+        self.limits = limits or usual_limits(self.datapath, self.width)
         if path.side:
             dut.limits.value = limits_port(self.limits, self.width)
         logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # hides the drivers' banners
@@ -90,12 +90,13 @@ class Pipeline:
         await FallingEdge(self.dut.clk)
 
     def mixed(self, count: int, seed: int) -> np.ndarray:
-        """Return shuffled targets of every kind: wrist targets (N, 6), or poses with their branch (N, 12)."""
-        return (arm_targets if self.path.side else mixed)(count, self.width, seed)
+        """Return shuffled targets of every kind, as in a :class:`tb.sim.job.Job`."""
+        return usual_words(self.datapath, count, self.width, seed)
 
     def around(self, words: np.ndarray) -> np.ndarray:
         """Return the wrist targets ``words``; for the whole arm, return poses with these wrists."""
-        hands = [(0, 1 << self.width - 2, 0, 0, 0, n % 8) for n in range(len(words))]  # tool, Qh, branch
+        references = (0,) * (len(self.path.inputs) - len(ARM_FIELDS))
+        hands = [(0, 1 << self.width - 2, 0, 0, 0, *references, n % 8) for n in range(len(words))]  # tool, Qh, branch
         return np.column_stack([words, hands]) if self.path.side else words
 
     async def drain(self, most_clocks: int = 20000) -> None:

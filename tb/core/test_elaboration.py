@@ -47,6 +47,8 @@ ILLEGAL_SETS = [  # top, module that stops the elaboration, parameter sets
     ("ik_arm", "ik_arm_illegal_W", [parameters | FOLD for parameters in FOLD_W]),
     ("ik_arm", "ik_arm_illegal_TAG_W", [{"TAG_W": 0} | FOLD]),
     ("ik_arm", "ik_arm_illegal_TILE", sets_of("TILE", (17,), (25,), **FOLD)),
+    ("ik_arm", "ik_arm_illegal_CHOOSE", sets_of("CHOOSE DATAPATH", (2, 1), (-1, 1), (2, 2))),
+    ("ik_arm", "ik_arm_illegal_EPS", sets_of("EPS", (0,), (1025,), CHOOSE=1)),
     ("ik_delay", "ik_delay_illegal_N", [{"N": -1}]),
     ("ik_ring", "ik_ring_illegal_N", [{"N": 2}]),
     ("ik_vector", "ik_vector_illegal_W", sets_of("W", (4,), (33,))),
@@ -82,6 +84,7 @@ LEGAL = [  # top, parameter sets
     ("ik_lean", [{"W": 3, "TAG_W": 1}, {"W": 24, "TILE": 16}, {"TILE": 25}]),
     ("ik_paper", [{"W": 16, "TAG_W": 1, "DIGIT": 1}]),
     ("ik_arm", [{"W": 16, "TAG_W": 1}, {"W": 32}, {"TILE": 25}, {"W": 20} | FOLD]),
+    ("ik_arm", [{"W": w, "EPS": eps, "CHOOSE": 1} for w, eps in ((16, 1024), (32, 1))]),
     ("ik_fold", [{"W": 20, "TAG_W": 1}, {"W": 18, "TILE": 16}, {"W": 32}]),
     ("ik_fold_arm", [{"W": 32, "TAG_W": 1}]),
 ]
@@ -143,13 +146,16 @@ def test_fifo_has_a_slot_for_each_clock_and_not_twice_as_many(tmp_path):
         for width in (w for w in path.widths if w in WIDTHS):
             values = ", ".join(f".{k}({v})" for k, v in {"W": width, **path.parameters}.items())
             u, v, checked = f"{path.name}_{width}", f"memory_{path.name}_{width}", checked + 1
-            out, slots = f"{u}.g_{path.rtl}.u_core.T_OUT", f"(1 << {u}.g_fifo.u_credits.LOG2)"
+            last = "T_LAST" if path.side else "T_OUT"
+            out, slots = f"{u}.g_{path.rtl}.u_core.{last}", f"(1 << {u}.g_fifo.u_credits.LOG2)"
             equal = f"{v}.LATENCY == {out} + 2 && {v}.LOG2_PLACES == {u}.g_fifo.u_credits.LOG2"
-            lines += [
-                f"{path.top} #({values}) {u} ();",
-                f"ik_axi #({values}, .ARM({int(path.top == 'ik_arm')})) {v} ();",
-                f'initial $display("{u} %0d", {out} + 3 <= {slots} && {slots} < 2 * ({out} + 3) && {equal});',
-            ]
+            lines.append(f"{path.top} #({values}) {u} ();")
+            if path.chooses:  # ik_axi does not
+                equal = "1"
+            else:
+                memory = values.replace(", .CHOOSE(0)", "")
+                lines.append(f"ik_axi #({memory}, .ARM({int(path.side != ())})) {v} ();")
+            lines.append(f'initial $display("{u} %0d", {out} + 3 <= {slots} && {slots} < 2 * ({out} + 3) && {equal});')
     (tmp_path / "top.v").write_text("\n".join([*lines, "endmodule", ""]))
     files = [tmp_path / "top.v"]
     for path in sources():

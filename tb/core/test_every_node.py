@@ -17,7 +17,7 @@ from model.io.flags import names
 from model.io.stimuli import arithmetic_corners, arm_targets, mixed
 from tb.core import worst_targets
 from tb.sim.env import simulator
-from tb.sim.job import Run, answer
+from tb.sim.job import Run, answer, usual_words
 from tb.sim.shared import marked, moment, recording
 from tb.sim.simulate import Job, simulate
 
@@ -25,8 +25,18 @@ GROUPS = worst_targets.groups(worst_targets.read(worst_targets.LIST))
 ICARUS = simulator() == "icarus"
 
 QUICK = [("lean", 32), ("lean25", 18), ("lean16", 18), ("fold", 24), ("fold16", 18)]
-SLOW = [("lean", 18), ("paper", 18), ("arm", 18), ("arm", 32), ("arm25", 18), ("arm16", 18)]
+SLOW = [
+    ("lean", 18),
+    ("paper", 18),
+    ("arm", 18),
+    ("arm", 32),
+    ("arm25", 18),
+    ("arm16", 18),
+    ("choose", 18),
+    ("choose", 32),
+]
 SLOW += [("fold_arm", 24), ("fold_arm", 32), ("fold_arm16", 18)]
+SLOW += [("fold_choose", 24), ("fold_choose", 32)]
 SLOW += [("lean16", 24), ("fold", 20), ("fold", 32), ("fold16", 20), ("fold16", 24)]
 if ICARUS:  # builds are cheap
     QUICK += [("paper", 32)]
@@ -44,10 +54,11 @@ def test_each_tested_word_length_is_simulated():
 
 
 def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) -> Run:
-    """Run targets, with Verilator natively, and check every node, result and flag. Joints have random limits."""
+    """Run targets, with Verilator natively, and check every node, result and flag. Joints have random limits, but not
+    where the core chooses a branch: few would be inside them."""
     options = {"simulator": simulator(), "datapath": datapath, "width": width, "cores": cores}
     ends = np.random.default_rng(6).integers(-(1 << width - 1), 1 << width - 1, (7, 2))
-    limits = list(map(tuple, ends.tolist())) if MODELS[datapath].side else None
+    limits = list(map(tuple, ends.tolist())) if MODELS[datapath].side and not MODELS[datapath].chooses else None
     vcd = recording(f"every_node-{datapath}-{width}")
     (done,) = simulate([Job("nodes", words)], **options, native=True, limits=limits, waves=vcd)
     if message := done.first_mismatch:
@@ -74,8 +85,10 @@ def listed(datapath: str, width: int) -> np.ndarray:
 def targets(datapath: str, width: int) -> np.ndarray:
     """Return the hardest targets and others of every kind; fewer for Icarus, which is a hundred times slower."""
     if MODELS[datapath].side:
-        mixed_poses = arm_targets(40 if ICARUS else 5000 if MODELS[datapath].period == 1 else 1000, width, 4)
-        return np.concatenate([listed(datapath, width), mixed_poses])
+        count = 40 if ICARUS else 5000 if MODELS[datapath].period == 1 else 1000
+        if MODELS[datapath].chooses:
+            return usual_words(datapath, count, width, 4)
+        return np.concatenate([listed(datapath, width), arm_targets(count, width, 4)])
     few = ICARUS and (datapath, width) not in itertools.product(DATAPATHS, (18, 32))
     words = [listed(datapath, width), mixed(40 if few else 300, width, 4)]
     if not ICARUS:

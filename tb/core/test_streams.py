@@ -19,7 +19,9 @@ SETS = {
     "fold-24": ("fold", 24, 8),
     "paper-23": ("paper", 23, 3),
     "arm-18": ("arm", 18, 3),
+    "choose-18": ("choose", 18, 3),
     "fold_arm-24": ("fold_arm", 24, 3),
+    "fold_choose-24": ("fold_choose", 24, 3),
     "fold_arm16-18": ("fold_arm16", 18, 3),
 }
 SETS |= {"lean-18": ("lean", 18, 3)} if simulator() == "icarus" else {"lean-32": ("lean", 32, 8)}
@@ -48,7 +50,7 @@ def shared(key: str) -> Shared:
     return Shared(f"streams-{key}", chosen)
 
 
-LARGE = ("paper-23", "arm-18", "fold_arm-24") if simulator() == "icarus" else ()
+LARGE = ("paper-23", "arm-18", "choose-18", "fold_arm-24", "fold_choose-24") if simulator() == "icarus" else ()
 SOME = (*LARGE, "fold_arm16-18")  # only its fetch of steps differs from fold_arm-24's; test_power_up tests its reset
 WHOLE = [key for key in SETS if key not in SOME]
 FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out")

@@ -29,6 +29,8 @@ BUGS: dict[str, Bug] = {
         "if (go && last_result && writing)", "if (go && last_input && writing)", "answer_whole"),
     "handshake_fold": Bug("tready depends on the receiver", LAP,
         "= go && current", "= (go || m_ready) && current", "independent"),
+    "choose": Bug("the elbow bit of the wrist", "rtl/ik_choose.v",
+        "max(wrist_pair_0, step_5_1_late)", "max(wrist_pair_0, step_5_0_late)", "wrists"),
     "div_row": Bug("adds d + 1", "rtl/lib/ik_div_row.v", "bit_in, 1'b0}", "bit_in, 1'b1}", "identity"),
     "root_row": Bug("subtracts 4 root only", "rtl/lib/ik_root_row.v", "{~ge}}, 2'b01}", "{~ge}}, 2'b00}", "identity"),
     "div": Bug("loses the quotient bit", "rtl/lib/ik_div_digit.v", "{word, q_bit}", "{word, 1'b0}", "result_"),

@@ -110,6 +110,7 @@ PROOFS = (
     Proof("fold_arm_24", "ik_fold_arm", {"W": 24}, f"{CONTROL} ik_fold_arm_results",
           properties={"ik_fold_arm": "ik_fold"}, defines="IK_ARM", part=True, depth=480),
     handshake("fold_arm"),
+    Proof("choose", "ik_choose", {"W": 16}, "ik_delay", part=True),
     engine("read", "ik_bursts"),
     engine("write", "ik_bursts"),
     engine("result"),

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow.datapaths import MODELS, Datapath
-from model.io.stimuli import arithmetic_corners, arm_targets, mixed
+from model.io.stimuli import arithmetic_corners
 from tb.mutation.netlists import BITS, SECONDS, SELECT, TIMEOUT, Mutant, Netlist, finished
-from tb.sim.job import answer, limits_port
+from tb.sim.job import answer, limits_port, usual_words
 from tb.sim.runner import alone
 from tb.sim.simulate import SimulationError
 
@@ -68,16 +68,13 @@ class NodeBench:
     def write(self, folder: Path) -> None:
         """Write the data and the include files of the bench to a folder."""
         path, width, port = self.path, self.width, None
-        if path.side:
-            words = arm_targets(self.targets, width, 4)  # with the branch
-        else:
-            corners = [arithmetic_corners(width, path.tile)] * self.corners
-            words = np.concatenate([mixed(self.targets, width, 4), *corners])
+        corners = [arithmetic_corners(width, path.tile)] * self.corners
+        words = np.concatenate([usual_words(self.datapath, self.targets, width, 4), *corners])
         answered = answer(words, width, self.datapath)
         if path.side:  # limits equal angles of targets, so that a limit wrong by one ulp is found
             limits = [tuple(th[[len(th) // 3, 2 * len(th) // 3]].tolist()) for th in answered.results[:, :7].T]
             answered, port = answer(words, width, self.datapath, limits), limits_port(limits, width)
-        nodes, count = list(answered.bits.nodes.values()), len(path.inputs)
+        nodes, count = answered.shown, len(path.inputs)
         fields = [(column, width) for column in words[:, :count].T]
         fields += [(column, len(path.side)) for column in words[:, count:].T]
         fields += [(column, width) for column in answered.results.T]

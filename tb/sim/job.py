@@ -10,7 +10,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.dataflow.formats import Format
 from model.dataflow.nodes import Limits, Node
-from model.io.stimuli import arm_limits
+from model.io.stimuli import arm_limits, arm_targets, choice_limits, choice_targets, mixed
 from model.io.words import pack
 
 KEPT, SHOWN = 1000, 5  # numbers of differences kept for the message, and shown in it; the others are only counted
@@ -24,18 +24,30 @@ class SimulationError(Exception):
 class Job:
     """Targets to run in order.
 
-    ``words`` are signed input words: wrist targets (N, 6), or poses of the whole arm with their branch (N, 12).
+    ``words`` are signed input words: wrist targets (N, 6), or poses of the whole arm with their branch (N, 12),
+    with reference joints before the branch (N, 19) where the core chooses.
     """
 
     name: str
     words: np.ndarray
 
 
+def usual_limits(datapath: str, width: int) -> list[tuple[int, int]]:
+    """Return the limits of joints that benches use by default."""
+    return (choice_limits if MODELS[datapath].chooses else arm_limits)(width)
+
+
+def usual_words(datapath: str, count: int, width: int, seed: int) -> np.ndarray:
+    """Return the words of a :class:`Job` with targets of every kind."""
+    path = MODELS[datapath]
+    return (choice_targets if path.chooses else arm_targets if path.side else mixed)(count, width, seed)
+
+
 def answer(words: np.ndarray, width: int, datapath: str, limits: Limits | None = None) -> fixed.Answer:
-    """Return the model's answer to the words of a :class:`Job`; ``limits`` of joints default to :func:`arm_limits`."""
+    """Return the model's answer to the words of a :class:`Job`; ``limits`` default to :func:`usual_limits`."""
     count = len(MODELS[datapath].inputs)
     branch = words[:, count] if MODELS[datapath].side else 0
-    return fixed.run(words[:, :count], width, datapath, branch, limits or arm_limits(width))
+    return fixed.run(words[:, :count], width, datapath, branch, limits or usual_limits(datapath, width))
 
 
 def limits_port(limits: Limits, width: int) -> int:

@@ -20,10 +20,9 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.dataflow.formats import WIDTHS
 from model.dataflow.nodes import Limits, Node
-from model.io.stimuli import arm_limits
 from tb.sim import coverage
 from tb.sim.env import CORES, ROOT, cores, environment
-from tb.sim.job import Difference, Run, SimulationError, answer, limits_port, report
+from tb.sim.job import Difference, Run, SimulationError, answer, limits_port, report, usual_limits
 from tb.sim.runner import COMPACT, alone, runtime
 from tb.sim.sources import includes, sources
 from tb.sim.subprocesses import compiled, full
@@ -63,7 +62,7 @@ def wrapper(datapath: str, width: int, digit: int, bounds: Limits | None = None)
     side, limits = "", ""
     if path.side:
         side = f"target[{32 * len(lanes) + len(path.side) - 1}:{32 * len(lanes)}], "
-        ends = limits_port(bounds or arm_limits(width), width)
+        ends = limits_port(bounds or usual_limits(datapath, width), width)
         limits = f" .limits({14 * width}'h{ends:x}),"
     results = ", ".join(f"{pad}answer[{(k + 1) * width - 1}:{k * width}]" for k in reversed(of_answer))
     lines = ",\n      ".join(reversed(parts))
@@ -179,7 +178,7 @@ def compare(
                 process.stdin.write(np.array(header, dtype="<u8").tobytes())
                 for words, answer in frames:
                     process.stdin.write(np.array([len(words)], dtype="<u8").tobytes())
-                    named = (column for node in answer.bits.nodes.values() for column in columns(node))
+                    named = (column for node in answer.shown for column in columns(node))
                     for column in (*words.T, *answer.results.T, answer.flags, *named):
                         process.stdin.write(np.ascontiguousarray(column, dtype="<i8"))
                     sizes.append(len(words))
