@@ -29,7 +29,8 @@ def trajectory_options(
     """
     trajectory = (
         "a built-in trajectory (see --list), all of wrist targets, a CSV file with a header (x,y,z and optionally phi "
-        "in rad, d1, d2; any unit of length; for hands qw,qx,qy,qz, tool, branch), or a BVH motion-capture clip"
+        "in rad, d1, d2; any unit of length; for hands qw,qx,qy,qz or roll,pitch,yaw in rad, tool, branch), or a BVH "
+        "motion-capture clip"
     )
     cores = "dividers and roots of the paper datapath: behavioural, or rows for synthesis; the results are the same"
     axis = (

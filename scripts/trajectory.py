@@ -20,7 +20,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS, DEFAULT
 from model.dataflow.nodes import Limits
 from model.io import trajectories
-from model.io.files import Place, read_csv
+from model.io.files import EULER, Place, read_csv
 from model.io.scoring import Score, score, score_json, tables
 from model.io.words import JOINTS, RESULT_FIELDS, Targets, angle_doubt, result_values, to_words
 from model.motion import arms, gltf
@@ -35,6 +35,7 @@ from tb.sim.simulate import Job, Run, simulate
 
 SCORES = "score.json"
 JUMPS = 5  # rows named in warnings
+STRAIGHT = 1.001  # distance / reach up to which a target is no sign of a wrong unit; a clip's straight arms exceed 1
 APART = 0.01  # rad between planned joints and the core's, which splits two joints otherwise where th2 or th6 is 0
 
 
@@ -135,7 +136,9 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     if loaded[0].hand is not None:
         return [_of_hands(arguments, loaded[0], robot, notes)]
     if robot:
-        raise InputError(f"argument --robot: {name} has no orientations of a hand, such as columns qw,qx,qy,qz")
+        raise InputError(
+            f"argument --robot: {name} has no orientations of a hand, such as columns qw,qx,qy,qz or roll,pitch,yaw"
+        )
     turned = (_guided(one, arguments.pole, arguments.soft) for one in loaded)
     return [Prepared(one, *to_words(one, width), notes=notes) for one in turned]
 
@@ -232,13 +235,13 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
 def doubts(targets: Targets, free: bool) -> Iterator[str]:
     """Yield a warning for each sign of a wrong unit, and for elbow jumps. free: the user may set axis and lengths."""
     distance = np.linalg.norm(targets.core_wrist, axis=1)
-    out = int(np.count_nonzero((distance > targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
+    out = int(np.count_nonzero((distance > STRAIGHT * targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
     if 2 * out > len(targets):
         arms = f"an arm of {targets.d1[0]:g} + {targets.d2[0]:g}{targets.arm_note}"
         units = "x, y, z, d1 and d2; D1= and D2= set another arm" if free else "x, y, z as the robot has"
         yield f"{out} of {len(targets)} targets are out of reach of {arms}; use one unit of length for {units}"
-    if doubt := angle_doubt(targets.phi):
-        yield doubt
+    turns = {name: np.array(targets.others[name], dtype=float) for name in EULER if name in targets.others}
+    yield from filter(None, (angle_doubt(angles, name) for name, angles in {"phi": targets.phi, **turns}.items()))
     rows, axis = elbow_jumps(targets)
     if len(rows) and free:
         kind, names = ("frame", targets.others["frame"]) if targets.rows is None else ("row", targets.rows)

@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ..reference.joints import UNIT
-from ..reference.kinematics import about, matrix, multiply, quaternion
+from ..reference.kinematics import about, fixed_axes, matrix, quaternion
 from .hands import Floats
 
 TOLERANCE = 1e-6
@@ -174,9 +174,8 @@ def read(robot: ElementTree.Element, base: str | None, tip: str | None) -> Chain
     names, axes, points, limits, velocities = [], [], [], [], []
     for joint in reversed(chain):
         name, kind = joint.attrib["name"], joint.attrib["type"]
-        roll, pitch, yaw = _numbers(joint, "origin", "rpy", "0 0 0")
-        turn = multiply(multiply(about(2, yaw), about(1, pitch)), about(0, roll))
-        frame = frame @ placed(matrix(turn), _numbers(joint, "origin", "xyz", "0 0 0"))
+        turn = matrix(fixed_axes(*_numbers(joint, "origin", "rpy", "0 0 0")))
+        frame = frame @ placed(turn, _numbers(joint, "origin", "xyz", "0 0 0"))
         if kind == "fixed":
             continue
         if kind not in ("revolute", "continuous"):
