@@ -6,6 +6,7 @@ All input is checked here. The command-line options are in :mod:`scripts.options
 
 import os
 import sys
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager as ContextManager
 from dataclasses import dataclass, replace
@@ -153,7 +154,9 @@ def _robot(arguments: SimpleNamespace) -> arms.Arm | None:
     if not name.lower().endswith(".urdf") and not os.path.exists(name):
         raise InputError(f"argument --robot: unknown robot {name!r}; valid: {', '.join(arms.ROBOTS)}, a URDF file")
     try:
-        return arms.Arm.from_urdf(name, *ends)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # _of_hands prints more about an arm that is not exact
+            return arms.Arm.from_urdf(name, *ends)
     except ValueError as error:
         raise InputError(f"argument --robot: {error}") from None
 
@@ -162,6 +165,10 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
     """Prepare a trajectory of hand poses. Raises InputError or TargetError."""
     if arguments.soft is not None:
         raise InputError("argument --soft: applies to wrist targets, not to hand poses")
+    if robot and robot.chain:
+        robot, distance, turn = robot.nearest()
+        text = "the core solves the nearest exact arm and nothing corrects its joints"
+        notes = (*notes, f"{text}: the tip differs by up to {distance:.3g} and {turn:.3g} rad")
     if robot:
         try:
             (fitted, path), original = robot.targets(targets, each=arguments.plan == "rows"), targets

@@ -15,13 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..io.words import DEFAULT_D1, DEFAULT_D2, Targets
 from ..reference import joints
-from ..reference.kinematics import conjugate, matrix, multiply, quaternion, rotate
+from ..reference.kinematics import angle_between, conjugate, matrix, multiply, quaternion, rotate
 from .hands import Hands, checked_limits, checked_rows, common_count
 from .path import SWIVELS, JointPath, Planner
 from .pose import Floats, Pose, solve, swivel
 from .swivels import Circles, Swivels, feasible_swivel
 from .track import Step, Tracker
-from .urdf import Chain, arguments, from_axes, placed
+from .urdf import SAMPLES, TURN_MISFIT, Chain, arguments, from_axes, nearest, placed
 
 UNIT = joints.UNIT
 SPARE = 5e-3  # rad beyond the limits in which a start for the correction may lie
@@ -171,16 +171,27 @@ class Arm:
             at = np.where(((at < low) | (at > high)) & (at + turn >= low) & (at + turn <= high), at + turn, at)
         return at if near is None else np.where(np.isnan(near), at, near + joints.wrap(at - near))
 
+    def nearest(self) -> tuple["Arm", float, float]:
+        """Return the nearest arm whose joints need no correction, with straight links if it bends them by less than
+        the accepted misfit; and its largest difference at the tip: distance, and in rad."""
+        assert self.chain
+        fitted, *_ = nearest(self.chain)
+        lengths = from_axes(fitted.axes, fitted.points, fitted.end, TURN_MISFIT)
+        arm = Arm(**lengths, limits=self.limits, names=self.names, velocities=self.velocities)
+        low, high = np.clip(self.limits.T, -np.pi, np.pi)
+        positions = np.random.default_rng(0).uniform(low, high, (SAMPLES, 7))
+        (points, turns), (at, to) = (of.forward(positions) for of in (self, arm))
+        return arm, float(np.linalg.norm(points - at, axis=1).max()), float(angle_between(turns, to).max())
+
     def targets(self, poses: Targets, each: bool = False) -> tuple[Targets, JointPath]:
         """Return poses of the tip as targets of `ik_arm`, and the path through them.
 
         Swivel angles are chosen if all phi are nan, branches without a column ``branch``; a column ``path`` separates
         paths. each: every row is a path of its own. A row without joints within the limits takes :meth:`solve`'s.
-        Raises ValueError for bent links and for a chain that is corrected.
+        Raises ValueError for bent links, and for an arm whose joints are corrected: take its :meth:`nearest`.
         """
         if self.chain:
-            text = f"this one differs from the nearest by {self.misfit[0]:.3g} at the tip"
-            raise ValueError(f"ik_arm solves only arms whose axes meet exactly; {text}: solve it from Python")
+            raise ValueError("ik_arm solves only arms whose axes meet exactly")
         if self._bent:
             raise ValueError("links are bent: the joints of ik_arm are along or across its bones")
         count, labels = len(poses), np.array(poses.others.get("path", [""] * len(poses)))

@@ -228,8 +228,11 @@ def placed(turn: Floats, point: Floats) -> Floats:
     return np.vstack((np.column_stack((turn, point)), (0, 0, 0, 1)))
 
 
-def from_axes(axes: Floats, points: Floats, end: Floats) -> dict[str, Any]:
-    """Return the arguments of :class:`Arm` for axes (7, 3) through points (7, 3) and a tip (4, 4), with joints at 0."""
+def from_axes(axes: Floats, points: Floats, end: Floats, straight: float = TOLERANCE) -> dict[str, Any]:
+    """Return the arguments of :class:`Arm` for axes (7, 3) through points (7, 3) and a tip (4, 4), with joints at 0.
+
+    Links that bend by less than ``straight`` (rad) count as straight.
+    """
     size = np.linalg.norm(np.ptp(np.vstack((points, end[:3, 3])), axis=0))
     centres = []
     for first, name in ((0, "shoulder"), (4, "wrist")):
@@ -266,7 +269,7 @@ def from_axes(axes: Floats, points: Floats, end: Floats) -> dict[str, Any]:
         return np.arctan2(third @ np.cross(second, first), third @ first)
 
     def spin(m):  # angle of a turn about z, None for other turns
-        return np.arctan2(m[1, 0], m[0, 0]) if m[2, 2] > 1 - TOLERANCE**2 else None
+        return np.arctan2(m[1, 0], m[0, 0]) if m[2, 2] > 1 - straight**2 else None
 
     flexion = np.arctan2(axes[3] @ np.cross(u, f), u @ f)
     mount, upper_arm = frame(a[1], a[0]), frame(axes[3], u)
