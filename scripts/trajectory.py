@@ -32,6 +32,7 @@ from model.motion.path import JointPath
 from model.motion.pose import elbow_jumps, hanging, soft_reach, swivel, to_z
 from model.reference import joints
 from scripts.console import InputError, output, progress
+from scripts.speeds import Speeds, speeds, times
 from tb.sim.simulate import Job, Run, simulate
 
 SCORES = "score.json"
@@ -48,6 +49,7 @@ class Prepared:
     * clip, moves, twist: the clip, the motions of its limbs, and --twist; scale: metres in the clip's unit of length
     * notes: warnings, each one line
     * robot, path, limits: the arm of --robot, its planned path, and the lowest and highest word of each joint
+    * seconds (N,): time of each row of a robot's path, or None
     """
 
     targets: Targets
@@ -61,6 +63,7 @@ class Prepared:
     robot: arms.Arm | None = None
     path: JointPath | None = None
     limits: Limits | None = None
+    seconds: np.ndarray | None = None
 
     def core_words(self, width: int) -> np.ndarray:
         """Return the input words (N, 6) of the core. For hand poses `ik_arm` computes them from its inputs."""
@@ -87,7 +90,7 @@ WHOLE_ARM = {"lean": "arm", "fold": "fold_arm"}
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
 
 GOES_WITH = dict.fromkeys(("d1", "d2"), (CSV,)) | dict.fromkeys(("phi", "pole", "soft"), (CSV, CLIP))
-GOES_WITH |= dict.fromkeys(("robot", "plan", "limits"), (CSV, BUILT_IN))
+GOES_WITH |= dict.fromkeys(("robot", "plan", "limits", "rate"), (CSV, BUILT_IN))
 GOES_WITH |= dict.fromkeys(("arm", "limb", "joints", "up", "twist", "scale"), (CLIP,))
 """Option -> the kinds of trajectories to which it applies."""
 
@@ -125,6 +128,8 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
         if isinstance(word, str):
             raise InputError(f"argument --{option}: {word!r} applies to a {CLIP}, not to a {kind} ({name})")
     robot = _robot(arguments)
+    if arguments.rate is not None and not robot:
+        raise InputError("argument --rate: applies to the joints of --robot")
     notes = (f"the poses are for ROBOT={usual}",) if arguments.robot != usual and usual else ()
     if kind == CSV:
         phi = (None if robot else hanging(axis)) if arguments.phi is None else arguments.phi
@@ -169,6 +174,7 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
         robot, distance, turn = robot.nearest()
         text = "the core solves the nearest exact arm and nothing corrects its joints"
         notes = (*notes, f"{text}: the tip differs by up to {distance:.3g} and {turn:.3g} rad")
+    seconds = times(targets, arguments.rate) if robot else None
     if robot:
         try:
             (fitted, path), original = robot.targets(targets, each=arguments.plan == "rows"), targets
@@ -187,7 +193,8 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
             raise InputError(f"argument --robot: no word of {arguments.width} bits is within the limits of {name}")
     targets = _guided(targets, arguments.pole, None)
     words = to_words(targets, arguments.width)
-    return Prepared(targets, *words, notes=notes, robot=robot, path=path if robot else None, limits=limits)
+    planned = path if robot else None
+    return Prepared(targets, *words, notes=notes, robot=robot, path=planned, limits=limits, seconds=seconds)
 
 
 def _jumps(targets: Targets, path: JointPath) -> Iterator[str]:
@@ -295,6 +302,19 @@ def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
     return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
 
 
+def positions(item: Prepared, result: Score) -> np.ndarray:
+    """Return the core's joint positions (N, 7) of the robot, with the whole turns of the planned path."""
+    assert item.robot and item.path and result.per_target.hand
+    return item.robot.positions(result.per_target.hand.joints, item.path.joints)
+
+
+def speeds_of(item: Prepared, result: Score) -> Speeds | None:
+    """Return the speeds of the robot's joints, or None without times."""
+    if item.seconds is None or not (item.robot and item.path):
+        return None
+    return speeds(item.robot, item.path, positions(item, result), item.seconds, item.targets)
+
+
 def quaternions(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the results of a run as Qs (N, 4) in the user's frame and Qe (N, 4)."""
     first = 0 if item.targets.hand is None else len(JOINTS)
@@ -374,12 +394,14 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 files(path.with_name("clip.glb")).write_bytes(gltf.animated(clip, targets.name, item.scale))
             more = {}
             if item.robot:
-                at = item.robot.positions(result.per_target.hand.joints, item.path.joints)
+                at = positions(item, result)
                 more = dict(zip(item.robot.names, at.T, strict=True))
                 apart = np.flatnonzero(np.abs(at - item.path.joints).max(axis=1) > APART)
                 if len(apart):
                     text = f"joints of {len(apart)} targets differ from the planned ones; first: target {apart[0]}"
                     print(f"warning: {targets.name}: {text}", file=sys.stderr)
+                if (moving := speeds_of(item, result)) and (doubt := moving.doubt()):
+                    print(f"warning: {targets.name}: {doubt}", file=sys.stderr)
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))

@@ -36,6 +36,12 @@ def _vector(name: str, values: ArrayLike, size: int) -> Floats:
     return vector
 
 
+def rows_of_paths(poses: Targets) -> list[NDArray[np.intp]]:
+    """Return the rows of each path; a column ``path`` separates them."""
+    labels = np.array(poses.others.get("path", [""] * len(poses)))
+    return [np.flatnonzero(labels == one) for one in dict.fromkeys(labels.tolist())]
+
+
 class Arm:
     """Arm with three joint axes that meet in the shoulder, one in the elbow, and three that meet in the wrist.
 
@@ -194,12 +200,11 @@ class Arm:
             raise ValueError("ik_arm solves only arms whose axes meet exactly")
         if self._bent:
             raise ValueError("links are bent: the joints of ik_arm are along or across its bones")
-        count, labels = len(poses), np.array(poses.others.get("path", [""] * len(poses)))
+        count, paths = len(poses), rows_of_paths(poses)
         phi = None if np.isnan(poses.phi).all() else poses.phi
         branch = poses.branch if "branch" in poses.others else None
         empty = np.full((count, 7), np.nan)
         whole = JointPath(empty, empty[:, 0].copy(), np.zeros(count, dtype=np.int64), np.zeros(count), {})
-        paths = [np.flatnonzero(labels == one) for one in dict.fromkeys(labels.tolist())]
         groups = list(np.arange(count)[:, None]) if each else paths
         for group in groups:
             some_phi, some_branch = (None if v is None else v[group] for v in (phi, branch))

@@ -45,6 +45,7 @@ from scripts.trajectory import (
     result_paths,
     score_runs,
     simulated,
+    speeds_of,
     write_results,
 )
 from tb.sim.simulate import Run
@@ -136,7 +137,7 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     """Return the page's data of one datapath's results for a trajectory."""
     width, scores = result.width, result.per_target
     qs, qe = quaternions(item, ran, width)
-    tolerance = result.hand_error_tolerance
+    tolerance, moving = result.hand_error_tolerance, speeds_of(item, result)
     of_clip = {}
     if item.clip:
         of_clip = {"clip": figure_data(item, ran, width), "elbowError": _numbers(elbow_errors(item, result))}
@@ -156,7 +157,7 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
         "elbowAngle": _numbers(scores.elbow_angle_error),
         "latency": result.latency_cycles,
         "cycles": result.total_cycles,
-        "figures": figures(result, ran.flags),
+        "figures": [*figures(result, ran.flags), *(moving.figures() if moving else [])],
         "passed": result.passed,
         "outcome": result.outcome,
         "failures": result.failures,

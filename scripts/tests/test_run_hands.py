@@ -113,6 +113,42 @@ def test_a_nearly_exact_robot(cli):
         arm.targets(trajectories.make("pick_and_place"))
 
 
+SLOW = np.array((0.4, 0.7, -0.3, 1.1, 0.2, 0.6, 0.5)) * np.linspace(1, -1, 40)[:, None]
+"""Joints of a smooth path (40, 7)."""
+
+
+def test_speeds_of_joints(cli):
+    """Check largest speeds and warnings for a column t in two paths whose rows alternate, for RATE= and for a robot
+    without limits."""
+    arm, label, seconds = ROBOTS["lwr4"], np.tile((1, 2), 20), np.cumsum(np.linspace(0.01, 0.1, 20)).repeat(2)
+    words = "--trajectory", "t.csv", "--out", "o", "--robot", "lwr4"
+    write_poses(*arm.forward(SLOW.reshape(2, 20, 7).swapaxes(0, 1).reshape(40, 7)), path=label, T=seconds)
+    for more, times in ((), seconds), (("--rate", "10"), np.arange(20).repeat(2) / 10):
+        status, out, err = cli(*words, *more)
+        moved = np.diff(table(*arm.names).reshape(20, 2, 7), axis=0)
+        expected = np.abs(moved) / np.diff(times.reshape(20, 2, 1), axis=0)
+        shown = [re.search(r"largest speed of (\S+), limit (\S+) \(rad/s\) +(\S+)", line) for line in out]
+        shown = [(one[1], float(one[2]), float(one[3])) for one in shown if one]
+        assert [(name, limit) for name, limit, _ in shown] == [
+            (name, float(f"{limit:.4g}")) for name, limit in zip(arm.names, arm.velocities, strict=True)
+        ]
+        np.testing.assert_allclose([speed for *_, speed in shown], expected.max(axis=(0, 1)), rtol=6e-3)
+        above = np.count_nonzero(expected > arm.velocities, axis=(0, 1))
+        listed = {name: int(count) for name, count in re.findall(r"(\w+) in (\d+) rows, up to", err[0] if err else "")}
+        assert listed == {name: count for name, count in zip(arm.names, above.tolist(), strict=True) if count}
+        assert status == 0 and len(err) == bool(listed) == (not more)
+    write_poses(*ROBOTS["iiwa14"].forward(SLOW), t=np.arange(40) / 1e3)
+    status, out, err = cli(*words[:-1], "iiwa14")
+    assert (status, err) == (0, []) and sum("largest speed of A" in line and "limit" not in line for line in out) == 7
+    write_poses(*arm.forward(SLOW), t=np.arange(40) // 2)
+    late = "t.csv: row 3, column t: '0.0' is not after '0.0' of row 2: times increase inside a path"
+    assert cli(*words) == (2, [], [f"run: {late}"])
+    Path("t.csv").write_text(Path("t.csv").read_text().replace(",1.0\n", ",noon\n", 1))
+    assert cli(*words) == (2, [], ["run: t.csv: row 4, column t: 'noon' is not a time in seconds"])
+    status, _, err = cli("--trajectory", "writing", "--rate", "5")
+    assert (status, err) == (2, ["run: argument --rate: applies to the joints of --robot"])
+
+
 def test_lengths_and_poses_of_another_robot(cli):
     write_poses([(0.3, 0.1, 0.5)], [(1, 0, 0, 0)], d1=[0.42], tool=[0.2])
     hint = "warning: t.csv: ROBOT= overrides tool of the file"
@@ -166,8 +202,7 @@ def test_a_robot_in_the_rtl(command, tmp_path):
 def test_rows_alone_name_their_jumps(cli):
     """With PLAN=rows each row is farthest from its limits, and rows that then jump are named."""
     arm = ROBOTS["iiwa14"]
-    th = np.array((0.4, 0.7, -0.3, 1.1, 0.2, 0.6, 0.5)) * np.linspace(1, -1, 40)[:, None]
-    write_poses(*arm.forward(th))
+    write_poses(*arm.forward(SLOW))
     words = "--trajectory", "t.csv", "--out", "o", "--robot", "iiwa14"
     assert cli(*words)[::2] == (0, [])
     assert table("step").max() <= 0.2

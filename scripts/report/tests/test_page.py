@@ -111,7 +111,8 @@ def test_hands_of_a_robot(shown):
     poses = trajectories.make("pick_and_place")
     poses = replace(poses, phi=np.linspace(-3, 3, 100), others=poses.others | {"branch": ["0"] * 100})
     Path("t.csv").write_text(format_csv(poses))
-    data = shown("--trajectory", "t.csv", "--robot", "iiwa14", "--limits", "report")
+    data = shown("--trajectory", "t.csv", "--robot", "iiwa14", "--limits", "report", "--rate", "50")
+    assert sum(row[0].startswith("largest speed of A") for row in data["figures"]) == 7
     hands, arm, run = data["hands"], ROBOTS["iiwa14"], np.load(PAGE.parent / "results.npz")
     np.testing.assert_allclose(hands["goal"], poses.position - arm.base, atol=1e-6)
     np.testing.assert_allclose(hands["point"], hands["goal"], atol=1e-6)
