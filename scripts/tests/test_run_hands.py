@@ -113,6 +113,19 @@ def test_a_nearly_exact_robot(cli):
         arm.targets(trajectories.make("pick_and_place"))
 
 
+def test_joints_of_the_core_that_differ_from_planned_ones(cli):
+    """Check the warning for a row with th6 = 0, where the core splits the sum of th5 and th7 its own way."""
+    arm, words = ROBOTS["iiwa14"], ("--trajectory", "t.csv", "--out", "o", "--robot", "iiwa14")
+    tilt = np.linspace(-0.3, 0.3, 31)
+    still = 0 * tilt
+    points, q = arm.forward(np.column_stack((still, 0.7 + tilt, still, tilt - 1.4, still, tilt, 0.3 - tilt)))
+    write_poses(points, q, phi=still)
+    _, _, err = cli(*words)
+    path, at = arm.path(points, q, phi=0), table(*arm.names)
+    assert np.flatnonzero(np.abs(at - path.joints).max(axis=1) > 0.01).tolist() == [15]
+    assert err == ["warning: t: joints of 1 targets differ from the planned ones; first: target 15"]
+
+
 SLOW = np.array((0.4, 0.7, -0.3, 1.1, 0.2, 0.6, 0.5)) * np.linspace(1, -1, 40)[:, None]
 """Joints of a smooth path (40, 7)."""
 

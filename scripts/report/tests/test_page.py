@@ -26,6 +26,7 @@ from model.reference.kinematics import angle_between, conjugate, forward, rotate
 from scripts import run
 from scripts.report import __main__ as report
 from scripts.report.figure import FORE, UPPER
+from scripts.trajectory import WHOLE_ARM
 from tb.sim.env import ROOT
 
 PAGE = Path("build/report/report.html")
@@ -129,6 +130,20 @@ def test_hands_of_a_robot(shown):
         assert any(low - 0.1 <= one <= high + 0.1 for low, high in intervals for one in phi) or beyond
         assert not beyond or not any(low + 0.1 < one < high - 0.1 for low, high in intervals for one in phi)
     np.testing.assert_array_equal(hands["error"], [float(f"{error:.3g}") for error in run["orientation_error"]])
+
+
+@pytest.mark.parametrize("datapaths", ["lean", "fold", "lean,fold"])
+def test_hands_on_the_datapaths(shown, simulator, datapaths):
+    """Hand poses run on the whole arm of each datapath, with the same joints."""
+    data = shown("--trajectory", "pick_and_place", "--datapath", datapaths, "--rate", "10")
+    names = [WHOLE_ARM[name] for name in datapaths.split(",")]
+    assert (
+        [call["datapath"] for call in simulator.calls] == names == [run["datapath"] for run in [data, *data["beside"]]]
+    )
+    assert all(
+        run["passed"] and run["figures"][-1][0].startswith("largest speed of A7") for run in [data, *data["beside"]]
+    )
+    assert data["hands"]["names"] == list(ROBOTS["iiwa14"].names) and not any(data["hands"]["over"])
 
 
 def test_hands_without_a_robot(shown):
