@@ -177,7 +177,8 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
     seconds = times(targets, arguments.rate) if robot else None
     if robot:
         try:
-            (fitted, path), original = robot.targets(targets, each=arguments.plan == "rows"), targets
+            with progress(f"planning {len(targets)} rows", len(targets)) as meter:
+                (fitted, path), original = robot.targets(targets, arguments.plan == "rows", meter), targets
         except ValueError as error:
             raise InputError(f"argument --robot: {error}") from None
         differ = [name for name in ("d1", "d2") if name not in original.default_arm]

@@ -5,7 +5,7 @@ Joint n of the robot is at signs[n] * th_n + offsets[n], where th_n is an angle 
 built-in arms are in `ROBOTS`, among them `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, with anatomical limits.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from ..io.words import DEFAULT_D1, DEFAULT_D2, Targets
 from ..reference import joints
 from ..reference.kinematics import angle_between, conjugate, matrix, multiply, quaternion, rotate
 from .hands import Hands, checked_limits, checked_rows, common_count
-from .path import SWIVELS, JointPath, Planner
+from .path import SWIVELS, JointPath, Planner, Progress
 from .pose import Floats, Pose, solve, swivel
 from .swivels import Circles, Swivels, feasible_swivel
 from .track import Step, Tracker
@@ -189,11 +189,14 @@ class Arm:
         (points, turns), (at, to) = (of.forward(positions) for of in (self, arm))
         return arm, float(np.linalg.norm(points - at, axis=1).max()), float(angle_between(turns, to).max())
 
-    def targets(self, poses: Targets, each: bool = False) -> tuple[Targets, JointPath]:
+    def targets(
+        self, poses: Targets, each: bool = False, progress: Callable[[int, str], None] = lambda rows, text: None
+    ) -> tuple[Targets, JointPath]:
         """Return poses of the tip as targets of `ik_arm`, and the path through them.
 
         Swivel angles are chosen if all phi are nan, branches without a column ``branch``; a column ``path`` separates
         paths. each: every row is a path of its own. A row without joints within the limits takes :meth:`solve`'s.
+        progress: called with the number of planned rows and a text.
         Raises ValueError for bent links, and for an arm whose joints are corrected: take its :meth:`nearest`.
         """
         if self.chain:
@@ -206,9 +209,16 @@ class Arm:
         empty = np.full((count, 7), np.nan)
         whole = JointPath(empty, empty[:, 0].copy(), np.zeros(count, dtype=np.int64), np.zeros(count), {})
         groups = list(np.arange(count)[:, None]) if each else paths
+        done = 0
         for group in groups:
+
+            def report(part: float, count: int, done: int = done, rows: int = len(group)) -> None:
+                progress(done + int(part * rows), f"{count} swivel angles")
+
             some_phi, some_branch = (None if v is None else v[group] for v in (phi, branch))
-            path = self.path(poses.position[group], poses.hand[group], phi=some_phi, branch=some_branch)
+            how: Any = {"phi": some_phi, "branch": some_branch, "progress": report}
+            path = self.path(poses.position[group], poses.hand[group], **how)
+            done += len(group)
             for name in ("joints", "phi", "branch", "step"):
                 getattr(whole, name)[group] = getattr(path, name)
             whole.jumps.update({int(group[n]): text for n, text in path.jumps.items()})
@@ -314,12 +324,14 @@ class Arm:
         *,
         phi: ArrayLike | None = None,
         branch: ArrayLike | None = None,
+        progress: Progress | None = None,
     ) -> JointPath:
         """Return joints along a path of poses of the tip: points (N, 3), orientations ``hand`` as in :meth:`solve`.
 
         All joints are within their limits, and no step of a joint exceeds the goal (rad) if branches and swivel angles
         allow it. start (7,): joint positions before the first pose. phi (rad), branch: numbers or (N,), given instead
-        of chosen.  Raises ValueError.
+        of chosen. progress: called several times with the part that is done, 0 to 1, and the number of swivel angles
+        tried; from 0 for each further attempt.  Raises ValueError.
         """
         circles, _, _, given_phi, given_branch, _ = self._asked(points, hand, phi, branch)
         if not 0 < goal < np.inf:
@@ -333,6 +345,7 @@ class Arm:
                 name, by = self.names[over.argmax()], over.max()
                 raise ValueError(f"start: {name} is {by:.3g} rad outside its limits")
         planner = self._planner(circles)
+        planner.progress = progress or planner.progress
         if self.chain:
             tips, turns = self._tips(points, hand, len(circles))
             planner.corrected = lambda at, rows: self._corrected(at, tips[rows], turns[rows])

@@ -2,6 +2,7 @@
 """Test `make run` with hand poses and with robots."""
 
 import re
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from model.motion.pose import parse_axis, solve
 from model.motion.tests.test_arms import CHAINS, urdf
 from model.motion.tests.test_joints import poses
 from model.reference.kinematics import angle_between
-from scripts import run
+from scripts import run, trajectory
 from scripts.tests.test_run import scores, table
 
 
@@ -210,6 +211,21 @@ def test_a_robot_in_the_rtl(command, tmp_path):
     assert command(run.main, *words)[0] == 0
     (result,) = scores("o/score.json")
     assert (result["targets"], result["bit_mismatches"], result["passed"]) == (9, 0, True) and result["over_limit"] > 4
+
+
+def test_progress_of_a_plan(cli, monkeypatch):
+    """Check that rows and swivel angles are counted while the paths of a file are planned."""
+    calls = []
+
+    @contextmanager
+    def progress(name, total):
+        yield lambda *done: calls.append((name, total, *done))
+
+    monkeypatch.setattr(trajectory, "progress", progress)
+    write_poses(*ROBOTS["iiwa14"].forward(SLOW), path=np.repeat((1, 2), 20))
+    assert cli("--trajectory", "t.csv", "--robot", "iiwa14")[::2] == (0, [])
+    planned = [("planning 40 rows", 40, n, "16 swivel angles") for n in (8, 12, 16, 20, 28, 32, 36, 40)]
+    assert calls[: len(planned)] == planned
 
 
 def test_rows_alone_name_their_jumps(cli):
