@@ -26,6 +26,7 @@ from .urdf import SAMPLES, TURN_MISFIT, Chain, arguments, from_axes, nearest, pl
 UNIT = joints.UNIT
 SPARE = 5e-3  # rad beyond the limits in which a start for the correction may lie
 CORRECTED, RETRIES = 1e-9, 32  # largest error after the correction, of size or in rad; further starts for larger ones
+GOAL = 0.2  # largest step of a joint along a path, rad
 BATCH = 128  # poses whose branch and swivel angle are chosen at a time, so that arrays stay in the cache
 
 
@@ -224,7 +225,7 @@ class Arm:
             whole.jumps.update({int(group[n]): text for n, text in path.jumps.items()})
         for rows in (rows[np.isfinite(whole.phi[rows])] for rows in paths if each):
             whole.step[rows[1:]] = np.abs(np.diff(whole.joints[rows], axis=0)).max(axis=1)
-            large = rows[whole.step[rows] > 0.2].tolist()
+            large = rows[whole.step[rows] > GOAL].tolist()
             whole.jumps.update({n: f"a joint moves by {whole.step[n]:.3g} rad" for n in large})
         missing = np.flatnonzero(np.isnan(whole.phi))
         if len(missing):
@@ -320,7 +321,7 @@ class Arm:
         points: ArrayLike,
         hand: ArrayLike,
         start: ArrayLike | None = None,
-        goal: float = 0.2,
+        goal: float = GOAL,
         *,
         phi: ArrayLike | None = None,
         branch: ArrayLike | None = None,

@@ -5,6 +5,7 @@ The bit-true model replaces the simulator. browser_test_report.py tests the open
 """
 
 import base64
+import csv
 import html
 import json
 import re
@@ -115,6 +116,7 @@ def test_hands_of_a_robot(shown):
     data = shown("--trajectory", "t.csv", "--robot", "iiwa14", "--limits", "report", "--rate", "50")
     assert sum(row[0].startswith("largest speed of A") for row in data["figures"]) == 7
     hands, arm, run = data["hands"], ROBOTS["iiwa14"], np.load(PAGE.parent / "results.npz")
+    results = list(csv.DictReader((PAGE.parent / "results.csv").open(encoding="utf-8")))
     np.testing.assert_allclose(hands["goal"], poses.position - arm.base, atol=1e-6)
     np.testing.assert_allclose(hands["point"], hands["goal"], atol=1e-6)
     assert angle_between(np.array(hands["turn"]), poses.hand).max() < 1e-4
@@ -126,6 +128,18 @@ def test_hands_of_a_robot(shown):
     over = np.array(hands["over"])
     assert (over[:, None] >> np.arange(7) & 1 == run["over_limit"]).all() and 20 < np.count_nonzero(over) < 80
     angles = np.degrees(poses.phi)[:, None] + (0, 360)
+    assert hands["free"] == [arcs[0] for arcs in hands["arcs"]]
+    branch, turns = np.arange(100) % 8, np.random.default_rng(2).uniform(-np.pi, np.pi, 100)
+    outside = arm.solve(poses.position, poses.hand, turns, branch).over_limit.any(axis=1)
+    for n, (own, turn_of) in enumerate(zip(hands["arcs"], np.degrees(turns)[:, None] + (0, 360), strict=True)):
+        inside = any(low < one < high for low, high in own[branch[n]] for one in turn_of)
+        assert inside != outside[n], n
+    step = np.array([float(row["step"]) for row in results])
+    np.testing.assert_allclose(np.array(hands["steps"], dtype=float), step, rtol=1e-3)
+    jumps = np.flatnonzero(~(step <= hands["most"])).tolist()
+    assert hands["jumps"] == jumps and 20 < len(jumps)
+    shown_jumps = [row[1] for row in data["figures"] if row[0] == "rows that jump or have no joints"]
+    assert shown_jumps == [", ".join(str(n + 2) for n in jumps[:12]) + f" and {len(jumps) - 12} more"]
     for intervals, phi, beyond in zip(hands["free"], angles, over, strict=True):
         assert any(low - 0.1 <= one <= high + 0.1 for low, high in intervals for one in phi) or beyond
         assert not beyond or not any(low + 0.1 < one < high - 0.1 for low, high in intervals for one in phi)
