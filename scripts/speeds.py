@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Speeds of a robot's joints along hand poses with times."""
+"""Speeds of a robot's joints along timed hand poses."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,7 @@ import numpy as np
 
 from model.io.files import number
 from model.io.words import Targets, cell_error
-from model.motion.arms import Arm, rows_of_paths
+from model.motion.arms import Arm
 from model.motion.path import JointPath
 
 
@@ -32,7 +32,7 @@ class Speeds(NamedTuple):
             f"{self.names[k]} in {self.above[k]} rows, up to {self.largest[k]:.3g} of {self.limits[k]:.4g} rad/s"
             for k in fast
         ]
-        return f"{len(fast)} joints exceed their limits of speed: {'; '.join(listed)}" if listed else ""
+        return f"{len(fast)} of 7 joints exceed their limits of speed: {'; '.join(listed)}" if listed else ""
 
 
 def times(targets: Targets, rate: float | None) -> np.ndarray | None:
@@ -42,7 +42,7 @@ def times(targets: Targets, rate: float | None) -> np.ndarray | None:
     """
     seconds, name = np.empty(len(targets)), next((name for name in targets.others if name.lower() == "t"), None)
     if rate is not None:
-        for rows in rows_of_paths(targets):
+        for rows in targets.paths:
             seconds[rows] = np.arange(len(rows)) / rate
         return seconds
     if name is None:
@@ -54,7 +54,7 @@ def times(targets: Targets, rate: float | None) -> np.ndarray | None:
             seconds[n] = number(cell.replace(",", "."))
         except ValueError:
             raise cell_error(targets.path, lines[n], name, cell, "is not a time in seconds") from None
-    for rows in rows_of_paths(targets):
+    for rows in targets.paths:
         for n, before in zip(rows[1:], rows, strict=False):
             if seconds[n] <= seconds[before]:
                 reason = f"is not after {cells[before]!r} of row {lines[before]}: times increase inside a path"
@@ -66,7 +66,7 @@ def speeds(robot: Arm, path: JointPath, positions: np.ndarray, seconds: np.ndarr
     """Return the speeds at joint positions (N, 7) along planned paths; rows without planned joints are left out."""
     limits = np.where(robot.velocities > 0, robot.velocities, np.inf)  # some files have 0 for an unknown limit
     moves = [np.zeros((1, 7))]
-    for rows in rows_of_paths(targets):
+    for rows in targets.paths:
         rows = rows[np.isfinite(path.joints[rows, 0])]
         moves.append(np.abs(np.diff(positions[rows], axis=0)) / np.diff(seconds[rows])[:, None])
     all_moves = np.concatenate(moves)

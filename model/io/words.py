@@ -107,6 +107,12 @@ class Targets:
         return np.column_stack((self.x, self.y, self.z))
 
     @property
+    def paths(self) -> list[np.ndarray]:
+        """Rows of each path; a column ``path`` separates them."""
+        labels = np.array(self.others.get("path", [""] * len(self)))
+        return [np.flatnonzero(labels == one) for one in dict.fromkeys(labels.tolist())]
+
+    @property
     def arm_note(self) -> str:
         """Note for messages about the arm, with the names of its defaulted lengths."""
         return f" (by default {' and '.join(self.default_arm)})" if self.default_arm else ""

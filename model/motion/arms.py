@@ -7,6 +7,7 @@ built-in arms are in `ROBOTS`, among them `IIWA14`, a KUKA LBR iiwa 14 R820, and
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -30,17 +31,16 @@ GOAL = 0.2  # largest step of a joint along a path, rad
 BATCH = 128  # poses whose branch and swivel angle are chosen at a time, so that arrays stay in the cache
 
 
+def _report(progress: Callable[[int, str], None], done: int, rows: int, part: float, count: int) -> None:
+    """Report the rows of earlier paths and a part of this one."""
+    progress(done + int(part * rows), f"{count} swivel angles")
+
+
 def _vector(name: str, values: ArrayLike, size: int) -> Floats:
     vector = np.asarray(values, dtype=np.float64)
     if vector.shape != (size,):
         raise ValueError(f"{name} of the arm: shape {vector.shape}, not ({size},)")
     return vector
-
-
-def rows_of_paths(poses: Targets) -> list[NDArray[np.intp]]:
-    """Return the rows of each path; a column ``path`` separates them."""
-    labels = np.array(poses.others.get("path", [""] * len(poses)))
-    return [np.flatnonzero(labels == one) for one in dict.fromkeys(labels.tolist())]
 
 
 class Arm:
@@ -204,7 +204,7 @@ class Arm:
             raise ValueError("ik_arm solves only arms whose axes meet exactly")
         if self._bent:
             raise ValueError("links are bent: the joints of ik_arm are along or across its bones")
-        count, paths = len(poses), rows_of_paths(poses)
+        count, paths = len(poses), poses.paths
         phi = None if np.isnan(poses.phi).all() else poses.phi
         branch = poses.branch if "branch" in poses.others else None
         empty = np.full((count, 7), np.nan)
@@ -212,11 +212,8 @@ class Arm:
         groups = list(np.arange(count)[:, None]) if each else paths
         done = 0
         for group in groups:
-
-            def report(part: float, count: int, done: int = done, rows: int = len(group)) -> None:
-                progress(done + int(part * rows), f"{count} swivel angles")
-
             some_phi, some_branch = (None if v is None else v[group] for v in (phi, branch))
+            report = partial(_report, progress, done, len(group))
             how: Any = {"phi": some_phi, "branch": some_branch, "progress": report}
             path = self.path(poses.position[group], poses.hand[group], **how)
             done += len(group)

@@ -35,7 +35,7 @@ MARGIN, WEIGHTS = 0.1, (0.01, 0.01, 0.001, 0.001, 0.001)
 """Distance from a limit (rad) below which a pose costs; weight of this cost in the search and its refinements."""
 
 Progress = Callable[[float, int], None]
-"""Function that is called during each attempt: part of it that is done, 0 to 1, and its number of swivel angles."""
+"""Callback of an attempt: the part that is done, 0 to 1, and the number of swivel angles."""
 
 FLIPS = np.array([(0, 1, 4, 5), (2, 3, 6, 7)])
 """Branches of each elbow solution."""
