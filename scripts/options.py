@@ -29,7 +29,8 @@ def trajectory_options(
     """
     trajectory = (
         "a built-in trajectory (see --list), all of wrist targets, a CSV file with a header (x,y,z and optionally phi "
-        "in rad, d1, d2; any unit of length; for hands qw,qx,qy,qz, tool, branch), or a BVH motion-capture clip"
+        "in rad, d1, d2; any unit of length; for hands qw,qx,qy,qz or roll,pitch,yaw in rad, tool, branch), or a BVH "
+        "motion-capture clip"
     )
     cores = "dividers and roots of the paper datapath: behavioural, or rows for synthesis; the results are the same"
     axis = (
@@ -54,6 +55,7 @@ def trajectory_options(
     robot = "arm with its lengths, tool and joint limits; hand poses are poses of its tip in its base frame"
     plan = "choose branch and swivel angle of hand poses along the whole path, or of each row alone  [default: path]"
     limits = "rows with a joint outside the limits of ROBOT: fail the run, or report them  [default: fail]"
+    rate = "rows per second of a ROBOT's path, for the speeds of its joints; without it: by a column t (seconds)"
     link = "of a URDF file, if its chain is not the only one"
     tolerance = (
         "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "
@@ -78,6 +80,7 @@ def trajectory_options(
         option("--soft", soft, Finite(0, 1), metavar="FRACTION"),
         option("--robot", robot, os.path.expanduser, metavar="|".join((*arms.ROBOTS, "FILE.urdf"))),
         option("--plan", plan, click.Choice(["path", "rows"])),
+        option("--rate", rate, POSITIVE, metavar="HZ"),
         option("--limits", limits, click.Choice(["fail", "report"])),
         option("--base", f"first link {link}", metavar="LINK"),
         option("--tip", f"last link {link}", metavar="LINK"),

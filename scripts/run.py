@@ -16,7 +16,17 @@ from scripts.console import command, show, switch
 from scripts.options import MOST_DATAPATHS, trajectory_options
 from scripts.paper.tables import table_of_datapaths
 from scripts.score_tables import table_of_many, table_of_one, verdict
-from scripts.trajectory import SCORES, datapaths, outputs, prepare, result_paths, score_runs, simulated, write_results
+from scripts.trajectory import (
+    SCORES,
+    datapaths,
+    outputs,
+    prepare,
+    result_paths,
+    score_runs,
+    simulated,
+    speeds_of,
+    write_results,
+)
 from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file
 from tb.sim.simulate import LONG
 
@@ -57,7 +67,9 @@ def main(arguments: SimpleNamespace) -> int:
         write_results(files, out, folders.values(), prepared, done)
 
     if (count := len(prepared)) == 1:
-        scored = [(result, ran.flags) for ((ran, result),) in done]
+        moving = [speeds_of(prepared[0], result) for ((_, result),) in done]
+        more = [one.figures() if one else [] for one in moving]
+        scored = [(result, ran.flags, rows) for ((ran, result),), rows in zip(done, more, strict=True)]
         show(table_of_datapaths(scored) if len(scored) > 1 else table_of_one(*scored[0]))
         tables = [path for folder in folders.values() for path in result_paths(folder, prepared)]
     else:

@@ -81,12 +81,12 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
     return [*rows, ("flagged targets", f"{result.flagged} ({flag_bits.names(occurred)})" if occurred else "0")]
 
 
-def table_of_one(result: Score, flags: np.ndarray) -> Table:
-    """Return the table of one trajectory, with a line for each figure."""
+def table_of_one(result: Score, flags: np.ndarray, more: Sequence[tuple[str, ...]] = ()) -> Table:
+    """Return the table of one trajectory, with a line for each figure and for each row of ``more``."""
     title = f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, {result.width} bits, "
     caption = f"{outcome(result)}\n{EXPLAINED}"
     table = empty_table(title + result.simulator, ("figure", "measured", "tolerance", "predicted"), caption=caption)
-    for row in figures(result, flags):
+    for row in (*figures(result, flags), *more):
         table.add_row(*row)
     return table
 

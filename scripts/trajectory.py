@@ -6,6 +6,7 @@ All input is checked here. The command-line options are in :mod:`scripts.options
 
 import os
 import sys
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager as ContextManager
 from dataclasses import dataclass, replace
@@ -20,7 +21,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS, DEFAULT
 from model.dataflow.nodes import Limits
 from model.io import trajectories
-from model.io.files import Place, read_csv
+from model.io.files import EULER, Place, read_csv
 from model.io.scoring import Score, score, score_json, tables
 from model.io.words import JOINTS, RESULT_FIELDS, Targets, angle_doubt, result_values, to_words
 from model.motion import arms, gltf
@@ -31,10 +32,12 @@ from model.motion.path import JointPath
 from model.motion.pose import elbow_jumps, hanging, soft_reach, swivel, to_z
 from model.reference import joints
 from scripts.console import InputError, output, progress
+from scripts.speeds import Speeds, speeds, times
 from tb.sim.simulate import Job, Run, simulate
 
 SCORES = "score.json"
 JUMPS = 5  # rows named in warnings
+STRAIGHT = 1.001  # distance / reach up to which a target is no sign of a wrong unit; a clip's straight arms exceed 1
 APART = 0.01  # rad between planned joints and the core's, which splits two joints otherwise where th2 or th6 is 0
 
 
@@ -46,6 +49,7 @@ class Prepared:
     * clip, moves, twist: the clip, the motions of its limbs, and --twist; scale: metres in the clip's unit of length
     * notes: warnings, each one line
     * robot, path, limits: the arm of --robot, its planned path, and the lowest and highest word of each joint
+    * seconds (N,): time of each row of a robot's path, or None
     """
 
     targets: Targets
@@ -59,6 +63,7 @@ class Prepared:
     robot: arms.Arm | None = None
     path: JointPath | None = None
     limits: Limits | None = None
+    seconds: np.ndarray | None = None
 
     def core_words(self, width: int) -> np.ndarray:
         """Return the input words (N, 6) of the core. For hand poses `ik_arm` computes them from its inputs."""
@@ -85,7 +90,7 @@ WHOLE_ARM = {"lean": "arm", "fold": "fold_arm"}
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
 
 GOES_WITH = dict.fromkeys(("d1", "d2"), (CSV,)) | dict.fromkeys(("phi", "pole", "soft"), (CSV, CLIP))
-GOES_WITH |= dict.fromkeys(("robot", "plan", "limits"), (CSV, BUILT_IN))
+GOES_WITH |= dict.fromkeys(("robot", "plan", "limits", "rate"), (CSV, BUILT_IN))
 GOES_WITH |= dict.fromkeys(("arm", "limb", "joints", "up", "twist", "scale"), (CLIP,))
 """Option -> the kinds of trajectories to which it applies."""
 
@@ -123,6 +128,8 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
         if isinstance(word, str):
             raise InputError(f"argument --{option}: {word!r} applies to a {CLIP}, not to a {kind} ({name})")
     robot = _robot(arguments)
+    if arguments.rate is not None and not robot:
+        raise InputError("argument --rate: applies to the joints of --robot")
     notes = (f"the poses are for ROBOT={usual}",) if arguments.robot != usual and usual else ()
     if kind == CSV:
         phi = (None if robot else hanging(axis)) if arguments.phi is None else arguments.phi
@@ -135,7 +142,9 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     if loaded[0].hand is not None:
         return [_of_hands(arguments, loaded[0], robot, notes)]
     if robot:
-        raise InputError(f"argument --robot: {name} has no orientations of a hand, such as columns qw,qx,qy,qz")
+        raise InputError(
+            f"argument --robot: {name} has no orientations of a hand, such as columns qw,qx,qy,qz or roll,pitch,yaw"
+        )
     turned = (_guided(one, arguments.pole, arguments.soft) for one in loaded)
     return [Prepared(one, *to_words(one, width), notes=notes) for one in turned]
 
@@ -150,7 +159,9 @@ def _robot(arguments: SimpleNamespace) -> arms.Arm | None:
     if not name.lower().endswith(".urdf") and not os.path.exists(name):
         raise InputError(f"argument --robot: unknown robot {name!r}; valid: {', '.join(arms.ROBOTS)}, a URDF file")
     try:
-        return arms.Arm.from_urdf(name, *ends)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # _of_hands prints more about an arm that is not exact
+            return arms.Arm.from_urdf(name, *ends)
     except ValueError as error:
         raise InputError(f"argument --robot: {error}") from None
 
@@ -159,9 +170,15 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
     """Prepare a trajectory of hand poses. Raises InputError or TargetError."""
     if arguments.soft is not None:
         raise InputError("argument --soft: applies to wrist targets, not to hand poses")
+    if robot and robot.chain:
+        robot, distance, turn = robot.nearest()
+        text = "the core solves the nearest exact arm and nothing corrects its joints"
+        notes = (*notes, f"{text}: the tip differs by up to {distance:.3g} and {turn:.3g} rad")
+    seconds = times(targets, arguments.rate) if robot else None
     if robot:
         try:
-            (fitted, path), original = robot.targets(targets, each=arguments.plan == "rows"), targets
+            with progress(f"planning {len(targets)} rows", len(targets)) as meter:
+                (fitted, path), original = robot.targets(targets, arguments.plan == "rows", meter), targets
         except ValueError as error:
             raise InputError(f"argument --robot: {error}") from None
         differ = [name for name in ("d1", "d2") if name not in original.default_arm]
@@ -177,7 +194,8 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
             raise InputError(f"argument --robot: no word of {arguments.width} bits is within the limits of {name}")
     targets = _guided(targets, arguments.pole, None)
     words = to_words(targets, arguments.width)
-    return Prepared(targets, *words, notes=notes, robot=robot, path=path if robot else None, limits=limits)
+    planned = path if robot else None
+    return Prepared(targets, *words, notes=notes, robot=robot, path=planned, limits=limits, seconds=seconds)
 
 
 def _jumps(targets: Targets, path: JointPath) -> Iterator[str]:
@@ -232,13 +250,13 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
 def doubts(targets: Targets, free: bool) -> Iterator[str]:
     """Yield a warning for each sign of a wrong unit, and for elbow jumps. free: the user may set axis and lengths."""
     distance = np.linalg.norm(targets.core_wrist, axis=1)
-    out = int(np.count_nonzero((distance > targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
+    out = int(np.count_nonzero((distance > STRAIGHT * targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
     if 2 * out > len(targets):
         arms = f"an arm of {targets.d1[0]:g} + {targets.d2[0]:g}{targets.arm_note}"
         units = "x, y, z, d1 and d2; D1= and D2= set another arm" if free else "x, y, z as the robot has"
         yield f"{out} of {len(targets)} targets are out of reach of {arms}; use one unit of length for {units}"
-    if doubt := angle_doubt(targets.phi):
-        yield doubt
+    turns = {name: np.array(targets.others[name], dtype=float) for name in EULER if name in targets.others}
+    yield from filter(None, (angle_doubt(angles, name) for name, angles in {"phi": targets.phi, **turns}.items()))
     rows, axis = elbow_jumps(targets)
     if len(rows) and free:
         kind, names = ("frame", targets.others["frame"]) if targets.rows is None else ("row", targets.rows)
@@ -283,6 +301,19 @@ def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
     elbow = clips.interleaved([move.elbow for move in item.moves])
     ours = np.ldexp(result.per_target.elbow, -result.scale_exponent)
     return np.linalg.norm(ours - elbow, axis=1) / item.targets.reach
+
+
+def positions(item: Prepared, result: Score) -> np.ndarray:
+    """Return the core's joint positions (N, 7) of the robot, with the whole turns of the planned path."""
+    assert item.robot and item.path and result.per_target.hand
+    return item.robot.positions(result.per_target.hand.joints, item.path.joints)
+
+
+def speeds_of(item: Prepared, result: Score) -> Speeds | None:
+    """Return the speeds of the robot's joints, or None without times."""
+    if item.seconds is None or not (item.robot and item.path):
+        return None
+    return speeds(item.robot, item.path, positions(item, result), item.seconds, item.targets)
 
 
 def quaternions(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray]:
@@ -364,12 +395,14 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 files(path.with_name("clip.glb")).write_bytes(gltf.animated(clip, targets.name, item.scale))
             more = {}
             if item.robot:
-                at = item.robot.positions(result.per_target.hand.joints, item.path.joints)
+                at = positions(item, result)
                 more = dict(zip(item.robot.names, at.T, strict=True))
                 apart = np.flatnonzero(np.abs(at - item.path.joints).max(axis=1) > APART)
                 if len(apart):
                     text = f"joints of {len(apart)} targets differ from the planned ones; first: target {apart[0]}"
                     print(f"warning: {targets.name}: {text}", file=sys.stderr)
+                if (moving := speeds_of(item, result)) and (doubt := moving.doubt()):
+                    print(f"warning: {targets.name}: {doubt}", file=sys.stderr)
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))

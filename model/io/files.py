@@ -16,11 +16,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ..reference.kinematics import fixed_axes
 from .words import DEFAULT_D1, DEFAULT_D2, FIELDS, LENGTH_TOLERANCE, TargetError, Targets, cell_error
 
 REQUIRED = ("x", "y", "z")
 QUATERNION = ("qw", "qx", "qy", "qz")
-OF_HANDS = (*QUATERNION, "tool", "branch")  # columns of hand poses; the last two are optional
+EULER = ("roll", "pitch", "yaw")  # rad, about the fixed axes x, y, z in turn, as in URDF files
+OF_HANDS = (*QUATERNION, *EULER, "tool", "branch")  # columns of hand poses; the last two are optional
 
 SEPARATORS = (",", ";", "\t")
 
@@ -58,7 +60,7 @@ def read_csv(
         raise TargetError(f"{path}: row {header_row}: a header but no targets below it")
 
     values = {column: np.full(len(rows) - 1, default) for column, default in defaults.items()}
-    of_hands = OF_HANDS if set(QUATERNION) <= set(columns) else ()
+    of_hands = OF_HANDS if set(columns) & {*QUATERNION, *EULER} else ()
     values |= {column: np.empty(len(rows) - 1) for column in columns if column in (*FIELDS, *of_hands)}
     others: dict[str, list[str]] = {column: [] for column in columns if column not in values}
     for n, (row, cells) in enumerate(rows[1:]):
@@ -86,7 +88,10 @@ def _hands(path: str, rows: np.ndarray, values: dict[str, np.ndarray]) -> dict[s
     """Return the fields of Targets that the columns :data:`OF_HANDS` define; none without these columns."""
     if not values:
         return {}
-    q = np.column_stack([values[column] for column in QUATERNION])
+    if EULER[0] in values:
+        q = fixed_axes(*(values[column] for column in EULER))
+    else:
+        q = np.column_stack([values[column] for column in QUATERNION])
     with np.errstate(over="ignore"):
         length = np.sqrt((q**2).sum(axis=1))
     branch = values.get("branch", np.zeros(len(q)))
@@ -138,7 +143,7 @@ def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
 def _check_header(path: str, row: int, header: list[str]) -> list[str]:
     """Return the column names, with targets' columns in lower case.  Raises TargetError for an invalid header."""
     columns = [cell.strip() for cell in header]
-    of_hands = OF_HANDS if {column.lower() for column in columns} & set(QUATERNION) else ()
+    of_hands = OF_HANDS if {column.lower() for column in columns} & {*QUATERNION, *EULER} else ()
     columns = [column.lower() if column.lower() in (*FIELDS, *of_hands) else column for column in columns]
     if not set(columns) & set(REQUIRED):
         reason = f"is not a header; expected {','.join(REQUIRED)} and optionally {','.join(FIELDS[3:])}"
@@ -146,9 +151,12 @@ def _check_header(path: str, row: int, header: list[str]) -> list[str]:
     for n, column in enumerate(columns, 1):
         if columns.count(column) > 1 and column:
             raise cell_error(path, row, column, header[n - 1].strip(), "appears twice in the header")
-    for column in REQUIRED + QUATERNION * bool(of_hands):
-        if column not in columns:
-            raise TargetError(f"{path}: row {row}, column {column}: is missing; the header is {','.join(columns)!r}")
+    turns = [names for names in (QUATERNION, EULER) if set(names) & set(columns)] if of_hands else []
+    if len(turns) > 1:
+        raise cell_error(path, row, "roll", ",".join(columns), "has both a quaternion and roll, pitch, yaw")
+    if missing := [column for column in sum(turns, REQUIRED) if column not in columns]:
+        of = f"columns {', '.join(missing)}: are" if len(missing) > 1 else f"column {missing[0]}: is"
+        raise TargetError(f"{path}: row {row}, {of} missing; the header is {','.join(columns)!r}")
     return [column or f"column {n}" for n, column in enumerate(columns, 1)]
 
 

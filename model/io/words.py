@@ -113,6 +113,12 @@ class Targets:
         return np.column_stack((self.x, self.y, self.z))
 
     @property
+    def paths(self) -> list[np.ndarray]:
+        """Rows of each path; a column ``path`` separates them."""
+        labels = np.array(self.others.get("path", [""] * len(self)))
+        return [np.flatnonzero(labels == one) for one in dict.fromkeys(labels.tolist())]
+
+    @property
     def arm_note(self) -> str:
         """Note for messages about the arm, with the names of its defaulted lengths."""
         return f" (by default {' and '.join(self.default_arm)})" if self.default_arm else ""
@@ -163,10 +169,10 @@ class Targets:
         return cell_error(self.path, int(self.rows[n]), column, value, reason)
 
 
-def angle_doubt(phi: np.ndarray) -> str:
-    """Return a warning if a swivel angle exceeds a turn, which suggests degrees, or an empty string."""
-    turns = float(np.abs(phi).max(initial=0.0))
-    return f"phi reaches {turns:g}; its unit is the radian: convert degrees" if turns > 2 * math.pi else ""
+def angle_doubt(angles: np.ndarray, name: str = "phi") -> str:
+    """Return a warning if an angle exceeds a turn, which suggests degrees, or an empty string."""
+    turns = float(np.abs(angles).max(initial=0.0))
+    return f"{name} reaches {turns:g}; its unit is the radian: convert degrees" if turns > 2 * math.pi else ""
 
 
 def cell_error(path: str | None, row: int, column: str, value: str, reason: str) -> TargetError:

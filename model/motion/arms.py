@@ -5,8 +5,9 @@ Joint n of the robot is at signs[n] * th_n + offsets[n], where th_n is an angle 
 built-in arms are in `ROBOTS`, among them `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, with anatomical limits.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,18 +16,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..io.words import DEFAULT_D1, DEFAULT_D2, Targets
 from ..reference import joints
-from ..reference.kinematics import conjugate, matrix, multiply, quaternion, rotate
+from ..reference.kinematics import angle_between, conjugate, matrix, multiply, quaternion, rotate
 from .hands import Hands, checked_limits, checked_rows, common_count
-from .path import SWIVELS, JointPath, Planner
+from .path import SWIVELS, JointPath, Planner, Progress
 from .pose import Floats, Pose, solve, swivel
 from .swivels import Circles, Swivels, feasible_swivel
 from .track import Step, Tracker
-from .urdf import Chain, arguments, from_axes, placed
+from .urdf import SAMPLES, TURN_MISFIT, Chain, arguments, from_axes, nearest, placed
 
 UNIT = joints.UNIT
 SPARE = 5e-3  # rad beyond the limits in which a start for the correction may lie
 CORRECTED, RETRIES = 1e-9, 32  # largest error after the correction, of size or in rad; further starts for larger ones
+GOAL = 0.2  # largest step of a joint along a path, rad
 BATCH = 128  # poses whose branch and swivel angle are chosen at a time, so that arrays stay in the cache
+
+
+def _report(progress: Callable[[int, str], None], done: int, rows: int, part: float, count: int) -> None:
+    """Report the rows of earlier paths and a part of this one."""
+    progress(done + int(part * rows), f"{count} swivel angles")
 
 
 def _vector(name: str, values: ArrayLike, size: int) -> Floats:
@@ -171,34 +178,51 @@ class Arm:
             at = np.where(((at < low) | (at > high)) & (at + turn >= low) & (at + turn <= high), at + turn, at)
         return at if near is None else np.where(np.isnan(near), at, near + joints.wrap(at - near))
 
-    def targets(self, poses: Targets, each: bool = False) -> tuple[Targets, JointPath]:
+    def nearest(self) -> tuple["Arm", float, float]:
+        """Return the nearest arm whose joints need no correction, with straight links if it bends them by less than
+        the accepted misfit; and its largest difference at the tip: distance, and in rad."""
+        assert self.chain
+        fitted, *_ = nearest(self.chain)
+        lengths = from_axes(fitted.axes, fitted.points, fitted.end, TURN_MISFIT)
+        arm = Arm(**lengths, limits=self.limits, names=self.names, velocities=self.velocities)
+        low, high = np.clip(self.limits.T, -np.pi, np.pi)
+        positions = np.random.default_rng(0).uniform(low, high, (SAMPLES, 7))
+        (points, turns), (at, to) = (of.forward(positions) for of in (self, arm))
+        return arm, float(np.linalg.norm(points - at, axis=1).max()), float(angle_between(turns, to).max())
+
+    def targets(
+        self, poses: Targets, each: bool = False, progress: Callable[[int, str], None] = lambda rows, text: None
+    ) -> tuple[Targets, JointPath]:
         """Return poses of the tip as targets of `ik_arm`, and the path through them.
 
         Swivel angles are chosen if all phi are nan, branches without a column ``branch``; a column ``path`` separates
         paths. each: every row is a path of its own. A row without joints within the limits takes :meth:`solve`'s.
-        Raises ValueError for bent links and for a chain that is corrected.
+        progress: called with the number of planned rows and a text.
+        Raises ValueError for bent links, and for an arm whose joints are corrected: take its :meth:`nearest`.
         """
         if self.chain:
-            text = f"this one differs from the nearest by {self.misfit[0]:.3g} at the tip"
-            raise ValueError(f"ik_arm solves only arms whose axes meet exactly; {text}: solve it from Python")
+            raise ValueError("ik_arm solves only arms whose axes meet exactly")
         if self._bent:
             raise ValueError("links are bent: the joints of ik_arm are along or across its bones")
-        count, labels = len(poses), np.array(poses.others.get("path", [""] * len(poses)))
+        count, paths = len(poses), poses.paths
         phi = None if np.isnan(poses.phi).all() else poses.phi
         branch = poses.branch if "branch" in poses.others else None
         empty = np.full((count, 7), np.nan)
         whole = JointPath(empty, empty[:, 0].copy(), np.zeros(count, dtype=np.int64), np.zeros(count), {})
-        paths = [np.flatnonzero(labels == one) for one in dict.fromkeys(labels.tolist())]
         groups = list(np.arange(count)[:, None]) if each else paths
+        done = 0
         for group in groups:
             some_phi, some_branch = (None if v is None else v[group] for v in (phi, branch))
-            path = self.path(poses.position[group], poses.hand[group], phi=some_phi, branch=some_branch)
+            report = partial(_report, progress, done, len(group))
+            how: Any = {"phi": some_phi, "branch": some_branch, "progress": report}
+            path = self.path(poses.position[group], poses.hand[group], **how)
+            done += len(group)
             for name in ("joints", "phi", "branch", "step"):
                 getattr(whole, name)[group] = getattr(path, name)
             whole.jumps.update({int(group[n]): text for n, text in path.jumps.items()})
         for rows in (rows[np.isfinite(whole.phi[rows])] for rows in paths if each):
             whole.step[rows[1:]] = np.abs(np.diff(whole.joints[rows], axis=0)).max(axis=1)
-            large = rows[whole.step[rows] > 0.2].tolist()
+            large = rows[whole.step[rows] > GOAL].tolist()
             whole.jumps.update({n: f"a joint moves by {whole.step[n]:.3g} rad" for n in large})
         missing = np.flatnonzero(np.isnan(whole.phi))
         if len(missing):
@@ -294,16 +318,18 @@ class Arm:
         points: ArrayLike,
         hand: ArrayLike,
         start: ArrayLike | None = None,
-        goal: float = 0.2,
+        goal: float = GOAL,
         *,
         phi: ArrayLike | None = None,
         branch: ArrayLike | None = None,
+        progress: Progress | None = None,
     ) -> JointPath:
         """Return joints along a path of poses of the tip: points (N, 3), orientations ``hand`` as in :meth:`solve`.
 
         All joints are within their limits, and no step of a joint exceeds the goal (rad) if branches and swivel angles
         allow it. start (7,): joint positions before the first pose. phi (rad), branch: numbers or (N,), given instead
-        of chosen.  Raises ValueError.
+        of chosen. progress: called several times with the part that is done, 0 to 1, and the number of swivel angles
+        tried; from 0 for each further attempt.  Raises ValueError.
         """
         circles, _, _, given_phi, given_branch, _ = self._asked(points, hand, phi, branch)
         if not 0 < goal < np.inf:
@@ -317,6 +343,7 @@ class Arm:
                 name, by = self.names[over.argmax()], over.max()
                 raise ValueError(f"start: {name} is {by:.3g} rad outside its limits")
         planner = self._planner(circles)
+        planner.progress = progress or planner.progress
         if self.chain:
             tips, turns = self._tips(points, hand, len(circles))
             planner.corrected = lambda at, rows: self._corrected(at, tips[rows], turns[rows])

@@ -34,6 +34,9 @@ FREE_STEP, STEP_WEIGHT = 0.1, 100.0
 MARGIN, WEIGHTS = 0.1, (0.01, 0.01, 0.001, 0.001, 0.001)
 """Distance from a limit (rad) below which a pose costs; weight of this cost in the search and its refinements."""
 
+Progress = Callable[[float, int], None]
+"""Callback of an attempt: the part that is done, 0 to 1, and the number of swivel angles."""
+
 FLIPS = np.array([(0, 1, 4, 5), (2, 3, 6, 7)])
 """Branches of each elbow solution."""
 
@@ -89,6 +92,7 @@ class Planner:
         self.finer = TURN / SWIVELS
         self.corrected: Callable[[Floats, NDArray], tuple[Floats, Floats]] | None = None
         self.copied = np.zeros(7, dtype=bool)  # wide joints whose windings are candidates of their own
+        self.progress: Progress = lambda part, count: None
 
     def placed(self, th: Floats, near: Floats | None = None) -> tuple[Floats, NDArray[np.bool_]]:
         """Return joint positions (7, M) for th1 .. th7, and True (M,) where all are within their limits.
@@ -212,6 +216,7 @@ class Planner:
             self.finer = TURN / count / 3**round
             if phi is None and len(path.row):
                 path = self._search(self._around(path, near_extremes=round < 3), start, weight)
+            self.progress((round + 1) / len(WEIGHTS), count)
         settled = self._unwound(path, start)
         if settled is None:
             self.copied |= self.wide & np.isfinite(self.limits).all(axis=1)

@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ..reference.joints import UNIT
-from ..reference.kinematics import about, matrix, multiply, quaternion
+from ..reference.kinematics import about, fixed_axes, matrix, quaternion
 from .hands import Floats
 
 TOLERANCE = 1e-6
@@ -174,9 +174,8 @@ def read(robot: ElementTree.Element, base: str | None, tip: str | None) -> Chain
     names, axes, points, limits, velocities = [], [], [], [], []
     for joint in reversed(chain):
         name, kind = joint.attrib["name"], joint.attrib["type"]
-        roll, pitch, yaw = _numbers(joint, "origin", "rpy", "0 0 0")
-        turn = multiply(multiply(about(2, yaw), about(1, pitch)), about(0, roll))
-        frame = frame @ placed(matrix(turn), _numbers(joint, "origin", "xyz", "0 0 0"))
+        turn = matrix(fixed_axes(*_numbers(joint, "origin", "rpy", "0 0 0")))
+        frame = frame @ placed(turn, _numbers(joint, "origin", "xyz", "0 0 0"))
         if kind == "fixed":
             continue
         if kind not in ("revolute", "continuous"):
@@ -229,8 +228,11 @@ def placed(turn: Floats, point: Floats) -> Floats:
     return np.vstack((np.column_stack((turn, point)), (0, 0, 0, 1)))
 
 
-def from_axes(axes: Floats, points: Floats, end: Floats) -> dict[str, Any]:
-    """Return the arguments of :class:`Arm` for axes (7, 3) through points (7, 3) and a tip (4, 4), with joints at 0."""
+def from_axes(axes: Floats, points: Floats, end: Floats, straight: float = TOLERANCE) -> dict[str, Any]:
+    """Return the arguments of :class:`Arm` for axes (7, 3) through points (7, 3) and a tip (4, 4), with joints at 0.
+
+    Links that bend by less than ``straight`` (rad) count as straight.
+    """
     size = np.linalg.norm(np.ptp(np.vstack((points, end[:3, 3])), axis=0))
     centres = []
     for first, name in ((0, "shoulder"), (4, "wrist")):
@@ -267,7 +269,7 @@ def from_axes(axes: Floats, points: Floats, end: Floats) -> dict[str, Any]:
         return np.arctan2(third @ np.cross(second, first), third @ first)
 
     def spin(m):  # angle of a turn about z, None for other turns
-        return np.arctan2(m[1, 0], m[0, 0]) if m[2, 2] > 1 - TOLERANCE**2 else None
+        return np.arctan2(m[1, 0], m[0, 0]) if m[2, 2] > 1 - straight**2 else None
 
     flexion = np.arctan2(axes[3] @ np.cross(u, f), u @ f)
     mount, upper_arm = frame(a[1], a[0]), frame(axes[3], u)

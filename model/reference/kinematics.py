@@ -34,6 +34,11 @@ def about(axis: int, angle):
     return q
 
 
+def fixed_axes(roll, pitch, yaw):
+    """Return quaternions of turns about the fixed axes x, y and z, one after the other, by angles in rad."""
+    return multiply(multiply(about(2, yaw), about(1, pitch)), about(0, roll))
+
+
 def conjugate(q):
     """Return Q~ of quaternions (N, 4): the reverse rotation."""
     return np.asarray(q, dtype=np.float64) * (1.0, -1.0, -1.0, -1.0)

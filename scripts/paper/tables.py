@@ -56,11 +56,11 @@ def _paper(targets: int) -> dict[str, str]:
     }
 
 
-def _core(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
-    """Return the same rows as :func:`_paper`, for a simulated run. data: the figures of `make fpga`."""
+def _core(result: Score, flags: np.ndarray, more: Sequence[tuple[str, ...]], data: dict) -> dict[str, str]:
+    """Return the same rows as :func:`_paper` and ``more``, for a simulated run. data: the figures of `make fpga`."""
     datapath, width = result.datapath, result.width
     cells, family = size(data, datapath, width)
-    rows = {name: value for name, value, *_ in figures(result, flags) if not name.startswith(" ")}
+    rows = {name: value for name, value, *_ in (*figures(result, flags), *more) if not name.startswith(" ")}
     if cells:
         rows |= {"LUT4": str(cells["LUT"]), "18x18 multipliers": str(cells["multipliers"])}
         if family == "xc2vp":
@@ -72,14 +72,15 @@ def _core(result: Score, flags: np.ndarray, data: dict) -> dict[str, str]:
     return rows
 
 
-def table_of_datapaths(done: Sequence[tuple[Score, np.ndarray]]) -> Table:
-    """Return a table of the paper's figures and of runs of one trajectory. done: (score, flags (N,)) of each run."""
+def table_of_datapaths(done: Sequence[tuple[Score, np.ndarray, Sequence[tuple[str, ...]]]]) -> Table:
+    """Return a table of the paper's figures and of runs of one trajectory. done: (score, flags (N,), more rows) of each
+    run."""
     first, data = done[0][0], load()
-    chips = {result.datapath: CHIPS.get(size(data, result.datapath, result.width)[1]) for result, _ in done}
+    chips = {result.datapath: CHIPS.get(size(data, result.datapath, result.width)[1]) for result, *_ in done}
     small = [f"{name}: {chip[1]} and clock of an {chip[0]}." for name, chip in chips.items() if chip]
     title = f"{escape(first.trajectory)}: {first.targets} targets, {first.width} bits, {first.simulator}, next to "
-    caption = "\n".join([*(f"{result.datapath}: {outcome(result)}" for result, _ in done), SOURCES, *small])
-    columns = {"the paper": _paper(first.targets)} | {r.datapath: _core(r, flags, data) for r, flags in done}
+    caption = "\n".join([*(f"{result.datapath}: {outcome(result)}" for result, *_ in done), SOURCES, *small])
+    columns = {"the paper": _paper(first.targets)} | {one[0].datapath: _core(*one, data) for one in done}
     headings = "figure", *columns
     table = empty_table(f"{title}tables 5 and 6 of the paper", headings, caption=caption, padding=(0, 1, 0, 0))
     table.columns[0].no_wrap = False

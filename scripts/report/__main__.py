@@ -25,6 +25,7 @@ from model.io import flags as flag_bits
 from model.io import trajectories
 from model.io.scoring import Score
 from model.io.words import JOINTS, from_words
+from model.motion.arms import GOAL
 from model.motion.swivels import feasible_swivel
 from model.reference.equations import swivel_normal
 from scripts.console import command
@@ -45,6 +46,7 @@ from scripts.trajectory import (
     result_paths,
     score_runs,
     simulated,
+    speeds_of,
     write_results,
 )
 from tb.sim.simulate import Run
@@ -55,6 +57,9 @@ SCRIPTS = ("arm", "figure", "paper", "plots", "report")
 
 DIGITS = 7
 """Significant digits of the numbers in the page."""
+
+MOST_ROWS = 12
+"""Largest number of rows that jump which the table lists."""
 
 MOST_ARMS = 4
 """Largest number of arms of different lengths that are drawn together; with more, only the moving arm is drawn."""
@@ -109,18 +114,23 @@ def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
 
     * names, joints (N, 7), limits (7, 2): those of the robot, or else of th1 to th7; a missing limit is None
     * over: bits of the joints outside their limits, bit 0 for the first joint; error: orientation error in rad
-    * free: intervals of the swivel angle for which all joints are within their limits; None without a robot
+    * arcs (N, 8): for each branch, intervals of the swivel angle for which all joints are within their limits; free
+      (N,): of the target's branch; branch (N,); None or absent without a robot
+    * steps (N,): largest step of a joint from the row before, rad, None without joints; jumps: numbers of the rows that
+      jump or have no joints; most: the goal, rad
     * goal, point, turn (not for clips): requested point, reached point (both from the shoulder), reached orientation
     """
     targets, robot, hand = item.targets, item.robot, result.per_target.hand
     assert hand
     hands: dict[str, Any] = {"names": JOINTS, "joints": hand.joints, "limits": [(None, None)] * 7, "free": None}
     if robot:
-        lengths = targets.d1, targets.d2, 0.0
-        swivels = feasible_swivel(targets.core_wrist, targets.core_hand, *lengths, robot.bounds, targets.branch)
-        hands |= {"names": robot.names, "joints": robot.positions(hand.joints)}
-        finite = (interval[np.isfinite(interval).all(axis=1)] for interval in swivels.intervals)
-        hands["free"] = [_numbers(np.degrees(interval), 4) for interval in finite]
+        arcs = [_arcs(item, np.full(len(targets), branch)) for branch in range(8)]
+        hands |= {"names": robot.names, "joints": robot.positions(hand.joints), "arcs": [*zip(*arcs, strict=True)]}
+        hands["branch"] = np.broadcast_to(targets.branch, len(targets)).tolist()
+        hands["free"] = [own[branch] for own, branch in zip(hands["arcs"], hands["branch"], strict=True)]
+        steps = item.path.step
+        hands["steps"] = np.where(np.isfinite(steps), _numbers(steps, 4), None).tolist()
+        hands |= {"jumps": sorted(item.path.jumps), "most": GOAL}
         limits = np.degrees(robot.limits)
         hands["limits"] = np.where(np.isfinite(limits), _numbers(limits, 5), None).tolist()
     if item.clip is None:
@@ -132,11 +142,32 @@ def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     return hands | {"joints": _numbers(np.degrees(hands["joints"]), 5), "over": over, "error": errors}
 
 
+def _arcs(item: Prepared, branch: np.ndarray) -> list[Any]:
+    """Return for each target the intervals of the swivel angle, degrees, for which a branch is within the limits."""
+    targets = item.targets
+    lengths = targets.d1, targets.d2, 0.0
+    swivels = feasible_swivel(targets.core_wrist, targets.core_hand, *lengths, item.robot.bounds, branch)
+    finite = (interval[np.isfinite(interval).all(axis=1)] for interval in swivels.intervals)
+    return [_numbers(np.degrees(interval), 4) for interval in finite]
+
+
+def step_figures(item: Prepared) -> list[tuple[str, ...]]:
+    """Return rows of the table of figures: largest step of a joint, and the rows that jump or have no joints."""
+    if not item.path:
+        return []
+    kind, names = ("targets", range(len(item.targets))) if item.targets.rows is None else ("rows", item.targets.rows)
+    listed = [str(names[n]) for n in sorted(item.path.jumps)]
+    more = f" and {len(listed) - MOST_ROWS} more" if len(listed) > MOST_ROWS else ""
+    jumps = ", ".join(listed[:MOST_ROWS]) + more or "none"
+    step = f"largest step of a joint, goal {GOAL} (rad)", f"{item.path.largest:.3g}"
+    return [step, (f"{kind} that jump or have no joints", jumps)]
+
+
 def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     """Return the page's data of one datapath's results for a trajectory."""
     width, scores = result.width, result.per_target
     qs, qe = quaternions(item, ran, width)
-    tolerance = result.hand_error_tolerance
+    tolerance, moving = result.hand_error_tolerance, speeds_of(item, result)
     of_clip = {}
     if item.clip:
         of_clip = {"clip": figure_data(item, ran, width), "elbowError": _numbers(elbow_errors(item, result))}
@@ -156,7 +187,7 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
         "elbowAngle": _numbers(scores.elbow_angle_error),
         "latency": result.latency_cycles,
         "cycles": result.total_cycles,
-        "figures": figures(result, ran.flags),
+        "figures": [*figures(result, ran.flags), *step_figures(item), *(moving.figures() if moving else [])],
         "passed": result.passed,
         "outcome": result.outcome,
         "failures": result.failures,

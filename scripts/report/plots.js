@@ -91,13 +91,14 @@ function drawSeries(canvas, yName, series, scale) {
         }
       }
     }
+    mine.forEach(({ values, marks }) => (marks ?? []).forEach((i) => disc(g, [at(i), y(values[i])], 3.5, state.colours.bad)));
     writeKey(g, mine);
     return { at, y, bottom, mine };
   };
   const { g, at, y, bottom, mine } = prepareOver(canvas, still);
   const now = at(state.frame);
   line(g, [[now, MARGIN.top], [now, bottom]], state.colours.goal, 1);
-  mine.forEach(({ values, colour }) => disc(g, [now, y(values[state.frame])], 4, colour));
+  mine.forEach(({ values, colour, marks }) => disc(g, [now, y(values[state.frame])], 4, marks?.includes(state.frame) ? state.colours.bad : colour));
 }
 
 function logScale(series, bottom) {
@@ -227,6 +228,53 @@ function drawSeven() {
     disc(g, [now, places[k](v)], 4, outside[state.frame] ? c.bad : colour);
     text(g, `${joint} ${degrees(v)}`, MARGIN.left, MARGIN.top + k * height + 8, outside[state.frame] ? c.bad : c.text);
   });
+}
+
+// Draws the largest step of a joint in each row; rows that jump or have no joints are marked.
+function drawSteps() {
+  const { hands } = state.shown;
+  if (!hands?.steps) {
+    return;
+  }
+  const { colours: c } = state;
+  const values = hands.steps.map((v) => v ?? 0);
+  const top = 1.15 * Math.max(hands.most, ...values);
+  const scale = (_, bottom) => {
+    const step = tickStep(top, 5);
+    const ticks = Array.from({ length: Math.floor(top / step) + 1 }, (_, i) => [i * step, tickText(i * step, step)]);
+    return { y: (v) => bottom - (v / top) * (bottom - MARGIN.top), ticks };
+  };
+  drawSeries(element("steps"), "step (rad)", [
+    { name: `goal ${hands.most} rad`, values: values.map(() => hands.most), colour: c.text, width: 1.5, dash: [5, 4] },
+    { name: "largest step", values, colour: c.fore, dots: true, marks: hands.jumps },
+  ], scale);
+}
+
+// Draws a ring for each branch, the innermost for branch 0: swivel angle 0 at the top, clockwise as seen from the shoulder.
+function drawCircle() {
+  const { shown: { hands, phi }, at: n, colours: c } = state;
+  if (!hands?.arcs) {
+    return;
+  }
+  const { g, w, h } = prepare(element("circle"));
+  const [x, y, outer] = [w / 2, h / 2, Math.min(w - 32, h) / 2 - 22];
+  const place = (angle, r) => [x + r * Math.sin((angle * Math.PI) / 180), y - r * Math.cos((angle * Math.PI) / 180)];
+  const ring = (r, from, to, colour, width) =>
+    line(g, Array.from({ length: 91 }, (_, i) => place(from + ((to - from) * i) / 90, r)), colour, width);
+  const radius = (branch) => (outer * (branch + 3)) / 10;
+  [0, 90, 180, 270].forEach((angle) => {
+    line(g, [place(angle, radius(-0.6)), place(angle, outer + 4)], c.line, 0.8);
+    text(g, `${angle > 180 ? "−" : ""}${angle > 180 ? 360 - angle : angle}°`, ...place(angle, outer + (angle % 180 ? 20 : 13)), c.soft, "center");
+  });
+  const now = (phi[n] * 180) / Math.PI;
+  line(g, [place(now, radius(-0.6)), place(now, outer + 4)], c.elbow, 1.5);
+  hands.arcs[n].forEach((arcs, branch) => {
+    const mine = branch === hands.branch[n];
+    ring(radius(branch), 0, 360, mine ? c.soft : c.line, 1);
+    arcs.forEach(([from, to]) => ring(radius(branch), from, to, c.good, mine ? 7 : 3));
+    text(g, String(branch), ...place(45, radius(branch)), mine ? c.text : c.soft, "center");
+  });
+  disc(g, place(now, radius(hands.branch[n])), 5, (hands.over[n] ? c.bad : c.elbow));
 }
 
 // Returns the clocks between targets.

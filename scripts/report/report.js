@@ -79,9 +79,10 @@ function writeNow() {
 }
 
 // Returns the rows of a hand pose.
-const hand = ({ goal, free }, n) => [
+const hand = ({ goal, free, branch, steps, jumps }, n) => [
   ...(goal ? [["hand", goal[n].map(short).join(", ")]] : []),
   ...(free ? [["swivel within limits", free[n].map(([from, to]) => `${degrees(from)} to ${degrees(to)}`).join("; ") || "none"]] : []),
+  ...(steps ? [["branch", branch[n]], ["largest step", (steps[n] === null ? "no joints" : `${short(steps[n])} rad`) + (jumps.includes(n) && steps[n] !== null ? ": jumps" : "")]] : []),
 ];
 
 // Returns the names of the joints of a pose that are outside their limits.
@@ -150,6 +151,7 @@ function writeScore(t, i) {
   mine("figures").replaceChildren(
     ...t.figures.map((figure) => {
       const row = document.createElement("tr");
+      row.className = / jump /.test(figure[0]) && figure[1] !== "none" ? "bad" : "";
       for (let i = 0; i < 4; i++) {
         const cell = document.createElement(i ? "td" : "th");
         cell.textContent = figure[i] || "";
@@ -180,6 +182,8 @@ function draw() {
   drawPaper();
   drawJoints();
   drawSeven();
+  drawSteps();
+  drawCircle();
   drawErrors();
   state.runs.forEach(drawPipeline);
   writeNow();
@@ -295,6 +299,7 @@ function listen() {
     });
   seek(element("joints"), (inside) => inside * last());
   seek(element("seven"), (inside) => inside * last());
+  seek(element("steps"), (inside) => inside * last());
   PLACES.forEach((place, i) => {
     seek(element("hand" + place), (inside) => inside * last());
     seek(element("angles" + place), (inside) => inside * last());

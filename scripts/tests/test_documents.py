@@ -172,7 +172,7 @@ def python(installed, code):
 
 EXAMPLES = [
     re.sub("^    ", "", block, flags=re.M)
-    for page in ("README.md", "docs/targets.md")
+    for page in ("README.md", "docs/targets.md", "docs/robots.md")
     for block in re.findall(r"(?:^    .*\n|^\n)+", read(page), re.M)
     if "import" in block
 ]
@@ -180,7 +180,8 @@ EXAMPLES = [
 
 def test_examples_of_the_package(installed, tmp_path):
     figure.write(tmp_path / "clip.bvh")
-    assert len(EXAMPLES) == 4
+    shutil.copy(ROOT / "model/motion/robots/lwr4.urdf", tmp_path / "my.urdf")
+    assert len(EXAMPLES) == 5
     for example in EXAMPLES:
         code = f"import os, cga_ik.motion.gltf\nos.chdir({str(tmp_path)!r})\n{example}"
         assert "nan" not in python(installed, code)
@@ -202,7 +203,7 @@ def test_types_of_the_package(installed, tmp_path):
     command = [sys.executable, "-m", "mypy", "--strict", "--allow-untyped-calls", *tmp_path.glob("*.py")]
     env = os.environ | {"PYTHONPATH": str(installed)}
     ran = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True)
-    assert re.findall(r"^(\S+):\d+: error:", ran.stdout, re.M) == ["example_4.py"], ran.stdout + ran.stderr
+    assert re.findall(r"^(\S+):\d+: error:", ran.stdout, re.M) == ["example_5.py"], ran.stdout + ran.stderr
 
 
 @pytest.fixture

@@ -114,6 +114,18 @@ def test_a_node_that_differs_is_marked_and_explained(command, simulator):
     assert status == 0 and "target that differs is 3" in err and f"all {len(TIMES)} nodes" in out[-1]
 
 
+@pytest.mark.parametrize(("datapath", "of"), [("lean", "arm"), ("fold", "fold_arm")])
+def test_a_hand_pose_on_a_datapath(command, simulator, datapath, of):
+    """Check that DATAPATH= selects the whole arm of lean or fold, whose nodes are all printed."""
+    status, out, err = command(follow.main, "--trajectory", "writing", "--target", "3", "--datapath", datapath)
+    nodes = nodes_of(simulator.words[0], of)
+    assert (status, err, simulator.calls[0]["datapath"]) == (0, [], of)
+    assert (
+        out[0].startswith(f"target 3 of writing: {of} datapath")
+        and out[-1] == f"all {len(nodes)} nodes equal the model"
+    )
+
+
 def test_a_hand_pose(command, simulator):
     """Check that all nodes of the whole arm and its core are printed, with the joint limits of the robot."""
     simulator.wrong = [("w_1", 2), ("th6", 2)]

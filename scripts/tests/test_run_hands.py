@@ -2,6 +2,7 @@
 """Test `make run` with hand poses and with robots."""
 
 import re
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from model.motion.pose import parse_axis, solve
 from model.motion.tests.test_arms import CHAINS, urdf
 from model.motion.tests.test_joints import poses
 from model.reference.kinematics import angle_between
-from scripts import run
+from scripts import run, trajectory
 from scripts.tests.test_run import scores, table
 
 
@@ -94,13 +95,72 @@ def test_an_unsuitable_urdf_file(cli):
     words, said = ("--trajectory", "t.csv", "--robot", "t.urdf"), "run: argument --robot: "
     path = urdf(Path("t.urdf"), CHAINS["bent"])
     assert cli(*words) == (2, [], [f"{said}links are bent: the joints of ik_arm are along or across its bones"])
-    message = (
-        "ik_arm solves only arms whose axes meet exactly; this one differs from the nearest by 3.89e-06 at the tip"
-    )
-    assert cli(*words[:-1], "rm75") == (2, [], [f"{said}{message}: solve it from Python"])
     fork = '<joint name="f" type="fixed"><parent link="l7"/><child link="other"/></joint></robot>'
     path.write_text(path.read_text().replace("</robot>", fork))
     assert cli(*words) == (2, [], [f"{said}t.urdf: no unique link for tip: other, tip; choose with TIP="])
+
+
+def test_a_nearly_exact_robot(cli):
+    """Check that the core solves the nearest exact arm, and that the warning has the distance from the true one."""
+    arm = ROBOTS["rm75"]
+    points, q = arm.forward(np.linspace((0.1, -0.5, 0.3, 1.2, 0.1, 0.8, 0), (0.9, -0.2, 0.1, 0.9, 0.3, 1.1, 0.5), 30))
+    write_poses(points, q)
+    status, _, err = cli("--trajectory", "t.csv", "--robot", "rm75", "--out", "o")
+    assert (status, len(err)) == (0, 1) and "the core solves the nearest exact arm and nothing corrects" in err[0]
+    distance = float(re.search(r"differs by up to (\S+) and", err[0])[1])
+    tips, _ = arm.forward(table(*arm.names))
+    assert 1e-7 < np.linalg.norm(tips - points, axis=1).max() <= distance < 5e-6
+    with pytest.raises(ValueError, match="only arms whose axes meet exactly"):
+        arm.targets(trajectories.make("pick_and_place"))
+
+
+def test_joints_of_the_core_that_differ_from_planned_ones(cli):
+    """Check the warning for a row with th6 = 0, where the core splits the sum of th5 and th7 its own way."""
+    arm, words = ROBOTS["iiwa14"], ("--trajectory", "t.csv", "--out", "o", "--robot", "iiwa14")
+    tilt = np.linspace(-0.3, 0.3, 31)
+    still = 0 * tilt
+    points, q = arm.forward(np.column_stack((still, 0.7 + tilt, still, tilt - 1.4, still, tilt, 0.3 - tilt)))
+    write_poses(points, q, phi=still)
+    _, _, err = cli(*words)
+    path, at = arm.path(points, q, phi=0), table(*arm.names)
+    assert np.flatnonzero(np.abs(at - path.joints).max(axis=1) > 0.01).tolist() == [15]
+    assert err == ["warning: t: joints of 1 targets differ from the planned ones; first: target 15"]
+
+
+SLOW = np.array((0.4, 0.7, -0.3, 1.1, 0.2, 0.6, 0.5)) * np.linspace(1, -1, 40)[:, None]
+"""Joints of a smooth path (40, 7)."""
+
+
+def test_speeds_of_joints(cli):
+    """Check largest speeds and warnings for a column t in two paths whose rows alternate, for RATE= and for a robot
+    without limits."""
+    arm, label, seconds = ROBOTS["lwr4"], np.tile((1, 2), 20), np.cumsum(np.linspace(0.01, 0.1, 20)).repeat(2)
+    words = "--trajectory", "t.csv", "--out", "o", "--robot", "lwr4"
+    write_poses(*arm.forward(SLOW.reshape(2, 20, 7).swapaxes(0, 1).reshape(40, 7)), path=label, T=seconds)
+    for more, times in ((), seconds), (("--rate", "10"), np.arange(20).repeat(2) / 10):
+        status, out, err = cli(*words, *more)
+        moved = np.diff(table(*arm.names).reshape(20, 2, 7), axis=0)
+        expected = np.abs(moved) / np.diff(times.reshape(20, 2, 1), axis=0)
+        shown = [re.search(r"largest speed of (\S+), limit (\S+) \(rad/s\) +(\S+)", line) for line in out]
+        shown = [(one[1], float(one[2]), float(one[3])) for one in shown if one]
+        assert [(name, limit) for name, limit, _ in shown] == [
+            (name, float(f"{limit:.4g}")) for name, limit in zip(arm.names, arm.velocities, strict=True)
+        ]
+        np.testing.assert_allclose([speed for *_, speed in shown], expected.max(axis=(0, 1)), rtol=6e-3)
+        above = np.count_nonzero(expected > arm.velocities, axis=(0, 1))
+        listed = {name: int(count) for name, count in re.findall(r"(\w+) in (\d+) rows, up to", err[0] if err else "")}
+        assert listed == {name: count for name, count in zip(arm.names, above.tolist(), strict=True) if count}
+        assert status == 0 and len(err) == bool(listed) == (not more)
+    write_poses(*ROBOTS["iiwa14"].forward(SLOW), t=np.arange(40) / 1e3)
+    status, out, err = cli(*words[:-1], "iiwa14")
+    assert (status, err) == (0, []) and sum("largest speed of A" in line and "limit" not in line for line in out) == 7
+    write_poses(*arm.forward(SLOW), t=np.arange(40) // 2)
+    late = "t.csv: row 3, column t: '0.0' is not after '0.0' of row 2: times increase inside a path"
+    assert cli(*words) == (2, [], [f"run: {late}"])
+    Path("t.csv").write_text(Path("t.csv").read_text().replace(",1.0\n", ",noon\n", 1))
+    assert cli(*words) == (2, [], ["run: t.csv: row 4, column t: 'noon' is not a time in seconds"])
+    status, _, err = cli("--trajectory", "writing", "--rate", "5")
+    assert (status, err) == (2, ["run: argument --rate: applies to the joints of --robot"])
 
 
 def test_lengths_and_poses_of_another_robot(cli):
@@ -153,11 +213,25 @@ def test_a_robot_in_the_rtl(command, tmp_path):
     assert (result["targets"], result["bit_mismatches"], result["passed"]) == (9, 0, True) and result["over_limit"] > 4
 
 
+def test_progress_of_a_plan(cli, monkeypatch):
+    """Check that rows and swivel angles are counted while the paths of a file are planned."""
+    calls = []
+
+    @contextmanager
+    def progress(name, total):
+        yield lambda *done: calls.append((name, total, *done))
+
+    monkeypatch.setattr(trajectory, "progress", progress)
+    write_poses(*ROBOTS["iiwa14"].forward(SLOW), path=np.repeat((1, 2), 20))
+    assert cli("--trajectory", "t.csv", "--robot", "iiwa14")[::2] == (0, [])
+    planned = [("planning 40 rows", 40, n, "16 swivel angles") for n in (8, 12, 16, 20, 28, 32, 36, 40)]
+    assert calls[: len(planned)] == planned
+
+
 def test_rows_alone_name_their_jumps(cli):
     """With PLAN=rows each row is farthest from its limits, and rows that then jump are named."""
     arm = ROBOTS["iiwa14"]
-    th = np.array((0.4, 0.7, -0.3, 1.1, 0.2, 0.6, 0.5)) * np.linspace(1, -1, 40)[:, None]
-    write_poses(*arm.forward(th))
+    write_poses(*arm.forward(SLOW))
     words = "--trajectory", "t.csv", "--out", "o", "--robot", "iiwa14"
     assert cli(*words)[::2] == (0, [])
     assert table("step").max() <= 0.2

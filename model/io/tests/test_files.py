@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scipy.spatial.transform import Rotation
 
 from model.io import trajectories
 from model.io.files import format_csv, read_csv
@@ -27,6 +28,7 @@ from model.io.words import (
     scale_exponent,
     to_words,
 )
+from model.reference.kinematics import matrix
 
 ROUND_TRIP = settings(max_examples=100, deadline=None)
 
@@ -89,6 +91,14 @@ def test_other_columns_are_kept(read):
     assert result.default_arm == ("d1", "d2")
 
 
+def test_roll_pitch_and_yaw(read):
+    """Check the hands' orientations against scipy's, and that the text of the targets is a file of the same poses."""
+    angles = np.random.default_rng(1).uniform(-3, 3, (20, 3))
+    result = read("x,y,z,Roll,pitch,YAW\n" + "".join(f"1,2,3,{','.join(map(repr, row))}\n" for row in angles.tolist()))
+    np.testing.assert_allclose(matrix(result.hand), Rotation.from_euler("xyz", angles).as_matrix(), atol=1e-15)
+    np.testing.assert_array_equal(read(format_csv(result)).hand, result.hand)
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -114,7 +124,11 @@ def test_other_columns_are_kept(read):
         ("x,y,z\n1,2,1e999\n", "row 2, column z: '1e999' is not a finite number"),
         ("x,y,z,d1,d2\n1,2,3,0,1\n", "row 2, column d1: '0' is not positive"),
         ("x,y,z,d1,d2\n1,2,3,1,1e-400\n", "row 2, column d2: '1e-400' is not positive"),
-        ("x,y,z,qw\n1,2,3,1\n", "row 1, column qx: is missing; the header is 'x,y,z,qw'"),
+        ("x,y,z,qw\n1,2,3,1\n", "row 1, columns qx, qy, qz: are missing; the header is 'x,y,z,qw'"),
+        ("x,y,z,Roll,yaw\n1,2,3,1,2\n", "row 1, column pitch: is missing; the header is 'x,y,z,roll,yaw'"),
+        ("x,y,z,roll,pitch,yaw,Yaw\n1,2,3,1,2,3,3\n", "row 1, column yaw: 'yaw' appears twice in the header"),
+        ("x,y,z,qw,roll\n1,2,3,1,2\n", "row 1, column roll: 'x,y,z,qw,roll' has both a quaternion and roll"),
+        ("x,y,z,roll,pitch,yaw\n1,2,3,1,2,q\n", "row 2, column yaw: 'q' is not a number"),
         (
             "x,y,z,qx,qy,qz,qw\n1,2,3,0,0,0,1\n1,2,3,0,.5,0,1\n",
             "row 3, column qw: '1' is part of a quaternion of length 1",

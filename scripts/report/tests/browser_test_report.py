@@ -260,13 +260,13 @@ def test_hand_poses_are_drawn_and_fit(browser, size, scheme, tmp_path):
         assert min(margin for _, margin, _ in page.run(f"{PIXELS}('scene', ['upper', 'fore', 'body', 'joint'])")) > 0
         strips = page.run(f"{PIXELS}('seven', ['upper', 'fore', 'plane', 'elbow', 'bad'])")
         assert min(count for count, *_ in strips) > 50
-        pictures |= {page.picture(), page.picture("seven")}
+        pictures |= {page.picture(), page.picture("seven"), page.picture("steps"), page.picture("circle")}
         *_, (x, y, *_), _, _, _ = page.run(f"{CALLS}('scene', 'arc')")  # elbow, wrist twice, ring
         elbows[n] = f"{x}, {y}, {30 if size == WIDE else 10}"
-    assert len(pictures) == 2 * len(shown)
+    assert len(pictures) == 4 * len(shown)
     green = [page.run(f"{GREEN}({elbow})") > 2 for elbow in elbows.values()]
     assert green == (over[shown] == 0).tolist() and 2 < sum(green) < len(shown) - 2, (green, over[shown])
-    assert_plots_move_to_the_pointer(page, ("#seven",), 99)
+    assert_plots_move_to_the_pointer(page, ("#seven", "#steps"), 99)
 
 
 @pytest.mark.parametrize(("size", "scheme"), SIZES[:3], ids=str)

@@ -5,6 +5,7 @@ The bit-true model replaces the simulator. browser_test_report.py tests the open
 """
 
 import base64
+import csv
 import html
 import json
 import re
@@ -26,6 +27,7 @@ from model.reference.kinematics import angle_between, conjugate, forward, rotate
 from scripts import run
 from scripts.report import __main__ as report
 from scripts.report.figure import FORE, UPPER
+from scripts.trajectory import WHOLE_ARM
 from tb.sim.env import ROOT
 
 PAGE = Path("build/report/report.html")
@@ -111,8 +113,10 @@ def test_hands_of_a_robot(shown):
     poses = trajectories.make("pick_and_place")
     poses = replace(poses, phi=np.linspace(-3, 3, 100), others=poses.others | {"branch": ["0"] * 100})
     Path("t.csv").write_text(format_csv(poses))
-    data = shown("--trajectory", "t.csv", "--robot", "iiwa14", "--limits", "report")
+    data = shown("--trajectory", "t.csv", "--robot", "iiwa14", "--limits", "report", "--rate", "50")
+    assert sum(row[0].startswith("largest speed of A") for row in data["figures"]) == 7
     hands, arm, run = data["hands"], ROBOTS["iiwa14"], np.load(PAGE.parent / "results.npz")
+    results = list(csv.DictReader((PAGE.parent / "results.csv").open(encoding="utf-8")))
     np.testing.assert_allclose(hands["goal"], poses.position - arm.base, atol=1e-6)
     np.testing.assert_allclose(hands["point"], hands["goal"], atol=1e-6)
     assert angle_between(np.array(hands["turn"]), poses.hand).max() < 1e-4
@@ -124,10 +128,36 @@ def test_hands_of_a_robot(shown):
     over = np.array(hands["over"])
     assert (over[:, None] >> np.arange(7) & 1 == run["over_limit"]).all() and 20 < np.count_nonzero(over) < 80
     angles = np.degrees(poses.phi)[:, None] + (0, 360)
+    assert hands["free"] == [arcs[0] for arcs in hands["arcs"]]
+    branch, turns = np.arange(100) % 8, np.random.default_rng(2).uniform(-np.pi, np.pi, 100)
+    outside = arm.solve(poses.position, poses.hand, turns, branch).over_limit.any(axis=1)
+    for n, (own, turn_of) in enumerate(zip(hands["arcs"], np.degrees(turns)[:, None] + (0, 360), strict=True)):
+        inside = any(low < one < high for low, high in own[branch[n]] for one in turn_of)
+        assert inside != outside[n], n
+    step = np.array([float(row["step"]) for row in results])
+    np.testing.assert_allclose(np.array(hands["steps"], dtype=float), step, rtol=1e-3)
+    jumps = np.flatnonzero(~(step <= hands["most"])).tolist()
+    assert hands["jumps"] == jumps and 20 < len(jumps)
+    shown_jumps = [row[1] for row in data["figures"] if row[0] == "rows that jump or have no joints"]
+    assert shown_jumps == [", ".join(str(n + 2) for n in jumps[:12]) + f" and {len(jumps) - 12} more"]
     for intervals, phi, beyond in zip(hands["free"], angles, over, strict=True):
         assert any(low - 0.1 <= one <= high + 0.1 for low, high in intervals for one in phi) or beyond
         assert not beyond or not any(low + 0.1 < one < high - 0.1 for low, high in intervals for one in phi)
     np.testing.assert_array_equal(hands["error"], [float(f"{error:.3g}") for error in run["orientation_error"]])
+
+
+@pytest.mark.parametrize("datapaths", ["lean", "fold", "lean,fold"])
+def test_hands_on_the_datapaths(shown, simulator, datapaths):
+    """Hand poses run on the whole arm of each datapath, with the same joints."""
+    data = shown("--trajectory", "pick_and_place", "--datapath", datapaths, "--rate", "10")
+    names = [WHOLE_ARM[name] for name in datapaths.split(",")]
+    assert (
+        [call["datapath"] for call in simulator.calls] == names == [run["datapath"] for run in [data, *data["beside"]]]
+    )
+    assert all(
+        run["passed"] and run["figures"][-1][0].startswith("largest speed of A7") for run in [data, *data["beside"]]
+    )
+    assert data["hands"]["names"] == list(ROBOTS["iiwa14"].names) and not any(data["hands"]["over"])
 
 
 def test_hands_without_a_robot(shown):
