@@ -22,8 +22,18 @@ from model.dataflow.datapaths import DATAPATHS, DEFAULT
 from model.dataflow.nodes import Limits
 from model.io import trajectories
 from model.io.files import EULER, Place, read_csv
+from model.io.flags import ARM_FLAG_BITS
 from model.io.scoring import Score, score, score_json, tables
-from model.io.words import JOINTS, RESULT_FIELDS, Targets, angle_doubt, result_values, to_words
+from model.io.words import (
+    ARM_FIELDS,
+    JOINTS,
+    RESULT_FIELDS,
+    Targets,
+    angle_doubt,
+    binary_angles,
+    result_values,
+    to_words,
+)
 from model.motion import arms, gltf
 from model.motion import clip as clips
 from model.motion.clip import TORSO, Clip, Motion
@@ -50,6 +60,7 @@ class Prepared:
     * notes: warnings, each one line
     * robot, path, limits: the arm of --robot, its planned path, and the lowest and highest word of each joint
     * seconds (N,): time of each row of a robot's path, or None
+    * references (N, 7): words of the planned joints, if the core is to choose the branch
     """
 
     targets: Targets
@@ -64,6 +75,7 @@ class Prepared:
     path: JointPath | None = None
     limits: Limits | None = None
     seconds: np.ndarray | None = None
+    references: np.ndarray | None = None
 
     def core_words(self, width: int) -> np.ndarray:
         """Return the input words (N, 6) of the core. For hand poses `ik_arm` computes them from its inputs."""
@@ -86,6 +98,9 @@ def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[
 
 WHOLE_ARM = {"lean": "arm", "fold": "fold_arm"}
 """Datapath of wrist targets -> the one of hand poses."""
+
+CHOOSING = {"arm": "choose", "fold_arm": "fold_choose"}
+"""Datapath of hand poses -> the same with the choice of a branch."""
 
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
 
@@ -194,8 +209,10 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
             raise InputError(f"argument --robot: no word of {arguments.width} bits is within the limits of {name}")
     targets = _guided(targets, arguments.pole, None)
     words = to_words(targets, arguments.width)
-    planned = path if robot else None
-    return Prepared(targets, *words, notes=notes, robot=robot, path=planned, limits=limits, seconds=seconds)
+    of_robot = {"robot": robot, "path": path, "seconds": seconds} if robot else {}
+    if robot and "branch" not in original.others:
+        of_robot["references"] = binary_angles(np.nan_to_num(robot.angles(path.joints)), arguments.width)
+    return Prepared(targets, *words, notes=notes, limits=limits, **of_robot)
 
 
 def _jumps(targets: Targets, path: JointPath) -> Iterator[str]:
@@ -270,14 +287,22 @@ def doubts(targets: Targets, free: bool) -> Iterator[str]:
 def simulated(
     arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None
 ) -> list[Run]:
-    """Run all trajectories through a datapath in one simulation. Raises SimulationError."""
+    """Run all trajectories through a datapath in one simulation. Near planned joints, the core chooses the branch.
+    Raises SimulationError."""
     total = sum(len(item.words) for item in prepared)
     with progress(f"{arguments.sim}, {datapath} datapath, {total} targets", total) as meter:
         meter(0, "compiling and starting")
-        jobs = [Job(item.targets.name, item.words) for item in prepared]
+        jobs, chooses = [Job(item.targets.name, item.words) for item in prepared], prepared[0].references is not None
+        if chooses:  # robots come alone
+            words = np.insert(prepared[0].words, [len(ARM_FIELDS)] * 7, prepared[0].references, axis=1)
+            jobs, datapath = [replace(jobs[0], words=words)], CHOOSING[datapath]
         core = {"simulator": arguments.sim, "datapath": datapath, "width": arguments.width, "cores": arguments.cores}
         core |= {"limits": prepared[0].limits} if prepared[0].limits else {}
-        return simulate(jobs, waves=waves, progress=lambda done, _: meter(done), **core)
+        runs = simulate(jobs, waves=waves, progress=lambda done, _: meter(done), **core)
+    if not chooses:
+        return runs
+    bits = (1 << ARM_FLAG_BITS) - 1
+    return [replace(run, flags=run.flags & bits, branch=run.flags >> ARM_FLAG_BITS & 7) for run in runs]
 
 
 def score_runs(
@@ -398,6 +423,13 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 at = positions(item, result)
                 more = dict(zip(item.robot.names, at.T, strict=True))
                 apart = np.flatnonzero(np.abs(at - item.path.joints).max(axis=1) > APART)
+                if ran.branch is not None:
+                    targets = replace(targets, others=targets.others | {"branch": [*map(str, ran.branch.tolist())]})
+                    if others := np.count_nonzero(ran.branch != targets.branch):
+                        text = (
+                            f"the core chooses another branch than the planner for {others} of {len(targets)} targets"
+                        )
+                        print(f"warning: {targets.name}: {text}", file=sys.stderr)
                 if len(apart):
                     text = f"joints of {len(apart)} targets differ from the planned ones; first: target {apart[0]}"
                     print(f"warning: {targets.name}: {text}", file=sys.stderr)

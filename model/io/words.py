@@ -245,14 +245,19 @@ def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple
     words = np.empty((len(targets), len(FIELDS)), dtype=np.int64)
     for name, values in zip(LENGTHS, (*targets.core_point.T, targets.d1, targets.d2), strict=True):
         words[:, FIELDS.index(name)] = _quantise(np.ldexp(values, exponent), width)
-    turns = targets.phi / (2 * np.pi)
-    angle = np.rint(np.ldexp(turns - np.rint(turns), width)).astype(np.int64)
-    half = 2 ** (width - 1)
-    words[:, FIELDS.index("phi")] = (angle + half) % (2 * half) - half
+    words[:, FIELDS.index("phi")] = binary_angles(targets.phi, width)
     if targets.hand is not None:
         tool = _quantise(np.ldexp(targets.tool[:, 2], exponent), width)
         words = np.column_stack((words, tool, _quantise(targets.core_hand, width), targets.branch))
     return words, exponent
+
+
+def binary_angles(angles: np.ndarray, width: int) -> np.ndarray:
+    """Return angles (rad) as words of the same shape, one turn = 2^width, rounded half to even."""
+    turns = angles / (2 * np.pi)
+    words = np.rint(np.ldexp(turns - np.rint(turns), width)).astype(np.int64)
+    half = 2 ** (width - 1)
+    return (words + half) % (2 * half) - half
 
 
 def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targets:

@@ -11,7 +11,7 @@ import pytest
 from model.dataflow.datapaths import MODELS
 from model.io import trajectories
 from model.io.files import format_csv
-from model.io.flags import OVER_BIT
+from model.io.flags import ARM_FLAG_BITS, OVER_BIT
 from model.io.words import JOINTS
 from model.motion.arms import ROBOTS, Arm
 from model.motion.hands import limit_words
@@ -114,17 +114,31 @@ def test_a_nearly_exact_robot(cli):
         arm.targets(trajectories.make("pick_and_place"))
 
 
-def test_joints_of_the_core_that_differ_from_planned_ones(cli):
-    """Check the warning for a row with th6 = 0, where the core splits the sum of th5 and th7 its own way."""
+def test_the_core_chooses_the_planned_branch(cli, simulator):
+    """Check that the core's joints are the planned ones, also with th6 = 0, where it splits th5 and th7 as planned; and
+    that other joints and another branch are counted."""
     arm, words = ROBOTS["iiwa14"], ("--trajectory", "t.csv", "--out", "o", "--robot", "iiwa14")
     tilt = np.linspace(-0.3, 0.3, 31)
     still = 0 * tilt
     points, q = arm.forward(np.column_stack((still, 0.7 + tilt, still, tilt - 1.4, still, tilt, 0.3 - tilt)))
     write_poses(points, q, phi=still)
+    status, _, err = cli(*words)
+    path = arm.path(points, q, phi=0)
+    np.testing.assert_allclose(table(*arm.names), path.joints, atol=1e-6)
+    assert (status, err, simulator.calls[0]["datapath"]) == (0, [], "choose")
+    assert (table("branch").T == path.branch).all()
+
+    def spoil(run):
+        run.flags[3:5] ^= 1 << ARM_FLAG_BITS
+        run.results[15, 0] += 1 << 25
+
+    simulator.spoil = spoil
     _, _, err = cli(*words)
-    path, at = arm.path(points, q, phi=0), table(*arm.names)
-    assert np.flatnonzero(np.abs(at - path.joints).max(axis=1) > 0.01).tolist() == [15]
-    assert err == ["warning: t: joints of 1 targets differ from the planned ones; first: target 15"]
+    assert "warning: t: the core chooses another branch than the planner for 2 of 31 targets" in err
+    assert "warning: t: joints of 1 targets differ from the planned ones; first: target 15" in err
+    write_poses(points, q, phi=still, branch=path.branch)
+    cli(*words)
+    assert simulator.calls[-1]["datapath"] == "arm"
 
 
 SLOW = np.array((0.4, 0.7, -0.3, 1.1, 0.2, 0.6, 0.5)) * np.linspace(1, -1, 40)[:, None]

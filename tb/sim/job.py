@@ -63,6 +63,7 @@ class Run:
     ``results`` (N, words) are signed; they and ``flags`` (N,) are in input order. ``latency_cycles`` counts the clocks
     from first in to first out, ``total_cycles`` from first in to last out, both included. Hardware behind a link has
     None for both. ``bit_mismatches`` counts differing bits of all visible named nodes; ``first_mismatch`` is a message.
+    ``branch`` (N,) is the chosen branch, if the core chooses.
     """
 
     results: np.ndarray
@@ -71,6 +72,7 @@ class Run:
     total_cycles: int | None
     bit_mismatches: int
     first_mismatch: str | None
+    branch: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
