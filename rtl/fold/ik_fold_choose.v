@@ -215,11 +215,11 @@ module ik_fold_choose #(
     {compared, elbow_joined, elbow_compared} <= {joined, e, elbow_joined};
     if (of_largest[5])
       case (at_largest)
-        4'd2: {ball, shoulder_in[{e, 1'b0}]} <= {largest, fits};
-        4'd5: {total, turn_ball_s, shoulder_in[{e, 1'b1}]} <= {smaller ? largest : ball, smaller, fits};
-        4'd6: {total, elbow_in[e]} <= {less ? largest : total, fits};
-        4'd9: {ball, wrist_in[{e, 1'b0}]} <= {largest, fits};
-        4'd12: {ball, turn_ball_w, wrist_in[{e, 1'b1}]} <= {smaller ? largest : ball, smaller, fits};
+        4'd2: {ball, shoulder_in} <= {largest, fits, shoulder_in[3:1]};
+        4'd5: {total, turn_ball_s, shoulder_in} <= {smaller ? largest : ball, smaller, fits, shoulder_in[3:1]};
+        4'd6: {total, elbow_in} <= {less ? largest : total, fits, elbow_in[1]};
+        4'd9: {ball, wrist_in} <= {largest, fits, wrist_in[3:1]};
+        4'd12: {ball, turn_ball_w, wrist_in} <= {smaller ? largest : ball, smaller, fits, wrist_in[3:1]};
         default: ;
       endcase
     if (joined && less) total <= ball;

@@ -36,12 +36,13 @@ module ik_step #(
 
   localparam [W-1:0] HALF = {1'b1, {(W - 1) {1'b0}}};
 
-  wire [W-1:0] span = high - low;
+  reg [W-1:0] span;  // static, as the limits are
   wire whole = &span;
   // One's complement of a negative difference, modulo a turn for a joint without limits; its leading bits
   wire [W-1:0] size_0 = gap_0[W-1:0] ^ {W{whole ? gap_0[W-1] : gap_0[W]}};
   wire [W-1:0] size_1 = gap_1[W-1:0] ^ {W{whole ? gap_1[W-1] : gap_1[W]}};
   always @(posedge clk) begin
+    span   <= high - low;
     ref_at <= ref_th - low;
     at_0   <= th - low;
     at_1   <= (NEGATED != 0) ? -th - low : (th - low) ^ HALF;

@@ -39,7 +39,9 @@ class Design:
     @property
     def group(self) -> str:
         """Value of --datapath that selects the design."""
-        return {"echo": "memory", "fold16": "fold", "fold_arm16": "fold_arm"}.get(self.datapath, self.datapath)
+        return {"echo": "memory", "fold16": "fold", "fold_arm16": "fold_arm", "fold_choice": "choice"}.get(
+            self.datapath, self.datapath
+        )
 
     def run(self, family: str, kind: str = "synth") -> Run:
         """Return a synth, tree or place run on a family. A design with ``within`` is placed as a part of `ik_axis`."""
@@ -68,9 +70,12 @@ DESIGNS = (
     Design("fold_arm16", 24, "ik_arm", ("up5k",), {"up5k": 28}, FOLD16),
     Design("fold_arm", 24, "ik_arm", ("ecp5-12k",), {"ecp5-12k": 90}, FOLD),
     Design("fold_arm", 32, "ik_arm", ("ecp5-12k",), {"ecp5-12k": 85}, FOLD),
+    *(Design("choice", width, "ik_choose", ("xc2vp", "ecp5"), {"ecp5": 180}) for width in (24, 32)),
+    *(Design("fold_choice", width, "ik_fold_choose", ("xc2vp", "ecp5-12k"), {"ecp5-12k": 100}) for width in (24, 32)),
 )
-"""Default designs. lean25 shows the gain of larger tiles. paper has dividers and roots built from logic. memory is
-``ik_axi`` with the lean datapath, echo is ``ik_axi`` with a stand-in for the datapath."""
+"""Default designs. choice and fold_choice are what CHOOSE = 1 adds to ik_arm. lean25 shows the gain of larger tiles. paper
+has dividers and roots built from logic. memory is ``ik_axi`` with the lean datapath, echo is ``ik_axi`` with a stand-in
+for the datapath."""
 
 GROUPS = list(dict.fromkeys(design.group for design in DESIGNS))
 

@@ -54,6 +54,8 @@ DESIGNS = (
     core(NodeBench("fold", 32, 50), NodeBench("fold", 32, 400)),
     core(NodeBench("arm", 16, 100), NodeBench("arm", 16, 2000)),
     core(NodeBench("fold_arm", 20, 40), NodeBench("fold_arm", 20, 400)),
+    core(NodeBench("choose", 16, 100), NodeBench("choose", 16, 2000)),
+    core(NodeBench("fold_choose", 20, 40), NodeBench("fold_choose", 20, 400)),
     core(NodeBench("paper", 18, 250), NodeBench("paper", 18, 3000)),
     core(NodeBench("paper", 18, 200, digit=1), NodeBench("paper", 18, 3000, digit=1)),
     memory(3, 64),

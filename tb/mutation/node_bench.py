@@ -22,6 +22,15 @@ TAG_W = 8
 RIGHT = "all right"  # start of the last line that node_bench.v prints if nothing differs
 
 
+def _ends(th: np.ndarray, width: int, long: bool) -> tuple[int, int]:
+    """Return limits that are two of the angles; with ``long``, at most 15/16 of a turn apart."""
+    if not long:
+        return int(th[len(th) // 3]), int(th[2 * len(th) // 3])
+    low = int(th[len(th) // 3])
+    arcs = th - low & (1 << width) - 1
+    return low, int(th[np.argmax(np.where(arcs < 15 << width - 4, arcs, -1))])
+
+
 @dataclass(frozen=True)
 class NodeBench:
     """Bench of a datapath at a word length. `targets`: number of mixed targets; `corners`: add corner targets."""
@@ -72,7 +81,7 @@ class NodeBench:
         words = np.concatenate([usual_words(self.datapath, self.targets, width, 4), *corners])
         answered = answer(words, width, self.datapath)
         if path.side:  # limits equal angles of targets, so that a limit wrong by one ulp is found
-            limits = [tuple(th[[len(th) // 3, 2 * len(th) // 3]].tolist()) for th in answered.results[:, :7].T]
+            limits = [_ends(th, width, path.chooses) for th in answered.results[:, :7].T]
             answered, port = answer(words, width, self.datapath, limits), limits_port(limits, width)
         nodes, count = answered.shown, len(path.inputs)
         fields = [(column, width) for column in words[:, :count].T]
@@ -94,7 +103,12 @@ class NodeBench:
         at = sum(sizes)
         by_time: dict[int, list[str]] = {}
         for node in nodes:
-            within = ".".join(part for part in (path.instance(node), node.name) if part)
+            instance = path.instance(node)
+            if instance == "g_choose":  # a block, whose name is part of its signals' names
+                instance, name = "", f"\\g_choose.{node.name} "
+            else:
+                instance, name = f"\\{instance} " if instance.startswith("g_choose") else instance, node.name
+            within = ".".join(part for part in (instance, name) if part)
             if path.times and node.instance:  # a named block of the folded core, not an instance
                 within = f"\\{within} "
             compare = f"{core}.{within} !== want[{at}+:{node.format.width}]"
