@@ -171,8 +171,11 @@ class Planner:
                 cost = -np.minimum(found.at - self.limits[:, :1], self.limits[:, 1:] - found.at).min(axis=0)
             else:
                 cost = self.edges(near[found.row].T, found.at)
-            order = np.lexsort((cost, found.row))
-            return found.only(order[np.flatnonzero(np.diff(found.row[order], prepend=-1))])
+            starts = np.flatnonzero(np.diff(found.row, prepend=-1))
+            least = np.minimum.reduceat(cost, starts) if len(starts) else cost
+            counts = np.diff(starts, append=len(cost))
+            equal = np.flatnonzero(cost == np.repeat(least, counts))
+            return found.only(equal[np.flatnonzero(np.diff(found.row[equal], prepend=-1))])
 
         self.extremes = np.empty((len(self.circles), 0, 2)) if hint is None else np.stack((hint, hint), axis=1)[:, None]
         found = chosen(self.candidates(SWIVELS, phi, branch))

@@ -38,6 +38,10 @@ TURNED_BY = np.array([[bit in TURNED.get(joint, ()) for bit in BRANCHES] for joi
 NEGATED_BY = np.array([[bit == NEGATED.get(joint) for bit in BRANCHES] for joint in JOINTS], dtype=int)
 """TURNED and NEGATED as tables of 0 and 1, joint by branch bit, (7, 3)."""
 
+_BITS = np.arange(8) >> np.arange(3)[:, None] & 1
+SIGNS, TURNS = 1.0 - 2 * (NEGATED_BY @ _BITS & 1), np.pi * (TURNED_BY @ _BITS & 1)
+"""Sign and turn (rad) of each joint in each branch, (7, 8): sign * angle in branch 0 + turn."""
+
 
 def wrap(angle):
     """Return angles (rad) wrapped to -pi .. pi."""
@@ -46,10 +50,9 @@ def wrap(angle):
 
 def branched(joints, branch):
     """Return joints (7, ...) of branch 0 converted to ``branch``, an integer or an array (...); angles are wrapped."""
-    bits = np.asarray(branch) >> np.arange(3).reshape(3, *[1] * np.ndim(branch)) & 1
-    turned, negated = (np.tensordot(which, bits, 1) & 1 for which in (TURNED_BY, NEGATED_BY))
-    turned, negated = (which.reshape(7, *which.shape[1:] or [1] * (joints.ndim - 1)) for which in (turned, negated))
-    return wrap(np.where(negated, -joints, joints) + np.pi * turned)
+    shape = np.shape(branch) or (1,) * (joints.ndim - 1)
+    sign, turn = (table[:, branch].reshape(7, *shape) for table in (SIGNS, TURNS))
+    return wrap(joints * sign + turn)
 
 
 def zxz(q):

@@ -186,6 +186,22 @@ def test_track(name):
         at = list(step.joints)
 
 
+@pytest.mark.parametrize("name", ["iiwa14", "human"])
+def test_track_takes_the_nearest_branch(name):
+    """From far away, no other branch with the elbow in its place has a smaller largest step within the limits."""
+    arm, random, found = ARMS[name], np.random.default_rng(3), 0
+    far, present = random.uniform(*arm.limits.T, (2, 200, 7))
+    for point, hand, now in zip(*arm.forward(far), present, strict=True):
+        step = arm._tracker.step(point.tolist(), hand.tolist(), now.tolist())
+        phi = None if step.joints is None else arm._swivel(np.array([step.joints]), arm._asked(point, hand)[1])
+        if phi is not None and step.largest > 0.5:
+            others = [arm.solve(point, hand, phi, branch) for branch in range(8)]
+            inside = [pose.joints[0] for pose in others if not pose.over_limit.any()]
+            assert abs(min(np.abs(at - now).max() for at in inside) - step.largest) < 1e-6
+            found += 1
+    assert found > 20
+
+
 @pytest.mark.parametrize(("tilt", "third"), [(1, 2), (5, 6)])
 def test_track_in_singular_poses(tilt, third):
     """Where th2 or th6 is 0, the turn about the common axis is shared so that no joint moves by more than it."""
