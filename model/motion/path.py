@@ -37,6 +37,9 @@ MARGIN, WEIGHTS = 0.1, (0.01, 0.01, 0.001, 0.001, 0.001)
 FLIPS = np.array([(0, 1, 4, 5), (2, 3, 6, 7)])
 """Branches of each elbow solution."""
 
+OPTIONS = ((joints.SIGNS < 0) | (joints.TURNS > 0))[:, np.arange(8) & ~Branch.ELBOW] + (np.arange(8) & Branch.ELBOW)
+"""For joints in branches (7, 8): 1 if the branch turns or negates it, other than by ELBOW, plus 2 for ELBOW."""
+
 BESIDE = np.tan(np.radians((-75, -60, -40, -20, 0, 20, 40, 60, 75)))
 """Offsets of swivel angles beside the one at which a ball joint is nearest to singular: equal turns of th1 and th3."""
 
@@ -91,7 +94,7 @@ class Planner:
         self.copied = np.zeros(7, dtype=bool)  # wide joints whose windings are candidates of their own
 
     def placed(self, th: Floats, near: Floats | None = None) -> tuple[Floats, NDArray[np.bool_]]:
-        """Return joint positions (7, M) for th1 .. th7, and True (M,) where all are within their limits.
+        """Return joint positions (7, M) for th1 .. th7, and True (7, M) for those outside their limits.
 
         near (7, M): positions; those of copied joints are the nearest to them.
         """
@@ -101,8 +104,35 @@ class Planner:
         at -= TURN * np.floor((at - bottom) * (1 / TURN))
         if near is not None and self.copied.any():
             at = np.where(self.copied[:, None], near + joints.wrap(at - near), at)
-        outside = (at < low - joints.ROUNDING) | (at > high + joints.ROUNDING)
-        return np.clip(at, low, high), np.asarray(~outside.any(axis=0))
+        return at, (at < low - joints.ROUNDING) | (at > high + joints.ROUNDING)
+
+    def nearest_branch(self, th: list[Floats], near: Floats | None) -> tuple[NDArray[np.intp], Floats, NDArray]:
+        """Return for th1 .. th7 (7, N) of both elbow solutions the best branch (N,) within the limits as in
+        :meth:`best`, its joint positions (7, N), and True (N,) for poses that have one and are not singular."""
+        turned = [joints.branched(some, of) for some in th for of in (0, Branch.SHOULDER | Branch.WRIST)]
+        places, outside = (np.array(v) for v in zip(*map(self.placed, turned), strict=True))
+        each, order, costs = np.arange(7), FLIPS.T.ravel(), np.empty((8, th[0].shape[1]))
+        for cost, option in zip(costs, OPTIONS.T[order], strict=True):
+            cost[:] = self._cost(places[option, each], near)
+            cost[outside[option, each].any(axis=0)] = np.inf
+        best = order[costs.argmin(axis=0)]
+        at = places[OPTIONS[:, best], each[:, None], np.arange(len(best))]
+        regular = np.abs(np.sin([some[[1, 5]] for some in th])).min(axis=(0, 1)) > SINGULAR
+        return best, self._closer(np.clip(at, *self.limits.T[..., None]), near), regular & (costs.min(axis=0) < np.inf)
+
+    def _cost(self, at: Floats, near: Floats | None) -> Floats:
+        """Return costs (M,) of joint positions (7, M): of the step to ``near`` (7, M) or, without it, of the limits."""
+        if near is not None:
+            return self.edges(near, at)
+        return -np.minimum(at - self.limits[:, :1], self.limits[:, 1:] - at).min(axis=0)
+
+    def _closer(self, at: Floats, near: Floats | None) -> Floats:
+        """Return joint positions (7, M) with wide joints at their values nearest to ``near`` (7, M)."""
+        if near is None or not self.wide.any():
+            return at
+        closer = near + joints.wrap(at - near)
+        allowed = self.wide[:, None] & (closer >= self.limits[:, :1]) & (closer <= self.limits[:, 1:])
+        return np.where(allowed, closer, at)
 
     def solved(self, row: NDArray, branch: NDArray, phi: Floats, near: Floats | None = None) -> Candidates:
         """Return the candidates within the limits, sorted by row; where a ball joint is singular, several splits of the
@@ -122,8 +152,10 @@ class Planner:
                 split = self._split(ball, *(v[..., singular & (parts[1] & bit == 0)] for v in parts))
                 parts = [np.concatenate((v[..., ~singular], new), axis=-1) for v, new in zip(parts, split, strict=True)]
         row, branch, phi, th, *near_of = parts
-        at, inside = self.placed(th, *near_of)
-        found = Candidates(row[inside], branch[inside], phi[inside], at[:, inside])
+        at, outside = self.placed(th, *near_of)
+        inside = ~outside.any(axis=0)
+        at = np.clip(at[:, inside], *self.limits.T[..., None])
+        found = Candidates(row[inside], branch[inside], phi[inside], at)
         return found.only(np.argsort(found.row, kind="stable"))
 
     def _split(self, ball: int, row, branch, phi, th, near=None) -> list[NDArray]:
@@ -167,10 +199,7 @@ class Planner:
         """
 
         def chosen(found: Candidates) -> Candidates:
-            if near is None:
-                cost = -np.minimum(found.at - self.limits[:, :1], self.limits[:, 1:] - found.at).min(axis=0)
-            else:
-                cost = self.edges(near[found.row].T, found.at)
+            cost = self._cost(found.at, None if near is None else near[found.row].T)
             starts = np.flatnonzero(np.diff(found.row, prepend=-1))
             least = np.minimum.reduceat(cost, starts) if len(starts) else cost
             counts = np.diff(starts, append=len(cost))
@@ -183,9 +212,7 @@ class Planner:
             self.finer = TURN / SWIVELS / 3**round
             found = chosen(self._around(found, near_extremes=False))
         if near is not None:
-            closer = near[found.row].T + joints.wrap(found.at - near[found.row].T)
-            allowed = self.wide[:, None] & (closer >= self.limits[:, :1]) & (closer <= self.limits[:, 1:])
-            found = found._replace(at=np.where(allowed, closer, found.at))
+            found = found._replace(at=self._closer(found.at, near[found.row].T))
         swivels, branches = np.empty(len(self.circles)), np.empty(len(self.circles), dtype=np.int64)
         swivels[found.row], branches[found.row] = found.phi, found.branch
         missing = np.flatnonzero(np.bincount(found.row, minlength=len(swivels)) == 0)

@@ -80,7 +80,7 @@ class Tracker:
             th3, th4, th5 = th3 + pi, -th4, th5 + pi
         if c:
             th5, th6, th7 = th5 + pi, -th6, th7 + pi
-        most, positions = 0.0, []
+        most, positions = 0.0, list[float]()
         for (offset, sign, low, high), now, angle in zip(
             self.joints, present, (th1, th2, th3, th4, th5, th6, th7), strict=True
         ):

@@ -193,7 +193,7 @@ def test_track_takes_the_nearest_branch(name):
     far, present = random.uniform(*arm.limits.T, (2, 200, 7))
     for point, hand, now in zip(*arm.forward(far), present, strict=True):
         step = arm._tracker.step(point.tolist(), hand.tolist(), now.tolist())
-        phi = None if step.joints is None else arm._swivel(np.array([step.joints]), arm._asked(point, hand)[1])
+        phi = None if step.joints is None else arm._swivel(np.array([step.joints]), arm._asked(point, hand)[0])
         if phi is not None and step.largest > 0.5:
             others = [arm.solve(point, hand, phi, branch) for branch in range(8)]
             inside = [pose.joints[0] for pose in others if not pose.over_limit.any()]
