@@ -309,6 +309,13 @@ class Arm:
         wrists, q, *_ = self._asked(points, hand)
         return feasible_swivel(wrists, q, self.d1, self.d2, limits=self.bounds, branch=branch, bent=self._bent)
 
+    def reasons(self, points: ArrayLike, hand: ArrayLike) -> dict[int, str]:
+        """Return row -> text for each pose of the tip that no branch and swivel angle solves: the joints of the best
+        branch with their distances from the limits, or the reach.  Raises ValueError."""
+        wrists, q, *_ = self._asked(points, hand)
+        planner, over = self._planner(wrists, q), self.solve(points, hand).over_limit.any(axis=1)
+        return planner.impossible(np.flatnonzero(over | planner.circles.unreachable))
+
     def path(
         self,
         points: ArrayLike,
@@ -356,7 +363,7 @@ class Arm:
                 return step
         pose = self.solve(point, hand, near=positions)
         if pose.over_limit.any() or pose.flags.any() and not self.chain:
-            return Step(None, 0, np.inf, self.path(point, hand).jumps.get(0, "out of reach"))
+            return Step(None, 0, np.inf, self.reasons(point, hand).get(0, "out of reach"))
         slow = Step(
             tuple(pose.joints[0].tolist()), int(pose.branch[0]), float(np.abs(pose.joints[0] - positions).max())
         )

@@ -249,11 +249,27 @@ class Planner:
         errors = np.zeros(len(path.row))
         if self.corrected:
             corrected, errors = self.corrected(settled.T, path.row)
+            self._correct_again(found, path.row, corrected, errors)
             settled = corrected.T
         result = self._result(path._replace(at=settled), start, goal, phi, branch)
         for n in np.flatnonzero(errors > joints.ROUNDING):
             result.jumps[int(path.row[n])] = f"the tip misses its pose by {errors[n]:.3g} of the size or rad"
         return result
+
+    def _correct_again(self, found: Candidates, row: NDArray, at: Floats, errors: Floats) -> None:
+        """Replace positions (R, 7) and errors (R,) of rows whose correction failed, as it may where the arm is almost
+        straight: of corrections from several candidates, the one nearest to the neighbouring rows is taken."""
+        assert self.corrected
+        for n in np.flatnonzero(errors > joints.ROUNDING):
+            beside = at[[m for m in (n - 1, n + 1) if 0 <= m < len(at) and errors[m] <= joints.ROUNDING]]
+            starts = np.concatenate((found.at[:, found.row == row[n]], beside.T), axis=1)
+            if len(beside):
+                starts = self._closer(starts, np.broadcast_to(beside[0][:, None], starts.shape))
+            some, missed = self.corrected(starts.T, np.full(starts.shape[1], row[n]))
+            costs = self.edges(beside.T[..., None], some.T[:, None]).sum(axis=0) + 1e9 * (missed > joints.ROUNDING)
+            best = costs.argmin()
+            if missed[best] < errors[n]:
+                at[n], errors[n] = some[best], missed[best]
 
     def candidates(self, count: int, phi: Floats | None, branch: NDArray | None) -> Candidates:
         """Return the candidates of all rows, with ``phi`` (N,) only at these angles, with ``branch`` (N,) only of these
@@ -379,7 +395,7 @@ class Planner:
             at[joint] = turned + TURN * (0 if start is not None else np.clip(0, least, most))
         return at
 
-    def _impossible(self, row: NDArray, phi: Floats | None, branch: NDArray | None) -> dict[int, str]:
+    def impossible(self, row: NDArray, phi: Floats | None = None, branch: NDArray | None = None) -> dict[int, str]:
         """Return row -> text that explains why the row has no candidate."""
         texts, (_, of, excess) = {}, self._nearest_miss(row, phi, branch)
         for n, best, over in zip(row.tolist(), of.tolist(), excess.T, strict=True):
@@ -387,17 +403,16 @@ class Planner:
                 near, far = self.circles.reach[n]
                 texts[n] = beyond(self.circles.distance[n], near, far)
             else:
-                listed = (
-                    f"joint {joint + 1} by {over[joint]:.3g} rad" for joint in np.flatnonzero(over > joints.ROUNDING)
-                )
-                texts[n] = f"outside the limits, in branch {best}: {', '.join(listed)}"
+                beyond_limits = np.flatnonzero(over > joints.ROUNDING)
+                listed = ", ".join(f"joint {joint + 1} by {over[joint]:.3g} rad" for joint in beyond_limits)
+                texts[n] = f"outside the limits, in branch {best}: {listed}" if listed else "the correction fails"
         return texts
 
     def _result(self, path: Candidates, start: Floats | None, goal: float, asked_phi, asked_branch) -> JointPath:
         count = len(self.circles)
         place, phi, branch = np.full((count, 7), np.nan), np.full(count, np.nan), np.zeros(count, dtype=np.int64)
         place[path.row], phi[path.row], branch[path.row] = path.at.T, joints.wrap(path.phi), path.branch
-        step, jumps = np.full(count, np.nan), self._impossible(np.flatnonzero(np.isnan(phi)), asked_phi, asked_branch)
+        step, jumps = np.full(count, np.nan), self.impossible(np.flatnonzero(np.isnan(phi)), asked_phi, asked_branch)
         moves = np.diff(path.at, axis=1, prepend=path.at[:, :1] if start is None else start[:, None])
         step[path.row] = np.abs(moves).max(axis=0, initial=0)
         for n in np.flatnonzero(step[path.row] > goal).tolist():

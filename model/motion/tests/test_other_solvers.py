@@ -15,7 +15,7 @@ BEYOND = 0.3  # rad beyond the limits of half of the poses, so that some cannot 
 
 @pytest.fixture(params=["iiwa14", *(path.stem for path in sorted(ROBOTS.folder.glob("*.urdf")))])
 def robot(request, tmp_path):
-    """Return the file of a robot, its arm, and tips: points (N, 3), orientations (N, 4), the first half in the limits."""
+    """Return the file of a robot, its arm, and tips: points (N, 3), orientations (N, 4), 100 in its limits first."""
     path = ROBOTS.folder / f"{request.param}.urdf"
     if request.param == "iiwa14":
         chain, tip = bones(SERIAL, (0, 0, 0.36)), ((0, 0, 0.126), (0, 0, 0))
