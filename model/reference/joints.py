@@ -139,13 +139,14 @@ def outside(joints, limits):
     return excess(joints, limits) > ROUNDING
 
 
-def settled(joints, limits):
+def settled(joints, limits, beyond=None):
     """Return joints (7, ...) with th1, th3 and th5, th7 moved into their limits (7, 2) where the pose allows it.
 
     If th2 (th6) is within STRAIGHT of 0 or pi, the pose depends only on the sum or difference of th1, th3 (th5, th7).
+    beyond (7, ...): what :func:`outside` returns. Joints of which none moves are returned themselves.
     """
     middle, half = centred(limits)
-    result, beyond = joints, outside(joints, limits)
+    result, beyond = joints, outside(joints, limits) if beyond is None else beyond
     for a, tilt, c in ((0, 1, 2), (4, 5, 6)):
         moved = (beyond[a] | beyond[c]) & (np.abs(np.sin(joints[tilt])) < STRAIGHT)
         if moved.any():
