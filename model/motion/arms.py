@@ -29,6 +29,7 @@ SPARE = 5e-3  # rad beyond the limits in which a start for the correction may li
 CORRECTED, RETRIES = 1e-9, 32  # largest error after the correction, of size or in rad; further starts for larger ones
 GOAL = 0.2  # largest step of a joint along a path, rad
 BATCH = 128  # poses whose branch and swivel angle are chosen at a time, so that arrays stay in the cache
+CHUNK = 1024  # poses of which only the branch is chosen
 
 
 def _report(progress: Callable[[int, str], None], done: int, rows: int, part: float, count: int) -> None:
@@ -105,8 +106,8 @@ class Arm:
 
     def _asked(
         self, points: ArrayLike, hand: ArrayLike, phi: Any = None, branch: Any = None, near: Any = None
-    ) -> tuple[Circles, Floats, Floats, Any, Any, Any]:
-        """Return the circles, wrist targets (N, 3) and hands (N, 4) in the shoulder's frame for poses of the tip.
+    ) -> tuple[Floats, Floats, Any, Any, Any]:
+        """Return wrist targets (N, 3) and hands (N, 4) in the shoulder's frame for poses of the tip.
 
         The other arguments follow, with N rows or None.  Raises ValueError.
         """
@@ -118,13 +119,31 @@ class Arm:
         asked = {name: np.broadcast_to(rows, (count, *rows.shape[1:])) for name, rows in asked.items()}
         q = multiply(multiply(conjugate(self.mount), asked["hand"]), conjugate(self.tip))
         wrists = rotate(conjugate(self.mount), asked["points"] - self.base) - rotate(q, self.tool)
-        circles = Circles.of(wrists, Hands.checked(q, 0.0, 0), self.d1, self.d2, bent=self._bent)
-        circles = replace(circles, slack=4 * self.misfit[0])
-        return circles, wrists, q, *(asked.get(name) for name in ("phi", "branch", "near"))
+        return wrists, q, *(asked.get(name) for name in ("phi", "branch", "near"))
 
-    def _planner(self, circles: Circles) -> Planner:
-        spare = SPARE * bool(self.chain)
+    def _planner(self, wrists: Floats, q: Floats) -> Planner:
+        """Return a planner of wrist targets (N, 3) with hands (N, 4) in the shoulder's frame."""
+        circles = Circles.of(wrists, Hands.checked(q, 0.0, 0), self.d1, self.d2, bent=self._bent)
+        circles, spare = replace(circles, slack=4 * self.misfit[0]), SPARE * bool(self.chain)
         return Planner(circles, self.limits + (-spare, spare), self.offsets, self.signs)
+
+    def _branched(self, pose: Pose, branch: ArrayLike) -> Floats:
+        """Return th1 .. th7 (7, N) in a branch, a number or (N,), of poses in branch 0."""
+        if not self._bent:
+            return joints.branched(pose.joints.T, branch)
+        return joints.angles(*joints.bent(pose.qs.T, joints.flexion(pose.qe.T), pose.qw.T, branch, *self._bent))
+
+    def _nearest_branches(self, pose: Pose, near: Floats | None) -> tuple[NDArray[np.int64], Floats]:
+        """Return the best branches (N,) for poses in branch 0, and their joint positions (N, 7), of which the rows are
+        nan that need a planner: singular poses, poses out of reach, and poses without a branch within the limits."""
+        branches, at = np.empty(len(pose.joints), dtype=np.int64), np.empty(pose.joints.shape)
+        planner, th = self._planner(pose.wrist[:0], pose.qw[:0]), [self._branched(pose, elbow) for elbow in (0, 2)]
+        for first in range(0, len(at), CHUNK):
+            rows = slice(first, first + CHUNK)
+            to = None if near is None else near[rows].T
+            branches[rows], positions, found = planner.nearest_branch([some[:, rows] for some in th], to)
+            at[rows] = np.where(found & (pose.flags[rows] == 0), positions, np.nan).T
+        return branches, at
 
     def _tips(self, points: ArrayLike, hand: Any, count: int) -> tuple[Floats, Floats]:
         """Return the poses of the tip that were asked for: points (N, 3), quaternions (N, 4)."""
@@ -135,24 +154,21 @@ class Arm:
         assert self.chain
         return self.chain.corrected(positions, points, matrix(hand))
 
-    def _retried(
-        self, left: NDArray[np.intp], circles: Circles, points: Floats, hand: Floats, phi: Any, branch: Any
-    ) -> tuple[Floats, Floats]:
-        """Return what :meth:`_corrected` does for poses ``left`` (R,) from the best of several starts.
+    def _retried(self, planner: Planner, points: Floats, hand: Floats, phi: Any, branch: Any) -> tuple[Floats, Floats]:
+        """Return what :meth:`_corrected` does for the planner's poses (R,) from the best of several starts.
 
-        phi, branch (N,): given, or None.
+        phi, branch (R,): given, or None.
         """
-        asked = (None if v is None else v[left] for v in (phi, branch))
-        found = self._planner(circles.part(left)).candidates(SWIVELS, *asked)
-        first = np.searchsorted(found.row, np.arange(len(left)))
-        counts = np.bincount(found.row, minlength=len(left))
-        best, errors = np.full((len(left), 7), np.nan), np.full(len(left), np.inf)
+        found, count = planner.candidates(SWIVELS, phi, branch), len(points)
+        first = np.searchsorted(found.row, np.arange(count))
+        counts = np.bincount(found.row, minlength=count)
+        best, errors = np.full((count, 7), np.nan), np.full(count, np.inf)
         for start in range(0, RETRIES):
             rows = np.flatnonzero((counts > start) & (errors > CORRECTED))
             if not len(rows):
                 break
             places = first[rows] + start * counts[rows] // min(RETRIES, counts.max())
-            at, error = self._corrected(found.at[:, places].T, points[left[rows]], hand[left[rows]])
+            at, error = self._corrected(found.at[:, places].T, points[rows], hand[rows])
             better = error < errors[rows]
             best[rows[better]], errors[rows[better]] = at[better], error[better]
         return best, errors
@@ -258,31 +274,35 @@ class Arm:
         joints exceed their limits by the smallest sum.
         ``Pose.joints`` are the robot's positions.  Raises ValueError as :func:`cga_ik.solve` does.
         """
-        circles, wrists, q, *given = self._asked(points, hand, phi, branch, near)
-        kept = given[:2]
-        chosen, batch = [], BATCH if phi is None else 16 * BATCH
-        if phi is None or branch is None:
-            given.append(None if near is None else self._swivel(given[2], wrists))
-            for rows in (slice(n, n + batch) for n in range(0, len(circles), batch)):
-                some = (None if v is None else v[rows] for v in given)
-                chosen.append(self._planner(circles.part(rows)).best(*some))
-            phi, branch = (np.concatenate([part[k] for part in chosen] or [np.zeros(0, dtype=int)]) for k in (1, 2))
-        pose = solve(wrists, phi, self.d1, self.d2, hand=q, branch=branch)
-        if self._bent:
-            branches = np.broadcast_to(branch, len(pose.qs))
-            axes = joints.bent(pose.qs.T, joints.flexion(pose.qe.T), pose.qw.T, branches, *self._bent)
-            pose = replace(pose, joints=joints.angles(*axes).T)
-        th = joints.settled(pose.joints.T, self.bounds)
-        at, over = self.positions(th.T), joints.outside(th, self.bounds).T
-        for first, (best, _, _) in zip(range(0, len(at), batch), chosen, strict=False):
-            at[first + best.row], over[first + best.row] = best.at.T, False
+        wrists, q, *given = self._asked(points, hand, phi, branch, near)
+        count, (turns, of, to) = len(wrists), given
+        swivels = np.empty(count) if turns is None else joints.wrap(turns) if of is None else turns
+        branches = np.empty(count, dtype=np.int64) if of is None else of.copy()
+        at, left, pose = np.full((count, 7), np.nan), np.arange(count), None
+        if turns is not None:
+            pose = solve(wrists, swivels, self.d1, self.d2, hand=q)
+            if of is not None:
+                left = left[:0]
+            else:
+                branches, at = self._nearest_branches(pose, to)
+                left = np.flatnonzero(np.isnan(at[:, 0]))
+        for rows in (left[n : n + BATCH] for n in range(0, len(left), BATCH)):
+            some = [None if v is None else v[rows] for v in given]
+            some.append(None if to is None else self._swivel(to[rows], wrists[rows]))
+            best, swivels[rows], branches[rows] = self._planner(wrists[rows], q[rows]).best(*some)
+            at[rows[best.row]] = best.at.T
+        pose = pose or solve(wrists, swivels, self.d1, self.d2, hand=q)
+        th, missing = joints.settled(self._branched(pose, branches), self.bounds), np.isnan(at[:, 0])
+        over = joints.outside(th, self.bounds).T & missing[:, None]
+        at[missing] = self.positions(th.T[missing])
         if self.chain:
-            tips, turns = self._tips(points, hand, len(circles))
+            tips, turned = self._tips(points, hand, count)
             within = np.flatnonzero(~over.any(axis=1))
-            at[within], errors = self._corrected(at[within], tips[within], turns[within])
+            at[within], errors = self._corrected(at[within], tips[within], turned[within])
             left = within[errors > CORRECTED]
             if len(left):
-                at[left], errors = self._retried(left, circles, tips, turns, *kept)
+                some = [None if v is None else v[left] for v in (turns, of)]
+                at[left], errors = self._retried(self._planner(wrists[left], q[left]), tips[left], turned[left], *some)
                 over[left[errors > CORRECTED]] = True
         elbow, wrist = (self.base + rotate(self.mount, point) for point in (pose.elbow, pose.wrist))
         return replace(
@@ -293,7 +313,7 @@ class Arm:
             hand=wrist + rotate(self.mount, rotate(q, self.tool)),
             joints=at,
             over_limit=over,
-            branch=np.broadcast_to(branch, len(at)).copy(),
+            branch=branches,
         )
 
     def forward(self, positions: ArrayLike) -> tuple[Floats, Floats]:
@@ -310,8 +330,15 @@ class Arm:
 
     def feasible_swivel(self, points: ArrayLike, hand: ArrayLike, branch: ArrayLike = 0) -> Swivels:
         """Return the swivel angles for which all joints are within their limits.  Raises ValueError."""
-        _, wrists, q, *_ = self._asked(points, hand)
+        wrists, q, *_ = self._asked(points, hand)
         return feasible_swivel(wrists, q, self.d1, self.d2, limits=self.bounds, branch=branch, bent=self._bent)
+
+    def reasons(self, points: ArrayLike, hand: ArrayLike) -> dict[int, str]:
+        """Return row -> text for each pose of the tip that no branch and swivel angle solves: the joints of the best
+        branch with their distances from the limits, or the reach.  Raises ValueError."""
+        wrists, q, *_ = self._asked(points, hand)
+        planner, over = self._planner(wrists, q), self.solve(points, hand).over_limit.any(axis=1)
+        return planner.impossible(np.flatnonzero(over | planner.circles.unreachable))
 
     def path(
         self,
@@ -331,7 +358,7 @@ class Arm:
         of chosen. progress: called several times with the part that is done, 0 to 1, and the number of swivel angles
         tried; from 0 for each further attempt.  Raises ValueError.
         """
-        circles, _, _, given_phi, given_branch, _ = self._asked(points, hand, phi, branch)
+        wrists, q, given_phi, given_branch, _ = self._asked(points, hand, phi, branch)
         if not 0 < goal < np.inf:
             raise ValueError(f"goal {goal!r} is not an angle")
         before = None if start is None else _vector("start", start, 7)
@@ -342,10 +369,10 @@ class Arm:
             if over.max() > 1e-6:
                 name, by = self.names[over.argmax()], over.max()
                 raise ValueError(f"start: {name} is {by:.3g} rad outside its limits")
-        planner = self._planner(circles)
+        planner = self._planner(wrists, q)
         planner.progress = progress or planner.progress
         if self.chain:
-            tips, turns = self._tips(points, hand, len(circles))
+            tips, turns = self._tips(points, hand, len(wrists))
             planner.corrected = lambda at, rows: self._corrected(at, tips[rows], turns[rows])
         return planner.plan(given_phi, given_branch, before, goal)
 
@@ -363,7 +390,7 @@ class Arm:
                 return step
         pose = self.solve(point, hand, near=positions)
         if pose.over_limit.any() or pose.flags.any() and not self.chain:
-            return Step(None, 0, np.inf, self.path(point, hand).jumps.get(0, "out of reach"))
+            return Step(None, 0, np.inf, self.reasons(point, hand).get(0, "out of reach"))
         slow = Step(
             tuple(pose.joints[0].tolist()), int(pose.branch[0]), float(np.abs(pose.joints[0] - positions).max())
         )
@@ -377,7 +404,7 @@ class Arm:
         """
         rows = checked_rows("positions", positions, 7)
         points, hand = self.forward(rows)
-        _, wrists, *_ = self._asked(points, hand)
+        wrists, *_ = self._asked(points, hand)
         return self.path(points, hand, phi=self._swivel(rows, wrists)).joints
 
     @classmethod

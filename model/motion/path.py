@@ -40,6 +40,9 @@ Progress = Callable[[float, int], None]
 FLIPS = np.array([(0, 1, 4, 5), (2, 3, 6, 7)])
 """Branches of each elbow solution."""
 
+OPTIONS = ((joints.SIGNS < 0) | (joints.TURNS > 0))[:, np.arange(8) & ~Branch.ELBOW] + (np.arange(8) & Branch.ELBOW)
+"""For joints in branches (7, 8): 1 if the branch turns or negates it, other than by ELBOW, plus 2 for ELBOW."""
+
 BESIDE = np.tan(np.radians((-75, -60, -40, -20, 0, 20, 40, 60, 75)))
 """Offsets of swivel angles beside the one at which a ball joint is nearest to singular: equal turns of th1 and th3."""
 
@@ -95,7 +98,7 @@ class Planner:
         self.progress: Progress = lambda part, count: None
 
     def placed(self, th: Floats, near: Floats | None = None) -> tuple[Floats, NDArray[np.bool_]]:
-        """Return joint positions (7, M) for th1 .. th7, and True (M,) where all are within their limits.
+        """Return joint positions (7, M) for th1 .. th7, and True (7, M) for those outside their limits.
 
         near (7, M): positions; those of copied joints are the nearest to them.
         """
@@ -105,8 +108,35 @@ class Planner:
         at -= TURN * np.floor((at - bottom) * (1 / TURN))
         if near is not None and self.copied.any():
             at = np.where(self.copied[:, None], near + joints.wrap(at - near), at)
-        outside = (at < low - joints.ROUNDING) | (at > high + joints.ROUNDING)
-        return np.clip(at, low, high), np.asarray(~outside.any(axis=0))
+        return at, (at < low - joints.ROUNDING) | (at > high + joints.ROUNDING)
+
+    def nearest_branch(self, th: list[Floats], near: Floats | None) -> tuple[NDArray[np.intp], Floats, NDArray]:
+        """Return for th1 .. th7 (7, N) of both elbow solutions the best branch (N,) within the limits as in
+        :meth:`best`, its joint positions (7, N), and True (N,) for poses that have one and are not singular."""
+        turned = [joints.branched(some, of) for some in th for of in (0, Branch.SHOULDER | Branch.WRIST)]
+        places, outside = (np.array(v) for v in zip(*map(self.placed, turned), strict=True))
+        each, order, costs = np.arange(7), FLIPS.T.ravel(), np.empty((8, th[0].shape[1]))
+        for cost, option in zip(costs, OPTIONS.T[order], strict=True):
+            cost[:] = self._cost(places[option, each], near)
+            cost[outside[option, each].any(axis=0)] = np.inf
+        best = order[costs.argmin(axis=0)]
+        at = places[OPTIONS[:, best], each[:, None], np.arange(len(best))]
+        regular = np.abs(np.sin([some[[1, 5]] for some in th])).min(axis=(0, 1)) > SINGULAR
+        return best, self._closer(np.clip(at, *self.limits.T[..., None]), near), regular & (costs.min(axis=0) < np.inf)
+
+    def _cost(self, at: Floats, near: Floats | None) -> Floats:
+        """Return costs (M,) of joint positions (7, M): of the step to ``near`` (7, M) or, without it, of the limits."""
+        if near is not None:
+            return self.edges(near, at)
+        return -np.minimum(at - self.limits[:, :1], self.limits[:, 1:] - at).min(axis=0)
+
+    def _closer(self, at: Floats, near: Floats | None) -> Floats:
+        """Return joint positions (7, M) with wide joints at their values nearest to ``near`` (7, M)."""
+        if near is None or not self.wide.any():
+            return at
+        closer = near + joints.wrap(at - near)
+        allowed = self.wide[:, None] & (closer >= self.limits[:, :1]) & (closer <= self.limits[:, 1:])
+        return np.where(allowed, closer, at)
 
     def solved(self, row: NDArray, branch: NDArray, phi: Floats, near: Floats | None = None) -> Candidates:
         """Return the candidates within the limits, sorted by row; where a ball joint is singular, several splits of the
@@ -126,8 +156,10 @@ class Planner:
                 split = self._split(ball, *(v[..., singular & (parts[1] & bit == 0)] for v in parts))
                 parts = [np.concatenate((v[..., ~singular], new), axis=-1) for v, new in zip(parts, split, strict=True)]
         row, branch, phi, th, *near_of = parts
-        at, inside = self.placed(th, *near_of)
-        found = Candidates(row[inside], branch[inside], phi[inside], at[:, inside])
+        at, outside = self.placed(th, *near_of)
+        inside = ~outside.any(axis=0)
+        at = np.clip(at[:, inside], *self.limits.T[..., None])
+        found = Candidates(row[inside], branch[inside], phi[inside], at)
         return found.only(np.argsort(found.row, kind="stable"))
 
     def _split(self, ball: int, row, branch, phi, th, near=None) -> list[NDArray]:
@@ -171,12 +203,12 @@ class Planner:
         """
 
         def chosen(found: Candidates) -> Candidates:
-            if near is None:
-                cost = -np.minimum(found.at - self.limits[:, :1], self.limits[:, 1:] - found.at).min(axis=0)
-            else:
-                cost = self.edges(near[found.row].T, found.at)
-            order = np.lexsort((cost, found.row))
-            return found.only(order[np.flatnonzero(np.diff(found.row[order], prepend=-1))])
+            cost = self._cost(found.at, None if near is None else near[found.row].T)
+            starts = np.flatnonzero(np.diff(found.row, prepend=-1))
+            least = np.minimum.reduceat(cost, starts) if len(starts) else cost
+            counts = np.diff(starts, append=len(cost))
+            equal = np.flatnonzero(cost == np.repeat(least, counts))
+            return found.only(equal[np.flatnonzero(np.diff(found.row[equal], prepend=-1))])
 
         self.extremes = np.empty((len(self.circles), 0, 2)) if hint is None else np.stack((hint, hint), axis=1)[:, None]
         found = chosen(self.candidates(SWIVELS, phi, branch))
@@ -184,9 +216,7 @@ class Planner:
             self.finer = TURN / SWIVELS / 3**round
             found = chosen(self._around(found, near_extremes=False))
         if near is not None:
-            closer = near[found.row].T + joints.wrap(found.at - near[found.row].T)
-            allowed = self.wide[:, None] & (closer >= self.limits[:, :1]) & (closer <= self.limits[:, 1:])
-            found = found._replace(at=np.where(allowed, closer, found.at))
+            found = found._replace(at=self._closer(found.at, near[found.row].T))
         swivels, branches = np.empty(len(self.circles)), np.empty(len(self.circles), dtype=np.int64)
         swivels[found.row], branches[found.row] = found.phi, found.branch
         missing = np.flatnonzero(np.bincount(found.row, minlength=len(swivels)) == 0)
@@ -224,11 +254,27 @@ class Planner:
         errors = np.zeros(len(path.row))
         if self.corrected:
             corrected, errors = self.corrected(settled.T, path.row)
+            self._correct_again(found, path.row, corrected, errors)
             settled = corrected.T
         result = self._result(path._replace(at=settled), start, goal, phi, branch)
         for n in np.flatnonzero(errors > joints.ROUNDING):
             result.jumps[int(path.row[n])] = f"the tip misses its pose by {errors[n]:.3g} of the size or rad"
         return result
+
+    def _correct_again(self, found: Candidates, row: NDArray, at: Floats, errors: Floats) -> None:
+        """Replace positions (R, 7) and errors (R,) of rows whose correction failed, as it may where the arm is almost
+        straight: of corrections from several candidates, the one nearest to the neighbouring rows is taken."""
+        assert self.corrected
+        for n in np.flatnonzero(errors > joints.ROUNDING):
+            beside = at[[m for m in (n - 1, n + 1) if 0 <= m < len(at) and errors[m] <= joints.ROUNDING]]
+            starts = np.concatenate((found.at[:, found.row == row[n]], beside.T), axis=1)
+            if len(beside):
+                starts = self._closer(starts, np.broadcast_to(beside[0][:, None], starts.shape))
+            some, missed = self.corrected(starts.T, np.full(starts.shape[1], row[n]))
+            costs = self.edges(beside.T[..., None], some.T[:, None]).sum(axis=0) + 1e9 * (missed > joints.ROUNDING)
+            best = costs.argmin()
+            if missed[best] < errors[n]:
+                at[n], errors[n] = some[best], missed[best]
 
     def candidates(self, count: int, phi: Floats | None, branch: NDArray | None) -> Candidates:
         """Return the candidates of all rows, with ``phi`` (N,) only at these angles, with ``branch`` (N,) only of these
@@ -354,7 +400,7 @@ class Planner:
             at[joint] = turned + TURN * (0 if start is not None else np.clip(0, least, most))
         return at
 
-    def _impossible(self, row: NDArray, phi: Floats | None, branch: NDArray | None) -> dict[int, str]:
+    def impossible(self, row: NDArray, phi: Floats | None = None, branch: NDArray | None = None) -> dict[int, str]:
         """Return row -> text that explains why the row has no candidate."""
         texts, (_, of, excess) = {}, self._nearest_miss(row, phi, branch)
         for n, best, over in zip(row.tolist(), of.tolist(), excess.T, strict=True):
@@ -362,17 +408,16 @@ class Planner:
                 near, far = self.circles.reach[n]
                 texts[n] = beyond(self.circles.distance[n], near, far)
             else:
-                listed = (
-                    f"joint {joint + 1} by {over[joint]:.3g} rad" for joint in np.flatnonzero(over > joints.ROUNDING)
-                )
-                texts[n] = f"outside the limits, in branch {best}: {', '.join(listed)}"
+                beyond_limits = np.flatnonzero(over > joints.ROUNDING)
+                listed = ", ".join(f"joint {joint + 1} by {over[joint]:.3g} rad" for joint in beyond_limits)
+                texts[n] = f"outside the limits, in branch {best}: {listed}" if listed else "the correction fails"
         return texts
 
     def _result(self, path: Candidates, start: Floats | None, goal: float, asked_phi, asked_branch) -> JointPath:
         count = len(self.circles)
         place, phi, branch = np.full((count, 7), np.nan), np.full(count, np.nan), np.zeros(count, dtype=np.int64)
         place[path.row], phi[path.row], branch[path.row] = path.at.T, joints.wrap(path.phi), path.branch
-        step, jumps = np.full(count, np.nan), self._impossible(np.flatnonzero(np.isnan(phi)), asked_phi, asked_branch)
+        step, jumps = np.full(count, np.nan), self.impossible(np.flatnonzero(np.isnan(phi)), asked_phi, asked_branch)
         moves = np.diff(path.at, axis=1, prepend=path.at[:, :1] if start is None else start[:, None])
         step[path.row] = np.abs(moves).max(axis=0, initial=0)
         for n in np.flatnonzero(step[path.row] > goal).tolist():

@@ -25,7 +25,6 @@ from .pose import Axis, Floats, Order, direction, hanging, solve, to_z
 
 CHUNK = 1024
 TURN = 2 * np.pi
-ROOTS = 28  # two for each limit of six joints, and for a straight arm two for each ball joint
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,7 +236,10 @@ def _elements(q):
 
 
 def _roots(ends, bounds):
-    """Return the swivel angles (N, ROOTS) at which a joint may be at a limit; nan for missing ones."""
+    """Return the swivel angles (N, 28) at which a joint may be at a limit; nan for missing ones.
+
+    There are two for each limit of six joints, and for a straight arm along an axis two for each ball joint.
+    """
     stations = ends[0], (ends[0] + ends[1]) * 0.5**0.5, ends[1]
     at_0, at_quarter, at_half = (np.array([_elements(q) for q in balls]) for balls in stations)  # (ball, element, N)
     constant, cosine = (at_0 + at_half) / 2, (at_0 - at_half) / 2
@@ -263,29 +265,35 @@ def _roots(ends, bounds):
         begin, quarter = (2 * np.where(sum_counts, *np.arctan2(q[ball][[3, 2]], q[ball][:2])) for q in stations[:2])
         rate, sign = np.sign(joints.wrap(quarter - begin)), np.where(sum_counts, 1, -1)
         goal = centre[first] + sign * centre[first + 2] - begin
+        rate[np.minimum(w * w + k * k, i * i + j * j) > 1e-10] = np.nan
         straight += [rate * (goal + side * (width[first] + width[first + 2])) for side in (-1, 1)]
     return joints.wrap(np.concatenate((middle - half, middle + half, straight))).T
 
 
 def _tried(ends, flexion, bounds):
-    """Return the swivel angles (N, ROOTS) at which a joint may be at a limit, the ones that follow them, and joints
-    outside their limits (2, 7, N, 2 ROOTS) at these and in the middle between them, with both ball joints in branch 0
+    """Return the swivel angles (N, K) at which a joint may be at a limit, the ones that follow them, and joints
+    outside their limits (2, 7, N, 2 K) at these and in the middle between them, with both ball joints in branch 0
     and in the other; ends (2, 2, 4, N): Qs and Qw at phi = 0 and pi, flexion (N,).
     """
     roots = np.sort(_roots(ends, bounds), axis=1)  # nan last
+    roots = roots[:, : max(1, np.isfinite(roots).sum(axis=1).max(initial=0))]
     last = np.nanmax(np.where(np.isnan(roots), -np.pi, roots), axis=1, keepdims=True)
     roots = np.where(np.isnan(roots), last, roots)
     following = np.concatenate((roots[:, 1:], roots[:, :1] + TURN), axis=1)
     tried = np.concatenate((roots, (roots + following) / 2), axis=1)
     qs, qw = ends[0, ..., None] * np.cos(tried / 2) + ends[1, ..., None] * np.sin(tried / 2)
     th = joints.angles(qs, np.broadcast_to(flexion[:, None], tried.shape), qw)
-    both = th, joints.branched(th, joints.Branch.SHOULDER | joints.Branch.WRIST)
-    return roots, following, np.array([joints.outside(joints.settled(th, bounds), bounds) for th in both])
+    outside = []
+    for some in (th, joints.branched(th, joints.Branch.SHOULDER | joints.Branch.WRIST)):
+        beyond = joints.outside(some, bounds)
+        settled = joints.settled(some, bounds, beyond)
+        outside.append(beyond if settled is some else joints.outside(settled, bounds))
+    return roots, following, np.array(outside)
 
 
 def _joined(roots, at_root, arc):
-    """Return intervals (N, K, 2) of neighbouring arcs between roots (N, ROOTS), given those that are feasible."""
-    ring = np.stack((at_root, arc), axis=2).reshape(len(roots), 2 * ROOTS)
+    """Return intervals (N, K, 2) of neighbouring arcs between roots (N, K), given those that are feasible."""
+    ring = np.stack((at_root, arc), axis=2).reshape(len(roots), 2 * roots.shape[1])
     whole = ring.all(axis=1)
     begins, ends = ring & ~np.roll(ring, 1, axis=1), ring & ~np.roll(ring, -1, axis=1)
     counts = np.maximum(begins.sum(axis=1), whole)

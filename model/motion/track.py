@@ -11,7 +11,10 @@ from collections.abc import Sequence
 from math import atan2, copysign, cos, hypot, inf, pi, remainder, sin, sqrt
 from typing import NamedTuple
 
+import numpy as np
+
 from ..reference.joints import ROUNDING
+from ..reference.kinematics import conjugate, multiply
 from .hands import Floats
 from .path import SINGULAR
 
@@ -33,18 +36,6 @@ class Step(NamedTuple):
     branch: int
     largest: float
     reason: str = ""
-
-
-def times(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float, float]:
-    """Return the Hamilton product of two quaternions w, i, j, k."""
-    aw, ai, aj, ak = a
-    bw, bi, bj, bk = b
-    return (
-        aw * bw - ai * bi - aj * bj - ak * bk,
-        aw * bi + ai * bw + aj * bk - ak * bj,
-        aw * bj - ai * bk + aj * bw + ak * bi,
-        aw * bk + ai * bj - aj * bi + ak * bw,
-    )
 
 
 def axes(q: Sequence[float]) -> tuple[Vector, Vector, Vector]:
@@ -74,32 +65,52 @@ class Tracker:
         tip: Floats,
     ) -> None:
         self.d1, self.d2, self.tool, self.base = d1, d2, tuple(tool.tolist()), tuple(base.tolist())
-        w, i, j, k = mount.tolist()
-        self.from_base, self.frame = (w, -i, -j, -k), axes((w, -i, -j, -k))
-        w, i, j, k = tip.tolist()
-        self.from_tip = (w, -i, -j, -k)
+        self.frame = axes(conjugate(mount).tolist())
+        turned = multiply(multiply(conjugate(mount), np.eye(4)), conjugate(tip))
+        self.turn = tuple(map(tuple, turned.T.tolist()))  # matrix (4, 4) of the product mount~ hand tip~
         self.joints = list(zip(offsets.tolist(), signs.tolist(), *limits.T.tolist(), strict=True))
 
-    def _options(self, joint: int, th: float, other: float, present: float) -> tuple[tuple[float, float], ...]:
-        """Return for two angles of a joint the step and its nearest position; step inf outside the limits."""
-        offset, sign, low, high = self.joints[joint]
-        options = []
-        for angle in (th, other):
-            at = present + remainder(sign * angle + offset - present, TURN)
-            inside = low - ROUNDING <= at <= high + ROUNDING
-            options.append((abs(at - present), min(max(at, low), high)) if inside else (inf, at))
-        return tuple(options)
+    def _placed(self, th: Sequence[float], branch: int, present: Sequence[float]) -> tuple[float, list[float]]:
+        """Return the largest step and the positions in a branch for angles of branch 0; step inf outside the limits."""
+        a, b, c = branch & 1, branch >> 1 & 1, branch >> 2
+        th1, th2, th3, th4, th5, th6, th7 = th
+        if a:
+            th1, th2, th3 = th1 + pi, -th2, th3 + pi
+        if b:
+            th3, th4, th5 = th3 + pi, -th4, th5 + pi
+        if c:
+            th5, th6, th7 = th5 + pi, -th6, th7 + pi
+        most, positions = 0.0, list[float]()
+        for (offset, sign, low, high), now, angle in zip(
+            self.joints, present, (th1, th2, th3, th4, th5, th6, th7), strict=True
+        ):
+            at = now + remainder(sign * angle + offset - now, TURN)
+            move = at - now
+            if not low <= at <= high:
+                if not low - ROUNDING <= at <= high + ROUNDING:
+                    return inf, positions
+                at = low if at < low else high
+            if move > most:
+                most = move
+            elif -move > most:
+                most = -move
+            positions.append(at)
+        return most, positions
 
     def step(self, point: Sequence[float], hand: Sequence[float], joints: Sequence[float]) -> Step:
         """Return the nearest pose with the elbow on its present side; none for a hand whose length is not 1."""
         size = hand[0] * hand[0] + hand[1] * hand[1] + hand[2] * hand[2] + hand[3] * hand[3]
         if not abs(size - 1) < ROUNDING:
             return Step(None, 0, inf)
-        present = [(at - offset) * sign for at, (offset, sign, _, _) in zip(joints, self.joints, strict=True)]
+        (o1, g1, _, _), (o2, g2, _, _), (o3, g3, _, _), (o4, g4, _, _), (o5, g5, _, _), (o6, g6, _, _), _ = self.joints
+        q1, q2, q3, q4, q5, q6, _ = joints
+        now1, now2, now3 = (q1 - o1) * g1, (q2 - o2) * g2, (q3 - o3) * g3
+        now4, now5, now6 = (q4 - o4) * g4, (q5 - o5) * g5, (q6 - o6) * g6
         (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = self.frame
         bx, by, bz = self.base
         bx, by, bz = point[0] - bx, point[1] - by, point[2] - bz
-        hx, hy, hz = axes(times(times(self.from_base, hand), self.from_tip))
+        w, i, j, k = hand
+        hx, hy, hz = axes([tw * w + ti * i + tj * j + tk * k for tw, ti, tj, tk in self.turn])
         tx, ty, tz = self.tool
         px = xx * bx + yx * by + zx * bz - (hx[0] * tx + hy[0] * ty + hz[0] * tz)
         py = xy * bx + yy * by + zy * bz - (hx[1] * tx + hy[1] * ty + hz[1] * tz)
@@ -113,11 +124,11 @@ class Tracker:
         nx, ny, nz = px / far, py / far, pz / far
 
         # The hinge x of the present elbow, made perpendicular to n; v = n x hinge.
-        s1, c1, s2, c2, s3, c3 = (f(angle) for angle in present[:3] for f in (sin, cos))
+        s1, c1, s2, c2, s3, c3 = sin(now1), cos(now1), sin(now2), cos(now2), sin(now3), cos(now3)
         gx, gy, gz = c1 * c3 - s1 * c2 * s3, s1 * c3 + c1 * c2 * s3, s2 * s3
         along = gx * nx + gy * ny + gz * nz
         gx, gy, gz = gx - along * nx, gy - along * ny, gz - along * nz
-        size = copysign(sqrt(gx * gx + gy * gy + gz * gz), present[3])
+        size = copysign(sqrt(gx * gx + gy * gy + gz * gz), now4)
         if abs(size) < SINGULAR:
             return Step(None, 0, inf)
         gx, gy, gz = gx / size, gy / size, gz / size
@@ -131,36 +142,26 @@ class Tracker:
         th4 = 2 * atan2(stretch, fold)
         th2, th6 = atan2(hypot(ux, uy), uz), 0.0
         if abs(sin(th2)) < SINGULAR:
-            th1, turn = present[0], atan2(gy, gx)
+            th1, turn = now1, atan2(gy, gx)
             th3 = turn - th1 if uz > 0 else th1 - turn
         else:
             th1, th3 = atan2(ux, -uy), atan2(gz, yz_u)
-        m02, m12, m22 = (a * hz[0] + b * hz[1] + c * hz[2] for a, b, c in ((gx, gy, gz), (wx, wy, wz), (fx, fy, fz)))
+        ax, ay, az = hz
+        m02, m12, m22 = gx * ax + gy * ay + gz * az, wx * ax + wy * ay + wz * az, fx * ax + fy * ay + fz * az
         th6 = atan2(hypot(m02, m12), m22)
         if abs(sin(th6)) < SINGULAR:
             turn = atan2(wx * hx[0] + wy * hx[1] + wz * hx[2], gx * hx[0] + gy * hx[1] + gz * hx[2])
-            th5 = present[4]
+            th5 = now5
             th7 = turn - th5 if m22 > 0 else th5 - turn
         else:
             th5 = atan2(m02, -m12)
             th7 = atan2(fx * hx[0] + fy * hx[1] + fz * hx[2], fx * hy[0] + fy * hy[1] + fz * hy[2])
 
-        options = self._options
-        one, two, three = (
-            options(0, th1, th1 + pi, joints[0]),
-            options(1, th2, -th2, joints[1]),
-            options(2, th3, th3 + pi, joints[2]),
-        )
-        four, five = options(3, th4, -th4, joints[3]), options(4, th5, th5 + pi, joints[4])
-        six, seven = options(5, th6, -th6, joints[5]), options(6, th7, th7 + pi, joints[6])
-        best, chosen = inf, 0
-        for branch in range(8):
-            a, b, c = branch & 1, branch >> 1 & 1, branch >> 2
-            most = max(one[a][0], two[a][0], three[a ^ b][0], four[b][0], five[b ^ c][0], six[c][0], seven[c][0])
-            if most < best:
-                best, chosen = most, branch
-        if best == inf:
-            return Step(None, 0, inf)
-        a, b, c = chosen & 1, chosen >> 1 & 1, chosen >> 2
-        picked = one[a], two[a], three[a ^ b], four[b], five[b ^ c], six[c], seven[c]
-        return Step(tuple(at for _, at in picked), chosen, best)
+        # Any other branch turns joint 1, 3 or 5 by half a turn more, so a largest step below pi/2 is the least.
+        th = (th1, th2, th3, th4, th5, th6, th7)
+        branch = (now2 < 0) + 2 * (now4 < 0) + 4 * (now6 < 0)
+        most, at = self._placed(th, branch, joints)
+        if most >= pi / 2:
+            most, branch = min((self._placed(th, other, joints)[0], other) for other in range(8))
+            at = self._placed(th, branch, joints)[1]
+        return Step(None, 0, inf) if most == inf else Step(tuple(at), branch, most)

@@ -96,7 +96,7 @@ class Chain:
             step = (jacobian.swapaxes(1, 2) @ np.linalg.solve(damped, error[..., None]))[..., 0]
             step *= np.minimum(1, 0.5 / np.maximum(np.abs(step).max(axis=1), 1e-300))[:, None]
             moved = at[rows] + step
-            free[rows] &= (moved >= low) & (moved <= high)
+            free[rows] = (moved >= low) & (moved <= high)  # the next step leaves out joints that have met a limit
             at[rows] = np.clip(moved, low, high)
         return at, errors
 

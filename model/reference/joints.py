@@ -38,6 +38,10 @@ TURNED_BY = np.array([[bit in TURNED.get(joint, ()) for bit in BRANCHES] for joi
 NEGATED_BY = np.array([[bit == NEGATED.get(joint) for bit in BRANCHES] for joint in JOINTS], dtype=int)
 """TURNED and NEGATED as tables of 0 and 1, joint by branch bit, (7, 3)."""
 
+_BITS = np.arange(8) >> np.arange(3)[:, None] & 1
+SIGNS, TURNS = 1.0 - 2 * (NEGATED_BY @ _BITS & 1), np.pi * (TURNED_BY @ _BITS & 1)
+"""Sign and turn (rad) of each joint in each branch, (7, 8): sign * angle in branch 0 + turn."""
+
 
 def wrap(angle):
     """Return angles (rad) wrapped to -pi .. pi."""
@@ -46,10 +50,9 @@ def wrap(angle):
 
 def branched(joints, branch):
     """Return joints (7, ...) of branch 0 converted to ``branch``, an integer or an array (...); angles are wrapped."""
-    bits = np.asarray(branch) >> np.arange(3).reshape(3, *[1] * np.ndim(branch)) & 1
-    turned, negated = (np.tensordot(which, bits, 1) & 1 for which in (TURNED_BY, NEGATED_BY))
-    turned, negated = (which.reshape(7, *which.shape[1:] or [1] * (joints.ndim - 1)) for which in (turned, negated))
-    return wrap(np.where(negated, -joints, joints) + np.pi * turned)
+    shape = np.shape(branch) or (1,) * (joints.ndim - 1)
+    sign, turn = (table[:, branch].reshape(7, *shape) for table in (SIGNS, TURNS))
+    return wrap(joints * sign + turn)
 
 
 def zxz(q):
@@ -136,13 +139,14 @@ def outside(joints, limits):
     return excess(joints, limits) > ROUNDING
 
 
-def settled(joints, limits):
+def settled(joints, limits, beyond=None):
     """Return joints (7, ...) with th1, th3 and th5, th7 moved into their limits (7, 2) where the pose allows it.
 
     If th2 (th6) is within STRAIGHT of 0 or pi, the pose depends only on the sum or difference of th1, th3 (th5, th7).
+    beyond (7, ...): what :func:`outside` returns. Joints of which none moves are returned themselves.
     """
     middle, half = centred(limits)
-    result, beyond = joints, outside(joints, limits)
+    result, beyond = joints, outside(joints, limits) if beyond is None else beyond
     for a, tilt, c in ((0, 1, 2), (4, 5, 6)):
         moved = (beyond[a] | beyond[c]) & (np.abs(np.sin(joints[tilt])) < STRAIGHT)
         if moved.any():

@@ -73,7 +73,7 @@ DESIGNS = (
     *(Design("choice", width, "ik_choose", ("xc2vp", "ecp5"), {"ecp5": 180}) for width in (24, 32)),
     *(Design("fold_choice", width, "ik_fold_choose", ("xc2vp", "ecp5-12k"), {"ecp5-12k": 100}) for width in (24, 32)),
 )
-"""Default designs. choice and fold_choice are what CHOOSE = 1 adds to ik_arm. lean25 shows the gain of larger tiles. paper
+"""Default designs. choice and fold_choice are what CHOOSE = 1 adds. lean25 shows the gain of larger tiles. paper
 has dividers and roots built from logic. memory is ``ik_axi`` with the lean datapath, echo is ``ik_axi`` with a stand-in
 for the datapath."""
 

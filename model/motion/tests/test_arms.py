@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from model.motion.arms import HUMAN, IIWA14, ROBOTS, Arm
 from model.motion.tests.test_joints import apart
+from model.motion.tests.test_path import curve
 from model.reference.kinematics import matrix
 
 O, X, Y, Z = (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)
@@ -200,6 +201,22 @@ def test_nearly_exact_arms(chain, warned, tmp_path, recwarn):
     assert path.largest < 0.2 and not path.jumps
 
 
+def test_corrections_at_limits(tmp_path):
+    """Almost straight arms with the elbow at its limit are solved; along paths, rows with joints reach their poses."""
+    limits = [(-2.9, 2.9)] * 3 + [(0.0, 1.5)] + [(-0.8, 0.8)] * 3
+    chain = bones(SERIAL, rpy=(0.0002, 0, 0))[:1] + [(O, (0.00002, 0, 0), Y), *IIWA[2:]]
+    arm = Arm.from_urdf(urdf(tmp_path / "arm.urdf", chain, limits=limits))
+    th = np.random.default_rng(1).uniform(*arm.limits.T, (1000, 7)) * (1, 1, 1, 0.02, 1, 1, 1)
+    assert not arm.solve(*arm.forward(th)).over_limit.any()
+    with pytest.warns(UserWarning, match="at the tip"):
+        arm = Arm.from_urdf(urdf(tmp_path / "arm.urdf", moved(1, (0.00044, 0, 0)), limits=limits))
+    for seed in (7, 16):
+        points, q = arm.forward(curve(arm, "sine", seed, 60, 1.0))
+        joined = arm.path(points, q).joints
+        some = np.isfinite(joined).all(axis=1)
+        assert_same(arm.forward(joined[some]), (points[some], matrix(q[some])), 1e-9)
+
+
 def test_refused_shapes():
     with pytest.raises(ValueError, match=r"signs of the arm: shape \(6,\)"):
         Arm(0.3, 0.3, signs=np.ones(6))
@@ -257,20 +274,3 @@ def test_straight_arms(arm):
     for phi in np.linspace(-3.1, 3.1, 60):
         within = (np.mod(phi - first, 2 * np.pi) <= last - first).any(axis=1)
         assert (within == ~arm.solve(points, q, phi, 0).over_limit.any(axis=1)).all()
-
-
-@pytest.mark.release
-@pytest.mark.needs("arms")
-def test_pinocchio_reaches_the_same_tips(tmp_path):
-    import pinocchio as pin
-
-    path = urdf(tmp_path / "arm.urdf", bones(SERIAL, elbow=(0, 0, 0.37), wrist=(0, 0, 0.28)))
-    arm, robot, random = Arm.from_urdf(path), pin.buildModelFromXML(path.read_text()), np.random.default_rng(6)
-    data, frame = robot.createData(), robot.getFrameId("tip")
-    for branch, th in enumerate(random.uniform(-2.5, 2.5, (50, 7))):
-        point, q = (one[0] for one in arm.forward(th))
-        joints = arm.solve(point, q, random.uniform(-3, 3), branch % 8).joints[0]
-        for positions in (th, joints):
-            pin.framesForwardKinematics(robot, data, positions)
-            np.testing.assert_allclose(data.oMf[frame].translation, point, rtol=0, atol=1e-13)
-            np.testing.assert_allclose(data.oMf[frame].rotation, matrix(q), rtol=0, atol=1e-13)

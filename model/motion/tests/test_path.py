@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Test branches and swivel angles that `Arm` chooses, for poses and along paths."""
 
+import itertools
+import re
+
 import numpy as np
 import pytest
 
-from model.motion.arms import HUMAN, IIWA14, Arm
+from model.motion.arms import HUMAN, IIWA14, ROBOTS, Arm
 from model.reference.joints import UNIT
 from model.reference.kinematics import about, matrix
 
@@ -49,6 +52,20 @@ def test_no_jump(name, kind):
             regular = np.abs(np.sin(ARMS[name].angles(path.joints)[:, [1, 5]])).min(axis=1) > 1e-5
             apart = np.abs(np.exp(1j * pose.joints) - np.exp(1j * path.joints)).max(axis=1)
             assert apart[regular].max() < 1e-9 and regular.mean() > 0.9
+
+
+@pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 60), marks=pytest.mark.release)], ids=["one", "all"])
+@pytest.mark.parametrize("name", ROBOTS)
+def test_lines_and_sines(name, seeds):
+    """Lines between random joints and sines over 95 % of the range are followed; few jump, and slightly."""
+    arm, jumping = ROBOTS[name], 0
+    for kind, seed in itertools.product(("line", "sine"), seeds):
+        points, q = arm.forward(curve(arm, kind, seed, 200, 1.0 if kind == "line" else 0.95))
+        path = arm.path(points, q)
+        check(arm, path, points, q, 1e-9)
+        assert set(np.flatnonzero(path.step > 0.2).tolist()) == set(path.jumps) and path.largest < 0.3, (kind, seed)
+        jumping += bool(path.jumps)
+    assert jumping <= 0.05 * 2 * len(seeds)
 
 
 @pytest.mark.parametrize("tilts", [(1,), (5,), (1, 5), (3,)], ids=str)
@@ -186,6 +203,22 @@ def test_track(name):
         at = list(step.joints)
 
 
+@pytest.mark.parametrize("name", ["iiwa14", "human"])
+def test_track_takes_the_nearest_branch(name):
+    """From far away, no other branch with the elbow in its place has a smaller largest step within the limits."""
+    arm, random, found = ARMS[name], np.random.default_rng(3), 0
+    far, present = random.uniform(*arm.limits.T, (2, 200, 7))
+    for point, hand, now in zip(*arm.forward(far), present, strict=True):
+        step = arm._tracker.step(point.tolist(), hand.tolist(), now.tolist())
+        phi = None if step.joints is None else arm._swivel(np.array([step.joints]), arm._asked(point, hand)[0])
+        if phi is not None and step.largest > 0.5:
+            others = [arm.solve(point, hand, phi, branch) for branch in range(8)]
+            inside = [pose.joints[0] for pose in others if not pose.over_limit.any()]
+            assert abs(min(np.abs(at - now).max() for at in inside) - step.largest) < 1e-6
+            found += 1
+    assert found > 20
+
+
 @pytest.mark.parametrize(("tilt", "third"), [(1, 2), (5, 6)])
 def test_track_in_singular_poses(tilt, third):
     """Where th2 or th6 is 0, the turn about the common axis is shared so that no joint moves by more than it."""
@@ -197,6 +230,21 @@ def test_track_in_singular_poses(tilt, third):
     step = IIWA14.track(point.tolist(), hand.tolist(), joints.tolist())
     assert step.largest < 0.1 + 1e-6
     np.testing.assert_allclose(IIWA14.forward(step.joints)[0][0], point, rtol=0, atol=2e-7)
+
+
+def test_reasons():
+    """Poses with a reason are those without joints; what is named are joints that would need wider limits."""
+    arm = Arm(0.42, 0.4, 0.126, limits=[(-1.2, 1.2)] * 7)
+    points, q = arm.forward(np.random.default_rng(2).uniform(-1.6, 1.6, (40, 7)))
+    points[0] *= 3
+    reasons, path = arm.reasons(points, q), [arm.path(*one) for one in zip(points, q, strict=True)]
+    assert set(reasons) == {n for n in range(40) if np.isnan(path[n].joints).any()} and 5 < len(reasons) < 35
+    assert reasons.pop(0).startswith("wrist ") and all(path[n].jumps[0] == text for n, text in reasons.items())
+    for n, text in reasons.items():
+        limits = arm.limits.copy()
+        for joint, by in re.findall(r"joint (\d) by (\S+) rad", text):
+            limits[int(joint) - 1] += np.array((-1.01, 1.01)) * float(by)
+        assert not Arm(0.42, 0.4, 0.126, limits=limits).solve(points[n], q[n]).over_limit.any()
 
 
 def test_dead_ends():
