@@ -42,7 +42,7 @@ from model.motion.path import JointPath
 from model.motion.pose import elbow_jumps, hanging, soft_reach, swivel, to_z
 from model.reference import joints
 from scripts.console import InputError, output, progress
-from scripts.speeds import Speeds, speeds, times
+from scripts.robots import Speeds, planned, speeds, times
 from tb.sim.simulate import Job, Run, simulate
 
 SCORES = "score.json"
@@ -193,7 +193,7 @@ def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | No
     if robot:
         try:
             with progress(f"planning {len(targets)} rows", len(targets)) as meter:
-                (fitted, path), original = robot.targets(targets, arguments.plan == "rows", meter), targets
+                (fitted, path), original = planned(robot, targets, arguments.plan == "rows", meter), targets
         except ValueError as error:
             raise InputError(f"argument --robot: {error}") from None
         differ = [name for name in ("d1", "d2") if name not in original.default_arm]

@@ -5,16 +5,15 @@ Joint n of the robot is at signs[n] * th_n + offsets[n], where th_n is an angle 
 built-in arms are in `ROBOTS`, among them `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, with anatomical limits.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..io.words import DEFAULT_D1, DEFAULT_D2, Targets
+from ..io.words import DEFAULT_D1, DEFAULT_D2
 from ..reference import joints
 from ..reference.kinematics import angle_between, conjugate, matrix, multiply, quaternion, rotate
 from .hands import Hands, checked_limits, checked_rows, common_count
@@ -30,11 +29,6 @@ CORRECTED, RETRIES = 1e-9, 32  # largest error after the correction, of size or 
 GOAL = 0.2  # largest step of a joint along a path, rad
 BATCH = 128  # poses whose branch and swivel angle are chosen at a time, so that arrays stay in the cache
 CHUNK = 1024  # poses of which only the branch is chosen
-
-
-def _report(progress: Callable[[int, str], None], done: int, rows: int, part: float, count: int) -> None:
-    """Report the rows of earlier paths and a part of this one."""
-    progress(done + int(part * rows), f"{count} swivel angles")
 
 
 def _vector(name: str, values: ArrayLike, size: int) -> Floats:
@@ -90,7 +84,7 @@ class Arm:
         self.base, self.mount, self.tip = _vector("base", base, 3), _vector("mount", mount, 4), _vector("tip", tip, 4)
         self.upper, self.fore = _vector("upper", upper, 4), _vector("fore", fore, 4)
         self.velocities, self.chain, self.misfit = _vector("velocities", velocities, 7), chain, misfit
-        exact = self._bent is None and chain is None
+        exact = self.bent is None and chain is None
         lengths = self.d1, self.d2, self.tool, self.offsets, self.signs, self.limits, self.base, self.mount, self.tip
         self._tracker = Tracker(*lengths) if exact else None
 
@@ -100,7 +94,7 @@ class Arm:
         return np.sort((self.limits - self.offsets[:, None]) * self.signs[:, None], axis=1)
 
     @property
-    def _bent(self) -> tuple[Floats, Floats] | None:
+    def bent(self) -> tuple[Floats, Floats] | None:
         """(upper, fore) if links are bent, otherwise None."""
         return None if np.array_equal((self.upper, self.fore), (UNIT, UNIT)) else (self.upper, self.fore)
 
@@ -123,15 +117,15 @@ class Arm:
 
     def _planner(self, wrists: Floats, q: Floats) -> Planner:
         """Return a planner of wrist targets (N, 3) with hands (N, 4) in the shoulder's frame."""
-        circles = Circles.of(wrists, Hands.checked(q, 0.0, 0), self.d1, self.d2, bent=self._bent)
+        circles = Circles.of(wrists, Hands.checked(q, 0.0, 0), self.d1, self.d2, bent=self.bent)
         circles, spare = replace(circles, slack=4 * self.misfit[0]), SPARE * bool(self.chain)
         return Planner(circles, self.limits + (-spare, spare), self.offsets, self.signs)
 
     def _branched(self, pose: Pose, branch: ArrayLike) -> Floats:
         """Return th1 .. th7 (7, N) in a branch, a number or (N,), of poses in branch 0."""
-        if not self._bent:
+        if not self.bent:
             return joints.branched(pose.joints.T, branch)
-        return joints.angles(*joints.bent(pose.qs.T, joints.flexion(pose.qe.T), pose.qw.T, branch, *self._bent))
+        return joints.angles(*joints.bent(pose.qs.T, joints.flexion(pose.qe.T), pose.qw.T, branch, *self.bent))
 
     def _nearest_branches(self, pose: Pose, near: Floats | None) -> tuple[NDArray[np.int64], Floats]:
         """Return the best branches (N,) for poses in branch 0, and their joint positions (N, 7), of which the rows are
@@ -205,54 +199,6 @@ class Arm:
         positions = np.random.default_rng(0).uniform(low, high, (SAMPLES, 7))
         (points, turns), (at, to) = (of.forward(positions) for of in (self, arm))
         return arm, float(np.linalg.norm(points - at, axis=1).max()), float(angle_between(turns, to).max())
-
-    def targets(
-        self, poses: Targets, each: bool = False, progress: Callable[[int, str], None] = lambda rows, text: None
-    ) -> tuple[Targets, JointPath]:
-        """Return poses of the tip as targets of `ik_arm`, and the path through them.
-
-        Swivel angles are chosen if all phi are nan, branches without a column ``branch``; a column ``path`` separates
-        paths. each: every row is a path of its own. A row without joints within the limits takes :meth:`solve`'s.
-        progress: called with the number of planned rows and a text.
-        Raises ValueError for bent links, and for an arm whose joints are corrected: take its :meth:`nearest`.
-        """
-        if self.chain:
-            raise ValueError("ik_arm solves only arms whose axes meet exactly")
-        if self._bent:
-            raise ValueError("links are bent: the joints of ik_arm are along or across its bones")
-        count, paths = len(poses), poses.paths
-        phi = None if np.isnan(poses.phi).all() else poses.phi
-        branch = poses.branch if "branch" in poses.others else None
-        empty = np.full((count, 7), np.nan)
-        whole = JointPath(empty, empty[:, 0].copy(), np.zeros(count, dtype=np.int64), np.zeros(count), {})
-        groups = list(np.arange(count)[:, None]) if each else paths
-        done = 0
-        for group in groups:
-            some_phi, some_branch = (None if v is None else v[group] for v in (phi, branch))
-            report = partial(_report, progress, done, len(group))
-            how: Any = {"phi": some_phi, "branch": some_branch, "progress": report}
-            path = self.path(poses.position[group], poses.hand[group], **how)
-            done += len(group)
-            for name in ("joints", "phi", "branch", "step"):
-                getattr(whole, name)[group] = getattr(path, name)
-            whole.jumps.update({int(group[n]): text for n, text in path.jumps.items()})
-        for rows in (rows[np.isfinite(whole.phi[rows])] for rows in paths if each):
-            whole.step[rows[1:]] = np.abs(np.diff(whole.joints[rows], axis=0)).max(axis=1)
-            large = rows[whole.step[rows] > GOAL].tolist()
-            whole.jumps.update({n: f"a joint moves by {whole.step[n]:.3g} rad" for n in large})
-        missing = np.flatnonzero(np.isnan(whole.phi))
-        if len(missing):
-            asked = (None if v is None else v[missing] for v in (phi, branch))
-            pose = self.solve(poses.position[missing], poses.hand[missing], *asked)
-            whole.phi[missing], whole.branch[missing] = pose.phi, pose.branch
-        others = {name: poses.others[name] for name in poses.others if name != "branch"}
-        others |= {"branch": [*map(str, whole.branch.tolist())], "step": [*map(repr, whole.step.tolist())]}
-        lengths: dict[str, Any] = {"d1": self.d1, "d2": self.d2, "tool": self.tool[None], "default_arm": ()}
-        lengths |= {"origin": self.base, "frame": conjugate(self.mount), "others": others, "branch": whole.branch}
-        q = multiply(poses.hand, conjugate(self.tip))
-        return replace(poses, phi=whole.phi if phi is None else phi, hand=q, **lengths), replace(
-            whole, jumps=dict(sorted(whole.jumps.items()))
-        )
 
     def solve(
         self,
@@ -331,7 +277,7 @@ class Arm:
     def feasible_swivel(self, points: ArrayLike, hand: ArrayLike, branch: ArrayLike = 0) -> Swivels:
         """Return the swivel angles for which all joints are within their limits.  Raises ValueError."""
         wrists, q, *_ = self._asked(points, hand)
-        return feasible_swivel(wrists, q, self.d1, self.d2, limits=self.bounds, branch=branch, bent=self._bent)
+        return feasible_swivel(wrists, q, self.d1, self.d2, limits=self.bounds, branch=branch, bent=self.bent)
 
     def reasons(self, points: ArrayLike, hand: ArrayLike) -> dict[int, str]:
         """Return row -> text for each pose of the tip that no branch and swivel angle solves: the joints of the best

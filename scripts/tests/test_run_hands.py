@@ -20,6 +20,7 @@ from model.motion.tests.test_arms import CHAINS, urdf
 from model.motion.tests.test_joints import poses
 from model.reference.kinematics import angle_between
 from scripts import run, trajectory
+from scripts.robots import planned
 from scripts.tests.test_run import scores, table
 
 
@@ -111,7 +112,7 @@ def test_a_nearly_exact_robot(cli):
     tips, _ = arm.forward(table(*arm.names))
     assert 1e-7 < np.linalg.norm(tips - points, axis=1).max() <= distance < 5e-6
     with pytest.raises(ValueError, match="only arms whose axes meet exactly"):
-        arm.targets(trajectories.make("pick_and_place"))
+        planned(arm, trajectories.make("pick_and_place"))
 
 
 def test_the_core_chooses_the_planned_branch(cli, simulator):

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Planned paths of a robot, and speeds of its joints along timed hand poses."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from model.io.files import number
+from model.io.words import Targets, cell_error
+from model.motion.arms import GOAL, Arm
+from model.motion.path import JointPath
+from model.reference.kinematics import conjugate, multiply
+
+
+class Speeds(NamedTuple):
+    """Largest speeds of a robot's joints (7,), rad/s; their limits (7,), inf for none; numbers of rows above (7,)."""
+
+    names: tuple[str, ...]
+    largest: np.ndarray
+    limits: np.ndarray
+    above: np.ndarray
+
+    def figures(self) -> list[tuple[str, ...]]:
+        """Return a row of a table for each joint: name and largest speed."""
+        limits = (f", limit {limit:.4g}" if np.isfinite(limit) else "" for limit in self.limits)
+        rows = zip(self.names, limits, self.largest, strict=True)
+        return [(f"largest speed of {name}{limit} (rad/s)", f"{speed:.3g}") for name, limit, speed in rows]
+
+    def doubt(self) -> str:
+        """Return a warning that names the joints above their limits, or an empty string."""
+        fast = np.flatnonzero(self.above)
+        listed = [
+            f"{self.names[k]} in {self.above[k]} rows, up to {self.largest[k]:.3g} of {self.limits[k]:.4g} rad/s"
+            for k in fast
+        ]
+        return f"{len(fast)} of 7 joints exceed their limits of speed: {'; '.join(listed)}" if listed else ""
+
+
+def times(targets: Targets, rate: float | None) -> np.ndarray | None:
+    """Return the time of each row, s, (N,): by a rate, Hz, from 0 in each path, or a column t; None without either.
+
+    Raises TargetError for times that do not increase inside a path.
+    """
+    seconds, name = np.empty(len(targets)), next((name for name in targets.others if name.lower() == "t"), None)
+    if rate is not None:
+        for rows in targets.paths:
+            seconds[rows] = np.arange(len(rows)) / rate
+        return seconds
+    if name is None:
+        return None
+    assert targets.rows is not None
+    cells, lines = [cell.strip() for cell in targets.others[name]], targets.rows.tolist()
+    for n, cell in enumerate(cells):
+        try:
+            seconds[n] = number(cell.replace(",", "."))
+        except ValueError:
+            raise cell_error(targets.path, lines[n], name, cell, "is not a time in seconds") from None
+    for rows in targets.paths:
+        for n, before in zip(rows[1:], rows, strict=False):
+            if seconds[n] <= seconds[before]:
+                reason = f"is not after {cells[before]!r} of row {lines[before]}: times increase inside a path"
+                raise cell_error(targets.path, lines[n], name, cells[n], reason)
+    return seconds
+
+
+def speeds(robot: Arm, path: JointPath, positions: np.ndarray, seconds: np.ndarray, targets: Targets) -> Speeds:
+    """Return the speeds at joint positions (N, 7) along planned paths; rows without planned joints are left out."""
+    limits = np.where(robot.velocities > 0, robot.velocities, np.inf)  # some files have 0 for an unknown limit
+    moves = [np.zeros((1, 7))]
+    for rows in targets.paths:
+        rows = rows[np.isfinite(path.joints[rows, 0])]
+        moves.append(np.abs(np.diff(positions[rows], axis=0)) / np.diff(seconds[rows])[:, None])
+    all_moves = np.concatenate(moves)
+    return Speeds(robot.names, all_moves.max(axis=0), limits, np.count_nonzero(all_moves > limits, axis=0))
+
+
+def _report(progress: Callable[[int, str], None], done: int, rows: int, part: float, count: int) -> None:
+    """Report the rows of earlier paths and a part of this one."""
+    progress(done + int(part * rows), f"{count} swivel angles")
+
+
+def planned(
+    robot: Arm, poses: Targets, each: bool = False, progress: Callable[[int, str], None] = lambda rows, text: None
+) -> tuple[Targets, JointPath]:
+    """Return poses of the tip as targets of `ik_arm`, and the path through them.
+
+    Swivel angles are chosen if all phi are nan, branches without a column ``branch``; a column ``path`` separates
+    paths. each: every row is a path of its own. A row without joints within the limits gets those of `Arm.solve`.
+    progress: called with the number of planned rows and a text.
+    Raises ValueError for bent links, and for an arm whose joints are corrected: take its :meth:`Arm.nearest`.
+    """
+    if robot.chain:
+        raise ValueError("ik_arm solves only arms whose axes meet exactly")
+    if robot.bent:
+        raise ValueError("links are bent: the joints of ik_arm are along or across its bones")
+    count, paths = len(poses), poses.paths
+    phi = None if np.isnan(poses.phi).all() else poses.phi
+    branch = poses.branch if "branch" in poses.others else None
+    empty = np.full((count, 7), np.nan)
+    whole = JointPath(empty, empty[:, 0].copy(), np.zeros(count, dtype=np.int64), np.zeros(count), {})
+    groups = list(np.arange(count)[:, None]) if each else paths
+    done = 0
+    for group in groups:
+        some_phi, some_branch = (None if v is None else v[group] for v in (phi, branch))
+        report = partial(_report, progress, done, len(group))
+        how: Any = {"phi": some_phi, "branch": some_branch, "progress": report}
+        path = robot.path(poses.position[group], poses.hand[group], **how)
+        done += len(group)
+        for name in ("joints", "phi", "branch", "step"):
+            getattr(whole, name)[group] = getattr(path, name)
+        whole.jumps.update({int(group[n]): text for n, text in path.jumps.items()})
+    for rows in (rows[np.isfinite(whole.phi[rows])] for rows in paths if each):
+        whole.step[rows[1:]] = np.abs(np.diff(whole.joints[rows], axis=0)).max(axis=1)
+        large = rows[whole.step[rows] > GOAL].tolist()
+        whole.jumps.update({n: f"a joint moves by {whole.step[n]:.3g} rad" for n in large})
+    missing = np.flatnonzero(np.isnan(whole.phi))
+    if len(missing):
+        asked = (None if v is None else v[missing] for v in (phi, branch))
+        pose = robot.solve(poses.position[missing], poses.hand[missing], *asked)
+        whole.phi[missing], whole.branch[missing] = pose.phi, pose.branch
+    others = {name: poses.others[name] for name in poses.others if name != "branch"}
+    others |= {"branch": [*map(str, whole.branch.tolist())], "step": [*map(repr, whole.step.tolist())]}
+    lengths: dict[str, Any] = {"d1": robot.d1, "d2": robot.d2, "tool": robot.tool[None], "default_arm": ()}
+    lengths |= {"origin": robot.base, "frame": conjugate(robot.mount), "others": others, "branch": whole.branch}
+    q = multiply(poses.hand, conjugate(robot.tip))
+    return replace(poses, phi=whole.phi if phi is None else phi, hand=q, **lengths), replace(
+        whole, jumps=dict(sorted(whole.jumps.items()))
+    )
