@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..io.flags import UNREACHABLE
 from ..io.words import DEFAULT_D1, DEFAULT_D2
 from ..reference import joints
 from ..reference.kinematics import angle_between, conjugate, matrix, multiply, quaternion, rotate
@@ -136,7 +137,7 @@ class Arm:
             rows = slice(first, first + CHUNK)
             to = None if near is None else near[rows].T
             branches[rows], positions, found = planner.nearest_branch([some[:, rows] for some in th], to)
-            at[rows] = np.where(found & (pose.flags[rows] == 0), positions, np.nan).T
+            at[rows] = np.where(found & (pose.flags[rows] & UNREACHABLE == 0), positions, np.nan).T
         return branches, at
 
     def _tips(self, points: ArrayLike, hand: Any, count: int) -> tuple[Floats, Floats]:
@@ -335,7 +336,7 @@ class Arm:
             if step.joints and step.largest <= 0.2:
                 return step
         pose = self.solve(point, hand, near=positions)
-        if pose.over_limit.any() or pose.flags.any() and not self.chain:
+        if pose.over_limit.any() or (pose.flags & UNREACHABLE).any() and not self.chain:
             return Step(None, 0, np.inf, self.reasons(point, hand).get(0, "out of reach"))
         slow = Step(
             tuple(pose.joints[0].tolist()), int(pose.branch[0]), float(np.abs(pose.joints[0] - positions).max())

@@ -119,7 +119,12 @@ class _Finder:
         masks = [name for name in self.lowering.made_of if name not in wires and name not in joints]
         wires |= {name: f"flag_nodes[{bit}]" for bit, name in enumerate(masks)}  # of ik_fold_flags
         for name in self.lowering.made_of.keys() - joints.keys() - {"low"}:
-            self.add(name, max(set_at[root] for root in self.lowering.registers(Selector(name))) + 1, wires[name])
+            registers = self.lowering.registers(Selector(name))
+            if unset := registers - set_at.keys():
+                raise LookupError(
+                    f"{name}: no step sets {', '.join(unset)}; mask_registers of its operation names others"
+                )
+            self.add(name, max(set_at[root] for root in registers) + 1, wires[name])
         self.add("low", set_at["e_q"] + 2, "q_low")
         for name, clock in joints.items():
             self.add(name, clock + timing.COMPARED, "over")
