@@ -8,7 +8,9 @@
 module ik_lean_arm #(
     parameter integer W     = 32,
     parameter integer TAG_W = 8,
-    parameter integer TILE  = 18
+    parameter integer TILE  = 18,
+    parameter integer CHOOSE = 0,  // ignored, as EPS
+    parameter integer EPS    = 0
 ) (
     input  wire             clk,
     input  wire             rst,

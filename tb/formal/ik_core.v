@@ -11,7 +11,9 @@ module `IK_CORE #(
     parameter integer W     = 32,
     parameter integer TAG_W = 8,
     parameter integer DIGIT = 0,  // of ik_paper only
-    parameter integer TILE  = 18  // of ik_lean and ik_lean_arm only
+    parameter integer TILE  = 18,  // of ik_lean and ik_lean_arm only
+    parameter integer CHOOSE = 0,  // of ik_lean_arm only, as EPS; ignored
+    parameter integer EPS    = 0
 ) (
     input  wire                 clk,
     input  wire                 rst,
