@@ -210,6 +210,7 @@ def _soak(arguments: SimpleNamespace) -> int:
         hards = {tuple(hard.words): hard for hard in totals.by_hand + totals.by_norm}.values()
         row = partial(worst_targets.Row, core.datapath, core.width)
         rows = [row(tuple(hard.words), hard.hand_error, f"{name} target {hard.target}") for hard in hards]
+        rows *= not MODELS[core.datapath].chooses  # arm's targets are the same
         for file, before in earlier.items():
             write_atomically(file, worst_targets.text(worst_targets.merge(before + rows)))
             print(f"wrote {file}")

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..dataflow.datapaths import MODELS
 from ..dataflow.formats import WIDTHS
-from ..io.flags import BAD_HAND, SATURATED, UNREACHABLE
+from ..io.flags import BAD_HAND, SATURATED, SINGULAR, UNREACHABLE
 from ..reference.joints import reached
 from ..reference.kinematics import angle_between
 from .predict import predicted_error
@@ -66,12 +66,13 @@ def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
 
 def pose_errors(words: np.ndarray, results: np.ndarray, flags: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the errors (N,) of the hand's point and orientation for poses (N, 11), relative to tolerance;
-    nan where the wrist is clamped or the hand's quaternion is farther from unit length than rounding explains."""
+    nan where the wrist is clamped, the hand's quaternion is farther from unit length than rounding explains, or two
+    angles are split at a singular pose."""
     th, tool = results[:, :7].T * (2 * np.pi / (1 << width)), words[:, 6:7] * (0.0, 0.0, 1.0)
     point, hand = reached(th, words[:, 4], words[:, 5], tool)
     permitted = arm(words, width)
     unit = np.abs(np.linalg.norm(words[:, 7:11], axis=1) - (1 << width - 2)) <= 2
-    unknown = np.where((flags & (UNREACHABLE | SATURATED | BAD_HAND) == 0) & unit, 0.0, np.nan)
+    unknown = np.where((flags & (UNREACHABLE | SATURATED | BAD_HAND | SINGULAR) == 0) & unit, 0.0, np.nan)
     off = np.linalg.norm(point - words[:, :3], axis=1) / permitted[0]
     return off + unknown, angle_between(hand, words[:, 7:11]) / permitted[1] + unknown
 

@@ -402,8 +402,13 @@ def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
 
 def choice_targets(count: int, width: int, seed: int) -> np.ndarray:
     """Return words and branches (N, 19) of the poses of :func:`arm_targets` with any reference joints."""
-    references = np.random.default_rng((seed, width, 8)).integers(-(1 << width - 1), 1 << width - 1, (count, 7))
-    return np.insert(arm_targets(count, width, seed), [len(ARM_FIELDS)] * 7, references, axis=1)
+    return referenced(arm_targets(count, width, seed), width, seed)
+
+
+def referenced(words: np.ndarray, width: int, seed: int) -> np.ndarray:
+    """Return the words (N, 19) of poses with their branch (N, 12) and any reference joints."""
+    references = np.random.default_rng((seed, width, 8)).integers(-(1 << width - 1), 1 << width - 1, (len(words), 7))
+    return np.insert(words, [len(ARM_FIELDS)] * 7, references, axis=1)
 
 
 def choice_limits(width: int) -> list[tuple[int, int]]:

@@ -21,17 +21,18 @@ from model.dataflow.nodes import Limits
 from model.io.flags import FLAGS, OVER_BIT, expected_flags, names
 from model.io.stimuli import (
     REGIONS,
-    arm_limits,
     corners,
     edges,
     extremes,
     of_special,
     random_reachable,
+    referenced,
     region,
     unreachable,
 )
 from tb.core import worst_targets
 from tb.sim import native_run
+from tb.sim.job import usual_limits
 from tb.sim.simulate import Job, Run, SimulationError, simulate
 
 CHUNK = 20000  # targets per chunk
@@ -133,7 +134,10 @@ class Core:
         return cls(sim, datapath, width, native_run.program(datapath, width) if sim == "verilator" else None)
 
     def run(self, words: np.ndarray) -> tuple[Run, np.ndarray, np.ndarray]:
-        """Return the RTL's run, and the model's results (N, words) and flags (N,). Raises SimulationError."""
+        """Return the RTL's run, and the model's results (N, words) and flags (N,). Where the core chooses the branch,
+        poses get random reference joints. Raises SimulationError."""
+        if MODELS[self.datapath].chooses:
+            words = referenced(words, self.width, int(np.abs(words[0]).sum()))
         frames = list(native_run.answered(words, self.width, self.datapath))
         if self.program:
             run = native_run.compare(self.program, frames, self.width, self.datapath)
@@ -166,7 +170,8 @@ def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found,
     if run.bit_mismatches or differs.any():
         failures.append(_bits_failure(run, np.flatnonzero(differs).tolist(), numbers))
     if path.side:  # flags of the core are compared with the model's only
-        owed = run.flags & (1 << OVER_BIT) - 1 | over_limits(run.results, arm_limits(core.width), core.width)
+        limits = usual_limits(core.datapath, core.width)
+        owed = run.flags & ~(127 << OVER_BIT) | over_limits(run.results, limits, core.width)
     else:
         owed = expected_flags(words, core.width)
     wrong = np.flatnonzero(run.flags != owed)
