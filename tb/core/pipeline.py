@@ -18,7 +18,6 @@ from cocotbext.axi import AxiStreamBus, AxiStreamSink
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Limits, Node
-from model.io.words import ARM_FIELDS
 from tb.core import functional_coverage
 from tb.core.driver import Driver
 from tb.core.monitor import Monitor
@@ -95,8 +94,7 @@ class Pipeline:
 
     def around(self, words: np.ndarray) -> np.ndarray:
         """Return the wrist targets ``words``; for the whole arm, return poses with these wrists."""
-        references = (0,) * (len(self.path.inputs) - len(ARM_FIELDS))
-        hands = [(0, 1 << self.width - 2, 0, 0, 0, *references, n % 8) for n in range(len(words))]  # tool, Qh, branch
+        hands = [(0, 1 << self.width - 2, 0, 0, 0, n % 8) for n in range(len(words))]  # tool, Qh, branch
         return np.column_stack([words, hands]) if self.path.side else words
 
     async def drain(self, most_clocks: int = 20000) -> None:
