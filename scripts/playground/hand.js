@@ -73,14 +73,34 @@ function turnBy({ ring, i }, dx, dy) {
   turnHand(ring, (dx * along[0] + dy * along[1]) / Math.max(least, along[0] ** 2 + along[1] ** 2));
 }
 
-// Returns the positions of the chosen arm's joints (rad), and whether they are outside their limits.
-const jointsOf = (qs, qe, hand) => sevenAngles(qs, qe, multiply(hand, conjugate(robot().tip))).map((th, k) => {
-  const { sign, offset, middle, half } = robot().joints[k];
-  const at = wrap(sign * th + offset);
-  return { at, over: Math.abs(wrap(at - middle)) > half };
-});
+// Returns the angles of branch 0 in another branch; its bits: shoulder, elbow, wrist.
+function branched(th, branch) {
+  const [s, e, w] = [branch & 1, branch >> 1 & 1, branch >> 2];
+  const [turned, negated] = [[s, 0, s ^ e, 0, e ^ w, 0, w], [0, s, 0, e, 0, w, 0]];
+  return th.map((angle, k) => (negated[k] ? -angle : angle) + Math.PI * turned[k]);
+}
 
-function writeAngles(found) {
+// Chooses as ik_choose does: of eight branches, the one whose largest step from the joints shown is smallest; joints outside
+// their limits count as the largest step of all. Returns the branch, its joints (rad), and whether they are outside.
+function jointsOf(qs, qe, hand) {
+  const th = sevenAngles(qs, qe, multiply(hand, conjugate(robot().tip)));
+  let best = { most: Infinity };
+  for (let branch = 0; branch < 8; branch++) {
+    const joints = branched(th, branch).map((angle, k) => {
+      const { sign, offset, middle, half } = robot().joints[k];
+      const [from, to] = [wrap((ui.present?.[k] ?? middle) - middle), wrap(sign * angle + offset - middle)];
+      const step = Math.abs(half < Math.PI ? to - from : wrap(to - from)); // never across the gap between the limits
+      return { at: wrap(to + middle), over: Math.abs(to) > half, step };
+    });
+    const most = Math.max(...joints.map(({ over, step }) => over ? 1000 : step));
+    if (most < best.most) best = { branch, joints, most };
+  }
+  return best;
+}
+
+function writeAngles(now) {
+  const { joints: found = [], branch } = now ?? {};
+  element("branch").textContent = branch === undefined ? "" : `branch ${branch}`;
   [...element("angles").rows].forEach((row, k) => {
     const { at, over } = found[k] ?? {};
     row.className = over ? "over" : "";
@@ -92,6 +112,7 @@ function writeAngles(found) {
 
 function useRobot(name) {
   choose("robot", name);
+  ui.present = null;
   element("angles").replaceChildren(...robot().joints.map(({ name: joint, middle, half }) => {
     const row = document.createElement("tr");
     const width = half < Math.PI ? 100 * (half / Math.PI) : 0; // without a limit there is no band

@@ -9,7 +9,7 @@ const RATE = 20; // targets of a trajectory per second
 // target: in the user's frame, turn: orientation of the hand; flow: run, slow or step; ready: m_axis_tready; dense: one target per clock.
 const ui = {
   target: { x: 0.35, y: 0.1, z: -0.15, phi: 2.6, d1: 0.33, d2: 0.27, turn: [0, 1, 0, 1].map((v) => v * Math.SQRT1_2) }, robot: "arm", axis: "z", trajectory: "", at: 0, flow: "run", speed: 8, owed: 0,
-  ready: true, dense: true, machines: [], followed: null, node: null, laid: null, watched: [], zoom: 80, last: null, held: false, handle: null,
+  ready: true, dense: true, machines: [], followed: null, node: null, laid: null, watched: [], zoom: 80, last: null, held: false, handle: null, present: null,
 };
 
 const axis = () => DATA.axes[ui.axis];
@@ -38,7 +38,7 @@ function judged(one, { width }) {
     qs: multiply(conjugate(axis().turn), qs), qe, flags: one.flags, owed, elbow: fromCore(ours.elbow), wrist: fromCore(ours.wrist),
     normal: fromCore(rotate(qs, [-1, 0, 0])), hand: off("wrist"), elbowError: off("elbow"),
     shoulderAngle: angleBetween(qs, exact.qs), elbowAngle: angleBetween([...qe, 0, 0], [...exact.qe, 0, 0]),
-    joints: jointsOf(qs, qe, multiply(axis().turn, one.turn)),
+    ...jointsOf(qs, qe, multiply(axis().turn, one.turn)),
   };
 }
 
@@ -64,6 +64,7 @@ function answered(i, one) {
   Object.entries(hand).forEach(([name, value]) => add(name, value, run.hands));
   run.latency = one.latency;
   run.now = { ...found, one };
+  if (i === 0) ui.present = found.joints.map(({ at }) => at);
   state.at = Math.min(...state.runs.map((each) => each.target.length)) - 1;
 }
 
@@ -172,7 +173,7 @@ function writeNow() {
   });
   element("now").replaceChildren(...rows(list));
   const flags = state.runs[0]?.now?.flags ?? 0;
-  writeAngles(state.runs[0]?.now?.joints ?? []);
+  writeAngles(state.runs[0]?.now);
   document.querySelectorAll("#flags li").forEach((item) => {
     const on = (flags & Number(item.dataset.bit)) !== 0;
     item.classList.toggle("on", on);

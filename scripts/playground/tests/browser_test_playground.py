@@ -193,14 +193,16 @@ RING = """((ring, i) => {
     const [x, y] = rings(viewOf(state.parts[0]))[ring][i].at;
     return [box.x + state.parts[0].x + x, box.y + state.parts[0].y + y];
 })"""
-NOW = "(({ joints, one }) => [joints.map(({ at }) => at), one.words, one.turn])(playground.state.runs[0].now)"
+NOW = "(({ joints, branch, one }) => [joints.map(({ at }) => at), branch, one.words, one.turn])"
+NOW += "(playground.state.runs[0].now)"
 
 
 @pytest.mark.parametrize("touch", [False, True])
 @pytest.mark.parametrize("name", playground.ARMS)
 def test_the_hand_turns_and_the_joints_follow(page, name, touch):
     """A ring, by pointer or keys, turns the hand about the ring's axis, while the hand's point stays. The joint angles
-    equal the arm's in double precision, and the page marks the joints that this arm has beyond its limits."""
+    equal the arm's in double precision, in a branch within its limits if there is one, and the page marks joints beyond
+    them."""
     arm = playground.ARMS[name]
     page.choose("robot", name)
     step(page, LEAN + 2)
@@ -221,17 +223,19 @@ def test_the_hand_turns_and_the_joints_follow(page, name, touch):
     assert np.allclose(page.run("playground.pointOf(playground.place(), playground.ui.target.turn)"), before, atol=1e-9)
     page.wait_for("String(playground.state.runs[0].now.one.turn) === String(playground.ui.target.turn)")
     page.run(FLOW.format("step"))
-    joints, words, turn = page.run(NOW)
+    joints, branch, words, turn = page.run(NOW)
     asked = from_words(np.array([words]), 0, 32, "page")
     place = rotate(arm.mount, asked.position * (arm.d1 + arm.d2) / asked.reach) + arm.base
     point = place + np.linalg.norm(arm.tool) * rotate(np.array(turn), (0.0, 0.0, 1.0))
-    pose = arm.solve(point, turn, asked.phi, branch=0)
+    pose = arm.solve(point, turn, asked.phi, branch=branch)
     assert np.abs(wrap(pose.joints[0] - joints)).max() < 2e-8
     shown = page.run(ANGLES)
     degrees = [float(text.replace("\N{MINUS SIGN}", "-").rstrip("\N{DEGREE SIGN}")) for _, text in shown]
     assert degrees == pytest.approx(np.degrees(joints), abs=0.051)
     assert [bool(over) for over, _ in shown] == pose.over_limit[0].tolist()
-    assert pose.over_limit.any() == (name != "arm")
+    assert page.run("document.getElementById('branch').textContent") == f"branch {branch}"
+    every = [arm.solve(point, turn, asked.phi, branch=other).over_limit.any() for other in range(8)]
+    assert pose.over_limit.any() == all(every)
 
 
 @pytest.mark.parametrize(("x", "z", "flag"), [(0.7, 0, "too_far"), (0, 0.4, "on_axis")])
