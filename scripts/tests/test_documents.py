@@ -13,6 +13,7 @@ import pytest
 import yaml
 
 from model import __version__
+from model.io.flags import FLAGS
 from model.motion.tests import figure
 from tb.axi.binding import SOURCE, compiled
 from tb.sim.env import ROOT, environment
@@ -93,6 +94,12 @@ def test_ports_of_a_module(module):
     assert generics and generics == re.findall(r"parameter integer (\w+) *= (\d+)", text)
     names = {name for _, _, name in ports}
     assert reset in names and {name.rpartition("_")[0] for name in names} - {""} == set(buses.split(":"))
+
+
+def test_each_flag_is_described():
+    rows = re.findall(r"^\| (\d+) \| `(\w+)` \|", read("docs/core.md"), re.M)
+    flags = {(str(flag.bit_length() - 1), name) for name, flag in FLAGS.items()}
+    assert set(rows) == flags, f"docs/core.md, the table of flags: {sorted(set(rows) ^ flags)}"
 
 
 def test_fusesoc_has_files_and_version_of_the_project():
