@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test ``ik_vector`` and ``ik_fold_angle`` against their model; test ``ik_double`` and the joint limits against their
-definitions."""
+"""Test ``ik_vector`` and ``ik_fold_angle`` against their model; test ``ik_double``, steps and limits of joints against
+their definitions."""
 
 import itertools
 import random
@@ -177,11 +177,41 @@ def fold_limit(W: int) -> Tests:
     return checks(inputs, {"over": BIT}, of_joint, near, latency=1, fits=lambda joint, *_: joint)
 
 
+def step(W: int, STEP: int, NEGATED: int) -> Tests:
+    """Check both steps. Whether there are limits is read from those of the next vector, as limits are static."""
+    turn, angle, most = 1 << W, unsigned(W), (2 << STEP) - 1
+
+    def size(at: int, ref_at: int, span: int, whole: bool) -> int:
+        gap = at - ref_at
+        if whole:
+            gap = (gap + turn // 2) % turn - turn // 2
+        return most if at > span else (~gap if gap < 0 else gap) >> W - STEP
+
+    def reference(*columns):
+        rows = list(zip(*columns, strict=True))
+        for (th, ref, low, high), (*_, next_low, next_high) in zip(rows, [*rows[1:], rows[-1]], strict=True):
+            whole, span = (next_high - next_low) % turn == turn - 1, (high - low) % turn
+            other = -th if NEGATED else th + turn // 2
+            yield [size((one - low) % turn, (ref - low) % turn, span, whole) for one in (th, other)]
+
+    inputs, steps = (
+        dict.fromkeys(("th", "ref_th", "low", "high"), angle),
+        dict.fromkeys(("step_0", "step_1"), unsigned(STEP + 1)),
+    )
+    return checks(inputs, steps, lambda *columns: zip(*reference(*columns), strict=True), latency=3, columns=True)
+
+
 CASES = (
     Case("ik_vector", vector, sets_of("W", (6,)), sets_of("W", (5,), (17,), (24,), (32,))),
     Case("ik_fold_angle", fold_angle, sets_of("W", (5,), (32,)), sets_of("W", (6,), (17,))),
     Case("ik_double", double, sets_of("IW OW", (8, 4), (36, 32))),
     Case("ik_limit", limit, sets_of("W", (4,), (32,))),
+    Case(
+        "ik_step",
+        step,
+        sets_of("W STEP NEGATED", (3, 3, 0), (3, 3, 1), (24, 12, 1)),
+        sets_of("W STEP NEGATED", (32, 12, 0)),
+    ),
     Case("ik_fold_limit", fold_limit, sets_of("W", (4,), (32,))),
 )
 test_angles, vectors = runs(CASES)
