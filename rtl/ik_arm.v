@@ -42,8 +42,8 @@ module ik_arm #(
     // turn of th = 2^W. Above the tag in tuser, lowest first: too_far, too_near, on_axis, at_shoulder, bad_length,
     // saturated, 0, 0, bad_hand, over_1 to over_7.
     // CHOOSE: th and over are the chosen branch's; above over_7, lowest first: this branch; its largest step from the
-    // reference, 12 bits, one turn = 2^12; no branch is inside the limits; for each of eight branches, given xor 0 to 7,
-    // whether it is inside them; singular
+    // reference, 12 bits, one turn = 2^12; no branch is inside the limits; for n = 0 to 7, the given branch xor n is
+    // inside them; singular
     output wire [    17*W-1:0] m_axis_tdata,
     output wire [TAG_W+16+25*CHOOSE-1:0] m_axis_tuser,
     output wire                m_axis_tvalid,

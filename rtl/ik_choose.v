@@ -3,9 +3,10 @@
 //
 // No rounding but of steps, which are rounded towards 0 (ik_step). Binary angles, one turn = 2^W; a step has 12 bits,
 // one turn = 2^12, and above them a bit for an angle outside its limits.
-// The largest of the seven steps counts. The elbow bit aside, shoulder and wrist choose their bits apart, since a maximum
-// distributes over a minimum; of equal steps the given branch's bit stays. Where th2 or th6 is less than EPS words from 0
-// or half a turn, only the sum or difference of its neighbours counts: the first takes its reference, the other the rest.
+// The largest of the seven steps counts. For each elbow bit, shoulder and wrist choose their bits apart, as a maximum
+// distributes over a minimum; of equal steps the given branch's bit stays. Where th2 or th6 is less than EPS words from
+// 0 or half a turn, only the sum or difference of its neighbours counts: the first takes its reference, the other the
+// rest.
 // Each operator's equation is in model/dataflow/choose.py. A signal named like a node holds it in the node's clock,
 // T_<NODE>. All inputs are valid at T_OVER_2, all results at T_CHOICE; clocks: ik_choose_nodes.vh.
 // Throughput: one pose per clock.
@@ -13,9 +14,10 @@
 `default_nettype none
 
 module ik_choose #(
-    parameter integer W    = 32,                  // word length, 16 to 32
-    parameter integer TILE = 18,                  // of the datapath; sets the clocks of the nodes
-    parameter integer EPS  = (W > 24) ? 8 : 16    // words next to 0 and half a turn within which th2 and th6 are singular
+    parameter integer W    = 32,  // word length, 16 to 32
+    parameter integer TILE = 18,  // of the datapath; sets the clocks of the nodes
+    // th2 and th6 are singular less than EPS words from 0 or half a turn
+    parameter integer EPS  = (W > 24) ? 8 : 16
 ) (
     input  wire            clk,
     input  wire            rst,           // synchronous: resets a delay's pointer only
@@ -27,8 +29,8 @@ module ik_choose #(
     // Result
     output wire [ 7*W-1:0] joints_chosen,
     output wire [     6:0] outs,          // out_1 .. out_7: joints outside their limits
-    // Lowest first: chosen branch; largest step, 12 bits; no branch is inside the limits; for each branch, changed by its
-    // number from the given one, whether it is inside; singular
+    // Lowest first: chosen branch; largest step, 12 bits; no branch is inside the limits; for n = 0 to 7, the given
+    // branch xor n is inside them; singular
     output wire [    24:0] choice
 );
 
@@ -77,11 +79,13 @@ module ik_choose #(
     // split_1 = singular_2 ? ref_1 : th1
     split_1 <= singular_2 ? refs_1[0*W+:W] : joints_1[0*W+:W];
     // split_3 = th3 + (singular_2 ? (opposite_2 ? -swing_1 : swing_1) : 0)
-    split_3 <= joints_1[2*W+:W] + ((swing_1 ^ {W{opposite_2}}) & {W{singular_2}}) + {{(W-1){1'b0}}, singular_2 && opposite_2};
+    split_3 <= joints_1[2*W+:W] + ((swing_1 ^ {W{opposite_2}}) & {W{singular_2}})
+        + {{(W-1){1'b0}}, singular_2 && opposite_2};
     // split_5 = singular_6 ? ref_5 : th5
     split_5 <= singular_6 ? refs_1[4*W+:W] : joints_1[4*W+:W];
     // split_7 = th7 + (singular_6 ? (opposite_6 ? -swing_5 : swing_5) : 0)
-    split_7 <= joints_1[6*W+:W] + ((swing_5 ^ {W{opposite_6}}) & {W{singular_6}}) + {{(W-1){1'b0}}, singular_6 && opposite_6};
+    split_7 <= joints_1[6*W+:W] + ((swing_5 ^ {W{opposite_6}}) & {W{singular_6}})
+        + {{(W-1){1'b0}}, singular_6 && opposite_6};
   end
 
   // ---- steps of both angles of each joint ----
@@ -264,7 +268,8 @@ module ik_choose #(
   wire [13:0] outs_at_turn;
   ik_delay #(.W(14), .N(T_TURN_WRIST-T_OUT_1_0)) u_outs_at_turn (
       .clk(clk),
-      .d({out_7_1, out_7_0, out_6_1, out_6_0, out_5_1, out_5_0, out_4_1, out_4_0, out_3_1, out_3_0, out_2_1, out_2_0, out_1_1, out_1_0}),
+      .d({out_7_1, out_7_0, out_6_1, out_6_0, out_5_1, out_5_0, out_4_1, out_4_0, out_3_1, out_3_0, out_2_1, out_2_0,
+          out_1_1, out_1_0}),
       .q(outs_at_turn)
   );
   wire [2:0] branch_at_turn;

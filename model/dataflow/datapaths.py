@@ -95,6 +95,8 @@ class Datapath:
 
     def module(self, section: str) -> str:
         """Return the Verilog module of a section."""
+        if section == "choose":
+            return "ik_choose"
         return f"ik_{section}" if self.rtl == "paper" else f"ik_{self.rtl}_{section}"
 
 

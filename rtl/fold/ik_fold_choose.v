@@ -3,9 +3,9 @@
 //
 // No rounding but of steps, which are rounded towards 0. Binary angles, one turn = 2^W; a step has 12 bits, one turn =
 // 2^12, and above them a bit for an angle outside its limits.
-// Reference joints are copied while a pose waits at the input, joints when the core writes them. A result that leaves the
-// core is taken at once and stays here until it leaves: first th2, th6, th1 and th5 are read, then 13 angles for each
-// elbow bit, whose largest steps decide, then the joints of the chosen branch.
+// Reference joints are copied while a pose waits at the input, joints when the core writes them. A result of the core is
+// taken at once and stays here until it leaves: first th2, th6, th1 and th5 are read, then 13 angles for each elbow bit,
+// whose largest steps decide, then the joints of the chosen branch.
 // Throughput: one pose per 50 clocks, which is less than a lap.
 // Latency: 50 clocks from r_valid to m_valid.
 `default_nettype none
