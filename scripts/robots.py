@@ -88,7 +88,7 @@ def planned(
     """Return poses of the tip as targets of `ik_arm`, and the path through them.
 
     Swivel angles are chosen if all phi are nan, branches without a column ``branch``; a column ``path`` separates
-    paths. each: every row is a path of its own. A row without joints within the limits gets those of `Arm.solve`.
+    paths. each: every row is a path of its own. A row without joints within the limits gets `Arm.solve`'s.
     progress: called with the number of planned rows and a text.
     Raises ValueError for bent links, and for an arm whose joints are corrected: take its :meth:`Arm.nearest`.
     """

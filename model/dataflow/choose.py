@@ -197,7 +197,7 @@ GROUP = Format(STEP_BITS + 1, STEP_BITS - 1, str(STEP_BITS - 1), signed=False)
 
 
 def _turns(d: Dataflow, steps: dict[int, list[Node]]) -> dict[str, Node]:
-    """Return a dict: bit of the branch -> mask that changes it; ``steps`` are those of each joint."""
+    """Return a dict: bit of the branch -> mask that changes it; ``steps``: joint -> its two steps."""
     n = d.nodes
 
     def extreme(name: str, function: str, a: Node, b: Node) -> Node:

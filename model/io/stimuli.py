@@ -400,22 +400,10 @@ def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
     return np.column_stack([random.permutation(rows), random.integers(8, size=count)])
 
 
-def choice_targets(count: int, width: int, seed: int) -> np.ndarray:
-    """Return words and branches (N, 19) of the poses of :func:`arm_targets` with any reference joints."""
-    return referenced(arm_targets(count, width, seed), width, seed)
-
-
 def referenced(words: np.ndarray, width: int, seed: int) -> np.ndarray:
     """Return the words (N, 19) of poses with their branch (N, 12) and any reference joints."""
     references = np.random.default_rng((seed, width, 8)).integers(-(1 << width - 1), 1 << width - 1, (len(words), 7))
     return np.insert(words, [len(ARM_FIELDS)] * 7, references, axis=1)
-
-
-def choice_limits(width: int) -> list[tuple[int, int]]:
-    """Return limits (low, high) of seven joints, words: long arcs, so that some branches are inside; one is a turn."""
-    half = 1 << width - 1
-    arcs = (-0.95, 0.9), (0.1, 0.0), (-1.0, 1.0), (-0.9, 0.7), (0.6, 0.55), (-0.97, 0.93), (-1.0, 0.99)
-    return [(round(low * half), min(round(high * half), half - 1)) for low, high in arcs]
 
 
 def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
@@ -437,10 +425,13 @@ def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
     return np.column_stack([rows, random.integers(8, size=len(words))])
 
 
-def arm_limits(width: int) -> list[tuple[int, int]]:
-    """Return limits (low, high) of seven joints, words: arcs of all lengths, some across half a turn (low > high)."""
+def arm_limits(width: int, long: bool = False) -> list[tuple[int, int]]:
+    """Return limits (low, high) of seven joints, words: arcs of all lengths, some across half a turn (low > high); or
+    ``long`` arcs, one a whole turn, so that some branches of a pose are inside."""
     half = 1 << width - 1
     arcs = (0.9, -0.8), (-0.7, 0.95), (-1.0, 0.0), (-0.4, 0.5), (0.2, 0.3), (-0.99, 0.6), (0.7, 0.4)
+    if long:
+        arcs = (-0.95, 0.9), (0.1, 0.0), (-1.0, 1.0), (-0.9, 0.7), (0.6, 0.55), (-0.97, 0.93), (-1.0, 0.99)
     return [(round(low * half), min(round(high * half), half - 1)) for low, high in arcs]
 
 

@@ -13,7 +13,7 @@ module ik_fold_arm #(
     parameter integer W     = 24,  // word length, even, 20 to 32; 18 to 24 with TILE = 16
     parameter integer TAG_W = 8,   // tag width, at least 1
     parameter integer TILE  = 18,  // multiplier tile width: 18 or 16
-    parameter integer CHOOSE = 0,  // 1: ik_fold_choose replaces the joints by those of the branch nearest to a reference
+    parameter integer CHOOSE = 0,  // 1: ik_fold_choose replaces the joints by the joints of the branch nearest to a reference
     parameter integer EPS    = 16  // see ik_fold_choose
 ) (
     input  wire                clk,

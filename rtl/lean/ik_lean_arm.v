@@ -16,7 +16,7 @@ module ik_lean_arm #(
     parameter integer W     = 32,  // word length, 16 to 32, at most 24 with TILE = 16
     parameter integer TAG_W = 8,   // tag width, at least 1
     parameter integer TILE  = 18,  // width of the multipliers' longer operand: 18, 25 or 16
-    parameter integer CHOOSE = 0,  // 1: ik_choose replaces the joints by those of the branch nearest to a reference
+    parameter integer CHOOSE = 0,  // 1: ik_choose replaces the joints by the joints of the branch nearest to a reference
     parameter integer EPS    = 16  // see ik_choose
 ) (
     // Clock

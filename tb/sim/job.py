@@ -10,7 +10,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.dataflow.formats import Format
 from model.dataflow.nodes import Limits, Node
-from model.io.stimuli import arm_limits, arm_targets, choice_limits, choice_targets, mixed
+from model.io.stimuli import arm_limits, arm_targets, mixed, referenced
 from model.io.words import pack
 
 KEPT, SHOWN = 1000, 5  # numbers of differences kept for the message, and shown in it; the others are only counted
@@ -34,13 +34,14 @@ class Job:
 
 def usual_limits(datapath: str, width: int) -> list[tuple[int, int]]:
     """Return the limits of joints that benches use by default."""
-    return (choice_limits if MODELS[datapath].chooses else arm_limits)(width)
+    return arm_limits(width, long=MODELS[datapath].chooses)
 
 
 def usual_words(datapath: str, count: int, width: int, seed: int) -> np.ndarray:
     """Return the words of a :class:`Job` with targets of every kind."""
     path = MODELS[datapath]
-    return (choice_targets if path.chooses else arm_targets if path.side else mixed)(count, width, seed)
+    words = (arm_targets if path.side else mixed)(count, width, seed)
+    return referenced(words, width, seed) if path.chooses else words
 
 
 def answer(words: np.ndarray, width: int, datapath: str, limits: Limits | None = None) -> fixed.Answer:

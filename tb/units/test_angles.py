@@ -178,7 +178,7 @@ def fold_limit(W: int) -> Tests:
 
 
 def step(W: int, STEP: int, NEGATED: int) -> Tests:
-    """Check both steps. Whether there are limits is read from those of the next vector, as limits are static."""
+    """Check both steps. As limits are static, the next vector decides whether there are any."""
     turn, angle, most = 1 << W, unsigned(W), (2 << STEP) - 1
 
     def size(at: int, ref_at: int, span: int, whole: bool) -> int:

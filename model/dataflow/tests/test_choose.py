@@ -6,7 +6,7 @@ import pytest
 
 from model.dataflow import fixed
 from model.dataflow.choose import STEP_BITS, eps
-from model.io.stimuli import choice_limits, choice_targets
+from model.io.stimuli import arm_limits, arm_targets, referenced
 from model.reference.joints import NEGATED_BY, TURNED_BY
 
 
@@ -38,7 +38,7 @@ def searched(joints, references, limits, width):
 
 @pytest.mark.parametrize("width", [16, 24, 32])
 def test_no_branch_has_a_smaller_step(width):
-    words, limits = choice_targets(3000, width, 1), choice_limits(width)
+    words, limits = referenced(arm_targets(3000, width, 1), width, 1), arm_limits(width, long=True)
     answer = fixed.run(words[:, :-1], width, "choose", words[:, -1], limits)
     given = fixed.run(words[:, :11], width, "arm", words[:, -1], limits)
     steps, joints, singular = searched(given.results[:, :7], words[:, 11:18], limits, width)
@@ -58,7 +58,7 @@ def test_no_branch_has_a_smaller_step(width):
 @pytest.mark.parametrize("width", [20, 32])
 def test_joints_that_are_the_reference_are_chosen(width):
     """A pose of any branch, with its own joints as reference, is answered with them, unless it is singular."""
-    words = choice_targets(2000, width, 2)
+    words = referenced(arm_targets(2000, width, 2), width, 2)
     branch = np.random.default_rng(width).integers(8, size=len(words))
     own = fixed.run(words[:, :11], width, "arm", branch)
     words[:, 11:18] = own.results[:, :7]
