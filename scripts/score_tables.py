@@ -37,7 +37,9 @@ def _written(tolerance: float | None) -> str:
 
 
 def _verdict(result: Score) -> str:
-    return "[green]pass[/]" if result.passed else "[bold red]FAIL[/]"
+    verdict = result.outcome[:4]
+    colour = {"pass": "green", "warn": "yellow"}.get(verdict, "bold red")
+    return f"[{colour}]{verdict}[/]"
 
 
 def outcome(result: Score) -> str:

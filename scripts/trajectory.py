@@ -317,7 +317,11 @@ def score_runs(
         places = placed(item, run, arguments.width) if item.clip else None
         more = {"tolerance": arguments.tolerance, "predicted": predicted, "placed": places, "limits": item.limits}
         more |= {"strict": item.robot is not None and arguments.limits != "report"}
-        scored.append((run, score(item.targets, item.words, item.exponent, run, **core, **more)))
+        result = score(item.targets, item.words, item.exponent, run, **core, **more)
+        if result.passed and item.path and (item.path.jumps or result.over_limit):  # not a pass without a word
+            text = f"{len(item.path.jumps)} targets jump or have no joints, {result.over_limit} are outside the limits"
+            result = replace(result, outcome=f"warn: {text}; {result.outcome.removeprefix('pass: ')}")
+        scored.append((run, result))
     return scored
 
 

@@ -144,7 +144,7 @@ function writeTrajectory() {
 function writeScore(t, i) {
   const mine = (name) => element(name + PLACES[i]);
   mine("verdict").textContent = t.outcome;
-  mine("verdict").className = t.passed ? "good" : "bad";
+  mine("verdict").className = t.outcome.startsWith("pass") ? "good" : "bad";
   mine("failures").replaceChildren(
     ...t.failures.map((failure) => Object.assign(document.createElement("li"), { textContent: failure })),
   );

@@ -250,7 +250,12 @@ def test_rows_alone_name_their_jumps(cli):
     words = "--trajectory", "t.csv", "--out", "o", "--robot", "iiwa14"
     assert cli(*words)[::2] == (0, [])
     assert table("step").max() <= 0.2
+    assert scores("o/score.json")[0]["outcome"].startswith("pass: ")
     status, _, err = cli(*words, "--plan", "rows")
+    jumped = table("step")[:, 0] > 0.2
+    assert scores("o/score.json")[0]["outcome"].startswith(
+        f"warn: {jumped.sum()} targets jump or have no joints, 0 are"
+    )
     at = table(*arm.names)
     moved = np.abs(np.diff(at, axis=0)).max(axis=1)
     assert status == 0 and moved.max() > 0.2
