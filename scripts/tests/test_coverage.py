@@ -7,7 +7,7 @@ import pytest
 
 from scripts import coverage
 from tb.axi.instances import echoing
-from tb.core.functional_coverage import BINS, POSES, WRISTS, bin_of, examples, kinds_of, regions
+from tb.core.functional_coverage import BINS, KINDS, bin_of, examples, kinds_of, regions
 from tb.sim.coverage import Point, counting, read, write
 from tb.sim.env import ROOT
 from tb.sim.sources import sources, with_rules
@@ -16,9 +16,9 @@ FIFO = "rtl/lib/ik_fifo.v"
 ROW = next(n for n, line in enumerate((ROOT / FIFO).read_text().splitlines(), 1) if "m_valid <= !empty;" in line)
 
 
-@pytest.mark.parametrize(("arm", "kinds"), [(False, WRISTS), (True, [(pose,) for pose in POSES])])
-def test_each_kind_of_target_has_an_example(arm, kinds):
-    missing = [kind for kind in kinds if kind not in examples(18, arm)]
+@pytest.mark.parametrize("datapath", KINDS)
+def test_each_kind_of_target_has_an_example(datapath):
+    missing = [kind for kind in KINDS[datapath] if kind not in examples(18, datapath)]
     assert not missing, (
         f"tb/core/functional_coverage.py: no example of {missing}; add one in examples, or to IMPOSSIBLE"
     )

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Functional coverage at the ports of ``ik_axis`` (flag x datapath x singular region x stall pattern) and of ``ik_arm``
-(property of a pose x datapath x stall pattern).
+(property of a pose, or of the choice of its branch, x datapath x stall pattern).
 
 :class:`tb.core.monitor.Monitor` samples each result; the bench writes the samples after it has checked the results.
 """
@@ -14,13 +14,13 @@ from math import isqrt
 
 import numpy as np
 
-from model.dataflow.datapaths import ARM
-from model.io.flags import ARM_FLAGS, CORE_FLAGS, names
+from model.dataflow.datapaths import ARM, MODELS
+from model.io.flags import ARM_FLAGS, CHOICE_FLAGS, CORE_FLAGS, names
 from model.io.stimuli import hands, mixed
 from model.io.words import BRANCHES, FIELDS
 from tb.sim import coverage
 from tb.sim.coverage import Point
-from tb.sim.job import answer
+from tb.sim.job import answer, usual_words
 
 NEAR = 64  # largest offset from the z axis: distance from the shoulder / NEAR; from other singular poses: reach / NEAR
 FILE = f"{uuid.uuid4().hex}.json"  # file for the counts of this simulation
@@ -45,6 +45,11 @@ POSES += [f"{joint} near {angle}" for joint in ("th2", "th6") for angle in ("0",
 POSES += [f"tool {length}" for length in ("least", "0", "greatest")]
 """Properties of poses of the whole arm. "near" means at most 1/256 of a turn away."""
 
+CHOICE_BITS = {name: flag for name, flag in CHOICE_FLAGS.items() if name.startswith(("choice", "feasible", "singular"))}
+CHOICE_BITS |= {"none_feasible": 1 << 31}
+CHOICES = [f"{name}={bit}" for name in CHOICE_BITS for bit in (0, 1)]
+"""Properties of the choice of a branch."""
+
 
 def bin_of(*values: str, top: str = "ik_axis") -> Point:
     return Point(top, 0, 0, "cross", " x ".join(values))
@@ -57,18 +62,35 @@ def bin_of_kind(kind: Kind, datapath: str, stall: str) -> Point:
 
 
 WRISTS = [kind for kind in itertools.product(("-", *CORE_FLAGS), REGIONS) if kind not in IMPOSSIBLE]
+KINDS: dict[str, list[Kind]] = {
+    "lean": WRISTS,
+    "arm": [(pose,) for pose in POSES],
+    "choose": [(choice,) for choice in CHOICES],
+}
+"""Kinds by the datapath that has examples of them; :func:`source` names it."""
+
+
+def source(datapath: str) -> str:
+    """Return the datapath whose targets and kinds are also those of ``datapath``."""
+    path = MODELS[datapath]
+    return "choose" if path.chooses else "arm" if path.side else "lean"
+
+
 BINS = [
     bin_of_kind(kind, datapath, stall)
-    for kinds, datapaths in ((WRISTS, ("lean", "paper", "fold")), ([(pose,) for pose in POSES], ("arm", "fold_arm")))
-    for kind, datapath, stall in itertools.product(kinds, datapaths, STALLS)
+    for datapath in ("lean", "paper", "fold", "arm", "fold_arm", "choose", "fold_choose")
+    for kind, stall in itertools.product(KINDS[source(datapath)], STALLS)
 ]
 BINS += [bin_of(LATE, datapath, "any", top="ik_arm") for datapath in ("arm", "fold_arm")]
 
 
 def kinds_of(target: Sequence[int], results: Sequence[int], flags: int, width: int) -> list[Kind]:
-    """Return the kinds of a wrist target, or of a pose with its branch, from the target's results and flags."""
+    """Return the kinds of a wrist target, or of a pose with its branch, from the target's results and flags. A pose
+    with reference joints has the kinds of the choice."""
     if len(target) == len(FIELDS):
         return list(itertools.product(names(flags).split("+"), regions(target)))
+    if len(target) > len(ARM.inputs) + 1:
+        return [(f"{name}={int(flags & flag != 0)}",) for name, flag in CHOICE_BITS.items()]
     bits = {name: flags & flag != 0 for name, flag in ARM_FLAGS.items()}
     bits |= {name: target[-1] >> k & 1 for k, name in enumerate(BRANCHES)}
     kinds = [f"{name}={int(bit)}" for name, bit in bits.items()]
@@ -97,12 +119,14 @@ def regions(target: Sequence[int]) -> list[str]:
 
 
 @functools.cache
-def examples(width: int, arm: bool) -> dict[Kind, tuple[int, ...]]:
-    """Return an example of each kind that occurs: a wrist target, or a pose of the whole arm. A few cover all kinds."""
-    k = 1 << width - 5
-    targets = mixed(4000, width, 8)
-    targets = hands(targets, width, 8) if arm else np.array([*targets, (k - 2, 0, 0, 9, k, 1), (k + 2, 0, 0, 9, k, 1)])
-    run = answer(targets, width, "arm" if arm else "lean")
+def examples(width: int, datapath: str) -> dict[Kind, tuple[int, ...]]:
+    """Return an example of each kind that occurs: words of a target of ``datapath``. A few cover all kinds."""
+    k, targets = 1 << width - 5, mixed(4000, width, 8)
+    if datapath == "lean":
+        targets = np.array([*targets, (k - 2, 0, 0, 9, k, 1), (k + 2, 0, 0, 9, k, 1)])
+    else:
+        targets = hands(targets, width, 8) if datapath == "arm" else usual_words(datapath, 4000, width, 8)
+    run = answer(targets, width, datapath)
     targets_of: dict[Kind, tuple[int, ...]] = {}
     for target, results, flags in zip(targets.tolist(), run.results.tolist(), run.flags.tolist(), strict=True):
         for kind in kinds_of(target, results, flags, width):
@@ -110,15 +134,17 @@ def examples(width: int, arm: bool) -> dict[Kind, tuple[int, ...]]:
     return targets_of
 
 
-def every_kind(width: int, arm: bool = False, datapath: str = "", stall: str = "") -> np.ndarray:
-    """Return wrist targets (N, 6), or poses with their branch (N, 12), of all kinds. With a datapath and a stall
-    pattern, return only targets whose bin has no sample."""
+def every_kind(width: int, datapath: str = "lean", stall: str = "") -> np.ndarray:
+    """Return targets of ``datapath`` (N, words) of all kinds. With a stall pattern, return only targets whose bin has no
+    sample."""
+    path = MODELS[datapath]
+    name = path.name if path.side else path.rtl
     wanted = [
         target
-        for kind, target in examples(width, arm).items()
-        if not datapath or not HITS[bin_of_kind(kind, datapath, stall)]
+        for kind, target in examples(width, source(datapath)).items()
+        if not stall or not HITS[bin_of_kind(kind, name, stall)]
     ]
-    return np.array(list(dict.fromkeys(wanted))).reshape(-1, len(ARM.inputs) + 1 if arm else len(FIELDS))
+    return np.array(list(dict.fromkeys(wanted))).reshape(-1, len(path.inputs) + bool(path.side))
 
 
 HITS: Counter[Point] = Counter()  # samples of this simulation

@@ -103,14 +103,13 @@ async def every_flag_in_every_region(dut, idle, stall):
         for port, pauses in ((bench.driver.source, idle), (bench.sink, stall)):
             if pauses:
                 port.set_pause_generator(bool(number) for number in iter(lambda: random.integers(8), None))
-        path, targets = bench.path, bench.around(every_kind(bench.width))
-        arm = bool(path.side)
-        if arm:
-            targets = np.concatenate([targets, every_kind(bench.width, arm)])
+        targets = every_kind(bench.width, bench.datapath)
+        if bench.path.side and not bench.path.chooses:
+            targets = np.concatenate([bench.around(every_kind(bench.width)), targets])
         for _ in range(10):
             bench.driver.send(np.concatenate([targets[-1:], targets]))
             await bench.finish()
-            targets = every_kind(bench.width, arm, path.name if arm else path.rtl, STALLS[idle + 2 * stall])
+            targets = every_kind(bench.width, bench.datapath, STALLS[idle + 2 * stall])
             if not len(targets):
                 break
 

@@ -50,10 +50,9 @@ def shared(key: str) -> Shared:
     return Shared(f"streams-{key}", chosen)
 
 
-LARGE = ("paper-23", "arm-18", "fold_arm-24") if simulator() == "icarus" else ()
-SOME = (*LARGE, "fold_arm16-18", "choose-18", "fold_choose-24")
-"""Besides large sets, those that differ from another one by their fetch of steps, which test_power_up resets, or by the
-choice of a branch behind it."""
+LARGE = ("paper-23", "arm-18", "choose-18", "fold_arm-24", "fold_choose-24") if simulator() == "icarus" else ()
+SOME = (*LARGE, "fold_arm16-18")
+"""Besides large sets, the one that differs from another only by its fetch of steps, which test_power_up resets."""
 WHOLE = [key for key in SETS if key not in SOME]
 FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out")
 
