@@ -135,7 +135,7 @@ def examples(width: int, datapath: str) -> dict[Kind, tuple[int, ...]]:
 
 
 def every_kind(width: int, datapath: str = "lean", stall: str = "") -> np.ndarray:
-    """Return targets of ``datapath`` (N, words) of all kinds. With a stall pattern, return only targets whose bin has no
+    """Return targets of ``datapath`` (N, words) of all kinds. With a stall pattern, return only those whose bin has no
     sample."""
     path = MODELS[datapath]
     name = path.name if path.side else path.rtl
