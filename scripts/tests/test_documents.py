@@ -15,7 +15,7 @@ import yaml
 from model import __version__
 from model.io.flags import FLAGS
 from model.motion.tests import figure
-from tb.axi.binding import SOURCE, compiled
+from tb.axi.binding import compiled
 from tb.sim.env import ROOT, environment
 from tb.sim.runner import MAKE_ARGS
 from tb.sim.sources import headers, sources
@@ -69,9 +69,9 @@ def test_integration(tmp_path, command):
 
 @pytest.mark.needs("cc")
 def test_from_c(tmp_path):
-    """Compile the C example with the driver, under the driver's strict options; no symbol may be undefined."""
+    """Compile the C examples with the driver, under the driver's strict options; no symbol may be undefined."""
     example = "\n".join(line[4:] for line in FROM_C.splitlines() if line.startswith("    "))
-    assert ctypes.CDLL(str(compiled(tmp_path, str(SOURCE / "ik.c"), "-Wl,-z,defs", text=example + "\n"))).reach
+    assert ctypes.CDLL(str(compiled(tmp_path, "-Wl,-z,defs", text=example + "\n"))).reach
 
 
 TOPS = "ik_axis", "ik_axis_bytes", "ik_arm", "ik_axi"
@@ -256,16 +256,17 @@ def test_debugging(checkout):
 
 @pytest.mark.cost(20)
 @pytest.mark.needs("verilator", "litex")
-def test_the_litex_example_compares_every_word(tmp_path, capsys):
+@pytest.mark.parametrize("arm", [False, True])
+def test_the_litex_example_compares_every_word(tmp_path, capsys, arm):
     from examples.litex.run import header, main, run
     from examples.litex.soc import load
 
-    assert main(["--targets", "4", "--width", "18", "--out", str(tmp_path)]) == 0
+    assert main(["--targets", "4", "--width", "18", "--out", str(tmp_path), *["--arm"] * arm]) == 0
     printed = capsys.readouterr().out
     passed = re.findall(r"^(.+): 0 of 4 targets differ from the model; interrupts: (\d)$", printed, re.MULTILINE)
-    assert passed == [("polling", "0"), ("interrupt", "1")], printed
-    right = header(4, 18)
-    word = re.search(r"0x\w+(?=, .*0x00a50003)", right)[0]
-    load(tmp_path, right.replace(word, f"0x{int(word, 16) ^ 1 << 14:08x}"))
+    assert passed == [("double, polling", "0"), ("double, interrupt", "1"), ("words, polling", "0")], printed
+    right = header(4, 18, arm)
+    word = re.search(r"expected(?:.|\n)*(0x\w+), 0x00a50003", right)[1]
+    load(tmp_path, right.replace(f"{word}, 0x00a50003", f"0x{int(word, 16) ^ 1 << 14:08x}, 0x00a50003"))
     assert not run(tmp_path)
-    assert capsys.readouterr().out.count(": 1 of 4 targets differ") == 2
+    assert capsys.readouterr().out.count(": 1 of 4 targets differ") == 3
