@@ -31,6 +31,7 @@ MODULE_SETS = {
         {"W": 18, "DATA_W": 32, "ADDR_W": 64, "LOG2_BURST": 5},
         {"W": 18, "DATAPATH": 0, "DIGIT": 1, "DATA_W": 128, "ADDR_W": 12, "LOG2_BURST": 1},
         {"W": 32, "ARM": 1},
+        *({"W": 24, "DATAPATH": 2, "ARM": arm} for arm in (0, 1)),
         {"W": 18, "ARM": 1, "DATA_W": 32, "ADDR_W": 13, "LOG2_BURST": 4},
     ],
     "ik_axi_target": [{"W": width} for width in (32, 31, 18, 16)] + [{"W": 18, "LOG2_RECORD": 6}],

@@ -135,19 +135,29 @@ static ik_code scale(ik_core *core, const lists *of, size_t n, int *exponent) {
     return IK_OK;
 }
 
+// Writes a record word by word: the buffer may be uncached memory that permits no other accesses.
+static void put_record(uint32_t *at, const void *record, size_t bytes) {
+    volatile uint32_t *to = at;
+    for (size_t i = 0; i < bytes / 4; i++) to[i] = ((const uint32_t *)record)[i];
+}
+
 static void put_target(const ik_core *core, uint32_t place, const lists *of, size_t k, int exponent) {
     const ik_hand t = target_of(of, k);
-    const int32_t x = length_word(t.x, exponent), y = length_word(t.y, exponent), z = length_word(t.z, exponent);
-    const int32_t d1 = length_word(t.d1, exponent), d2 = length_word(t.d2, exponent);
-    const uint32_t phi = (uint32_t)rounded(t.phi / TURN, 32);
-    if (!of->hands) {
-        ik_target_records(core)[place] = (ik_target_words){x, y, z, phi, d1, d2, t.tag, 0};
-        return;
+    ik_hand_words record = {.phi = (uint32_t)rounded(t.phi / TURN, 32), .tag = t.tag};
+    record.x = length_word(t.x, exponent);
+    record.y = length_word(t.y, exponent);
+    record.z = length_word(t.z, exponent);
+    record.d1 = length_word(t.d1, exponent);
+    record.d2 = length_word(t.d2, exponent);
+    if (of->hands) {
+        record.tool = length_word(t.tool, exponent);
+        record.tag = (uint32_t)t.branch << 24 | (t.tag & 0xffffffu);
+        for (int i = 0; i < 4; i++) record.hand[i] = length_word(t.hand[i], 0);
+        put_record(core->bus.source.at + place * 16, &record, sizeof record);
+    } else {
+        const ik_target_words wrist = {record.x, record.y, record.z, record.phi, record.d1, record.d2, t.tag, 0};
+        put_record(core->bus.source.at + place * 8, &wrist, sizeof wrist);
     }
-    ik_hand_words *to = &ik_hand_records(core)[place];
-    *to = (ik_hand_words){x, y, z, phi, d1, d2, length_word(t.tool, exponent), .hand = {0}};
-    to->tag = (uint32_t)t.branch << 24 | (t.tag & 0xffffffu);
-    for (int i = 0; i < 4; i++) to->hand[i] = length_word(t.hand[i], 0);
 }
 
 static void take_result(const ik_core *core, uint32_t place, const lists *of, size_t k) {

@@ -137,8 +137,9 @@ typedef struct {
 typedef struct {
     ik_bus bus;
     uint32_t width, data_width, addr_width, latency; // parameters W, DATA_W, ADDR_W; latency in clocks
-    bool lean;                                       // true: lean datapath; false: the paper's
+    bool lean;                                       // true: lean equations; false: the paper's
     bool arm;                                        // ARM = 1: the core solves hand poses
+    bool fold;                                       // folded onto one multiplier
 
     // outcome of the last call that solved
     size_t written;         // number of valid results, counted from the first, with any return code

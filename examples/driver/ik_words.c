@@ -100,6 +100,7 @@ ik_code ik_init(ik_core *core, const ik_bus *bus) {
     core->addr_width = field(config, IK_CONFIG_ADDR_WIDTH, IK_CONFIG_ADDR_WIDTH_SHIFT);
     core->lean = (config & IK_CONFIG_LEAN) != 0;
     core->arm = (config & IK_CONFIG_ARM) != 0;
+    core->fold = (config & IK_CONFIG_FOLD) != 0;
     core->latency = field(get(core, IK_PIPELINE), IK_PIPELINE_LATENCY, IK_PIPELINE_LATENCY_SHIFT);
     core->width = field(config, IK_CONFIG_WIDTH, IK_CONFIG_WIDTH_SHIFT);
     return IK_OK;

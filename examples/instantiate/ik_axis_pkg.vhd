@@ -84,13 +84,13 @@ package ik_axis_pkg is
   component ik_axi is
     generic (
       W          : integer := 32;  -- word length, 16 to 32; limits in ik_axis.v
-      DATAPATH   : integer := 1;   -- 0 paper, 1 lean
+      DATAPATH   : integer := 1;   -- 0 paper, 1 lean, 2 fold
       DIGIT      : integer := 0;   -- paper dividers and roots: 1 digit recurrence, for synthesis; 0 behavioural
       TILE       : integer := 18;  -- lean: longer operand of the multiplier blocks, bits: 18, 25 or 16
       ADDR_W     : integer := 32;  -- address width, 12 to 64
       DATA_W     : integer := 64;  -- data bus width: 32, 64 or 128
       LOG2_BURST : integer := 3;   -- log2 of records per full burst, 1 to 5; at most 256 beats
-      ARM        : integer := 0    -- 1: hand pose to joint angles, with DATAPATH = 1 only
+      ARM        : integer := 0    -- 1: hand pose to joint angles, with DATAPATH 1 or 2
     );
     port (
       clk           : in  std_logic;

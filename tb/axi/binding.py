@@ -75,6 +75,7 @@ class Core(ctypes.Structure):
         *((name, ctypes.c_uint32) for name in ("width", "data_width", "addr_width", "latency")),
         ("lean", ctypes.c_bool),
         ("arm", ctypes.c_bool),
+        ("fold", ctypes.c_bool),
         ("written", ctypes.c_size_t),
         ("bad", ctypes.c_size_t),
         ("error_address", ctypes.c_uint64),

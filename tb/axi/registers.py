@@ -29,6 +29,7 @@ def after_reset(bench: Bench) -> dict[str, int]:
         "lean": int(bench.datapath != "paper"),
         "digit": int(bench.dut.DIGIT.value),
         "arm": int(ARM),
+        "fold": int(bench.datapath.startswith("fold")),
         "latency": bench.latency,
         "places": bench.places,
     }
