@@ -37,6 +37,7 @@ MODULE_SETS = {
     "ik_axi_target": [{"W": width} for width in (32, 31, 18, 16)] + [{"W": 18, "LOG2_RECORD": 6}],
     "ik_axis": [{"W": 24}, {"W": 16}, {"W": 18, "TILE": 25}, {"W": 24, "DATAPATH": 2}],
     "ik_axis_bytes": [{"W": 18}],
+    "ik_arm_bytes": [{"W": 18, "CHOOSE": choose} for choose in (0, 1)],
     "ik_paper": [{"W": width, "DIGIT": digit} for width in (32, 18) for digit in (0, 1)],
     **{name: [{"W": width} for width in (32, 20)] for name in ("ik_fold", "ik_fold_arm")},
     **{name: [{}] for name in ("ik_fold_datapath", "ik_fold_norm", "ik_fold_arm_hand")},

@@ -74,7 +74,7 @@ def test_from_c(tmp_path):
     assert ctypes.CDLL(str(compiled(tmp_path, "-Wl,-z,defs", text=example + "\n"))).reach
 
 
-TOPS = "ik_axis", "ik_axis_bytes", "ik_arm", "ik_axi"
+TOPS = "ik_axis", "ik_axis_bytes", "ik_arm", "ik_arm_bytes", "ik_axi"
 
 
 @pytest.mark.parametrize("module", TOPS)
