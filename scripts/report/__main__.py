@@ -28,27 +28,13 @@ from model.io.words import JOINTS, from_words
 from model.motion.arms import GOAL
 from model.motion.swivels import feasible_swivel
 from model.reference.equations import swivel_normal
+from scripts import trajectory
 from scripts.console import command
 from scripts.generate.render import TEMPLATES
 from scripts.options import MOST_DATAPATHS, trajectory_options
 from scripts.report.figure import figure_data, joint_angles, packed
 from scripts.score_tables import figures, verdict
-from scripts.trajectory import (
-    SCORES,
-    Prepared,
-    by_joints,
-    csv_paths,
-    datapaths,
-    elbow_errors,
-    outputs,
-    prepare,
-    quaternions,
-    result_paths,
-    score_runs,
-    simulated,
-    speeds_of,
-    write_results,
-)
+from scripts.trajectory import Prepared
 from tb.sim.simulate import Run
 
 HERE = Path(__file__).parent
@@ -135,7 +121,7 @@ def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
         hands["limits"] = np.where(np.isfinite(limits), _numbers(limits, 5), None).tolist()
     if item.clip is None:
         goal = targets.position - (0.0 if targets.origin is None else targets.origin)
-        point, turn = np.ldexp(hand.point, -item.exponent), by_joints(item, ran, result.width)[2]
+        point, turn = np.ldexp(hand.point, -item.exponent), trajectory.by_joints(item, ran, result.width)[2]
         hands |= {"goal": _numbers(goal), "point": _numbers(point), "turn": _numbers(turn, 5)}
     over = (hand.over_limit << np.arange(7)).sum(axis=1).tolist()
     errors = _numbers(hand.orientation_error, 3)
@@ -166,11 +152,11 @@ def step_figures(item: Prepared) -> list[tuple[str, ...]]:
 def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     """Return the page's data of one datapath's results for a trajectory."""
     width, scores = result.width, result.per_target
-    qs, qe = quaternions(item, ran, width)
-    tolerance, moving = result.hand_error_tolerance, speeds_of(item, result)
+    qs, qe = trajectory.quaternions(item, ran, width)
+    tolerance, moving = result.hand_error_tolerance, trajectory.speeds_of(item, result)
     of_clip = {}
     if item.clip:
-        of_clip = {"clip": figure_data(item, ran, width), "elbowError": _numbers(elbow_errors(item, result))}
+        of_clip = {"clip": figure_data(item, ran, width), "elbowError": _numbers(trajectory.elbow_errors(item, result))}
     return of_clip | {
         "datapath": result.datapath,
         "angles": _numbers(joint_angles(item, ran, width), 5),
@@ -200,10 +186,10 @@ def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> 
     names = [item.targets.name for item in prepared]
     links: dict[str, list[str]] = {name: [] for name in (*names, "")}
     for folder in folders:
-        tables = dict(zip(csv_paths(folder, prepared), names, strict=True))
-        for path in result_paths(folder, prepared):
+        tables = dict(zip(trajectory.csv_paths(folder, prepared), names, strict=True))
+        for path in trajectory.result_paths(folder, prepared):
             links[tables.get(path.with_suffix(".csv"), "")].append(path.relative_to(out).as_posix())
-    return links | {"": [*links[""], SCORES]}
+    return links | {"": [*links[""], trajectory.SCORES]}
 
 
 def page(
@@ -231,16 +217,18 @@ def page(
 )
 def main(parsed: SimpleNamespace) -> int:
     path = parsed.out / "report.html"
-    prepared = prepare(parsed)
-    folders = datapaths(parsed, prepared)
-    with outputs(parsed.out, folders.values(), prepared, path) as files:
-        runs = [simulated(parsed, datapath, prepared) for datapath in folders]
-        done = [score_runs(parsed, datapath, prepared, ran) for datapath, ran in zip(folders, runs, strict=True)]
+    prepared = trajectory.prepare(parsed)
+    folders = trajectory.datapaths(parsed, prepared)
+    with trajectory.outputs(parsed.out, folders.values(), prepared, path) as files:
+        done = [
+            trajectory.score_runs(parsed, datapath, prepared, trajectory.simulated(parsed, datapath, prepared))
+            for datapath in folders
+        ]
         shown = [trajectory_data(item, scored) for item, *scored in zip(prepared, *done, strict=True)]
         links = _links(parsed.out, list(folders.values()), prepared)
         text = page(shown, links, names=list(folders), width=parsed.width, simulator=parsed.sim)
         files(path).write_bytes(text.encode())
-        write_results(files, parsed.out, folders.values(), prepared, done)
+        trajectory.write_results(files, parsed.out, folders.values(), prepared, done)
     print(f"wrote {path}")
     return verdict("report", [result for ran in done for _, result in ran])
 
