@@ -57,9 +57,7 @@ def main(arguments: SimpleNamespace) -> int:
         trajectory.write_results(files, out, folders.values(), prepared, done)
 
     if (count := len(prepared)) == 1:
-        moving = [trajectory.speeds_of(prepared[0], result) for ((_, result),) in done]
-        more = [one.figures() if one else [] for one in moving]
-        scored = [(result, ran.flags, rows) for ((ran, result),), rows in zip(done, more, strict=True)]
+        scored = [(result, ran.flags, trajectory.speeds_of(prepared[0], result).figures()) for ((ran, result),) in done]
         show(table_of_datapaths(scored) if len(scored) > 1 else table_of_one(*scored[0]))
         tables = [path for folder in folders.values() for path in trajectory.result_paths(folder, prepared)]
     else:

@@ -338,10 +338,10 @@ def positions(item: Prepared, result: Score) -> np.ndarray:
     return item.robot.positions(result.per_target.hand.joints, item.path.joints)
 
 
-def speeds_of(item: Prepared, result: Score) -> Speeds | None:
-    """Return the speeds of the robot's joints, or None without times."""
+def speeds_of(item: Prepared, result: Score) -> Speeds:
+    """Return the speeds of the robot's joints."""
     if item.seconds is None or not (item.robot and item.path):
-        return None
+        return Speeds()
     return speeds(item.robot, item.path, positions(item, result), item.seconds, item.targets)
 
 
@@ -427,18 +427,18 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 at = positions(item, result)
                 more = dict(zip(item.robot.names, at.T, strict=True))
                 apart = np.flatnonzero(np.abs(at - item.path.joints).max(axis=1) > APART)
+                notes = []
                 if ran.branch is not None:
                     targets = replace(targets, others=targets.others | {"branch": [*map(str, ran.branch.tolist())]})
-                    if others := np.count_nonzero(ran.branch != targets.branch):
-                        text = (
-                            f"the core chooses another branch than the planner for {others} of {len(targets)} targets"
-                        )
-                        print(f"warning: {targets.name}: {text}", file=sys.stderr)
+                    if count := np.count_nonzero(ran.branch != targets.branch):
+                        of = f"{count} of {len(targets)} targets"
+                        notes.append(f"the core chooses another branch than the planner for {of}")
                 if len(apart):
-                    text = f"joints of {len(apart)} targets differ from the planned ones; first: target {apart[0]}"
-                    print(f"warning: {targets.name}: {text}", file=sys.stderr)
-                if (moving := speeds_of(item, result)) and (doubt := moving.doubt()):
-                    print(f"warning: {targets.name}: {doubt}", file=sys.stderr)
+                    notes.append(
+                        f"joints of {len(apart)} targets differ from the planned ones; first: target {apart[0]}"
+                    )
+                for note in filter(None, (*notes, speeds_of(item, result).doubt())):
+                    print(f"warning: {targets.name}: {note}", file=sys.stderr)
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))

@@ -173,7 +173,7 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
         "elbowAngle": _numbers(scores.elbow_angle_error),
         "latency": result.latency_cycles,
         "cycles": result.total_cycles,
-        "figures": [*figures(result, ran.flags), *step_figures(item), *(moving.figures() if moving else [])],
+        "figures": [*figures(result, ran.flags), *step_figures(item), *moving.figures()],
         "passed": result.passed,
         "outcome": result.outcome,
         "failures": result.failures,
