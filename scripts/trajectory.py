@@ -433,10 +433,8 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                     if count := np.count_nonzero(ran.branch != targets.branch):
                         of = f"{count} of {len(targets)} targets"
                         notes.append(f"the core chooses another branch than the planner for {of}")
-                if len(apart):
-                    notes.append(
-                        f"joints of {len(apart)} targets differ from the planned ones; first: target {apart[0]}"
-                    )
+                if count := len(apart):
+                    notes.append(f"joints of {count} targets differ from the planned ones; first: target {apart[0]}")
                 for note in filter(None, (*notes, speeds_of(item, result).doubt())):
                     print(f"warning: {targets.name}: {note}", file=sys.stderr)
             for suffix, content in tables(targets, ran, result, more).items():

@@ -2,7 +2,7 @@
 """Test `make run` with hand poses and with robots."""
 
 import re
-from contextlib import contextmanager
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -92,13 +92,9 @@ def test_poses_of_a_robot(cli, simulator, robot):
 
 
 def test_an_unsuitable_urdf_file(cli):
-    write_poses([(0.3, 0.1, 0.2)], [(1, 0, 0, 0)])
-    words, said = ("--trajectory", "t.csv", "--robot", "t.urdf"), "run: argument --robot: "
-    path = urdf(Path("t.urdf"), CHAINS["bent"])
-    assert cli(*words) == (2, [], [f"{said}links are bent: the joints of ik_arm are along or across its bones"])
-    fork = '<joint name="f" type="fixed"><parent link="l7"/><child link="other"/></joint></robot>'
-    path.write_text(path.read_text().replace("</robot>", fork))
-    assert cli(*words) == (2, [], [f"{said}t.urdf: no unique link for tip: other, tip; choose with TIP="])
+    urdf(Path("t.urdf"), CHAINS["bent"])
+    message = "run: argument --robot: links are bent: the joints of ik_arm are along or across its bones"
+    assert cli("--trajectory", "pick_and_place", "--robot", "t.urdf")[::2] == (2, [message])
 
 
 def test_a_nearly_exact_robot(cli):
@@ -169,13 +165,6 @@ def test_speeds_of_joints(cli):
     write_poses(*ROBOTS["iiwa14"].forward(SLOW), t=np.arange(40) / 1e3)
     status, out, err = cli(*words[:-1], "iiwa14")
     assert (status, err) == (0, []) and sum("largest speed of A" in line and "limit" not in line for line in out) == 7
-    write_poses(*arm.forward(SLOW), t=np.arange(40) // 2)
-    late = "t.csv: row 3, column t: '0.0' is not after '0.0' of row 2: times increase inside a path"
-    assert cli(*words) == (2, [], [f"run: {late}"])
-    Path("t.csv").write_text(Path("t.csv").read_text().replace(",1.0\n", ",noon\n", 1))
-    assert cli(*words) == (2, [], ["run: t.csv: row 4, column t: 'noon' is not a time in seconds"])
-    status, _, err = cli("--trajectory", "writing", "--rate", "5")
-    assert (status, err) == (2, ["run: argument --rate: applies to the joints of --robot"])
 
 
 def test_lengths_and_poses_of_another_robot(cli):
@@ -232,11 +221,10 @@ def test_progress_of_a_plan(cli, monkeypatch):
     """Check that rows and swivel angles are counted while the paths of a file are planned."""
     calls = []
 
-    @contextmanager
-    def progress(name, total):
-        yield lambda *done: calls.append((name, total, *done))
+    def meter(name, total):
+        return nullcontext(lambda *done: calls.append((name, total, *done)))
 
-    monkeypatch.setattr(trajectory, "progress", progress)
+    monkeypatch.setattr(trajectory, "progress", meter)
     write_poses(*ROBOTS["iiwa14"].forward(SLOW), path=np.repeat((1, 2), 20))
     assert cli("--trajectory", "t.csv", "--robot", "iiwa14")[::2] == (0, [])
     planned = [("planning 40 rows", 40, n, "16 swivel angles") for n in (8, 12, 16, 20, 28, 32, 36, 40)]
