@@ -13,8 +13,7 @@ from types import SimpleNamespace
 
 from model.io import trajectories
 from scripts import trajectory
-from scripts.console import command, show, switch
-from scripts.options import MOST_DATAPATHS, trajectory_options
+from scripts.console import MOST_DATAPATHS, command, show, switch, trajectory_options
 from scripts.paper.tables import table_of_datapaths
 from scripts.score_tables import table_of_many, table_of_one, verdict
 from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file

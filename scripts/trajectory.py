@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Load the targets of --trajectory, run them through the core, score the results and write the result files.
 
-All input is checked here. The command-line options are in :mod:`scripts.options`.
+All input is checked here. The command-line options are in :mod:`scripts.console`.
 """
 
 import os

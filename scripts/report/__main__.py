@@ -29,9 +29,8 @@ from model.motion.arms import GOAL
 from model.motion.swivels import feasible_swivel
 from model.reference.equations import swivel_normal
 from scripts import trajectory
-from scripts.console import command
+from scripts.console import MOST_DATAPATHS, command, trajectory_options
 from scripts.generate.render import TEMPLATES
-from scripts.options import MOST_DATAPATHS, trajectory_options
 from scripts.report.figure import figure_data, joint_angles, packed
 from scripts.score_tables import figures, verdict
 from scripts.trajectory import Prepared
