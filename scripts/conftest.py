@@ -69,17 +69,15 @@ class FakeSimulator:
             lines = {name[-1]: variable(writer, name, size) for name, size in sizes.items()}
             for clock in range(1, admitted[-1] + max(node.time for node in nodes) + 9):
                 rise = 10_000 * clock - 5_000
-                bits = {"clk": 1, "rst": clock < 4, "s_axis_tready": 1, "s_axis_tvalid": clock in admitted}
-                for name, bit in bits.items():
+                stream = {"clk": 1, "rst": clock < 4, "s_axis_tready": 1, "s_axis_tvalid": clock in admitted}
+                for name, bit in stream.items():
                     writer.change(lines[name], rise, int(bit))
                 for node in nodes:
-                    bits = "x"
                     if clock - node.time in admitted:
                         target = admitted.index(clock - node.time)
                         bits = model_bits(node, target)
-                        if (node.name, target) in self.wrong:
-                            bits = format(int(bits, 2) ^ 1, f"0{len(bits)}b")
-                    writer.change(lines[node.name], rise, bits)
+                        wrong = (node.name, target) in self.wrong
+                        writer.change(lines[node.name], rise, int(bits, 2) ^ wrong)
                 writer.change(lines["clk"], 10_000 * clock, 0)
 
 

@@ -342,8 +342,8 @@ def show(*tables: Table) -> None:
 
 
 class Meter(Progress):
-    """Progress bar of `total` items on stderr. Without a terminal, it prints a line every few seconds instead, even while
-    no item completes."""
+    """Progress bar of `total` items on stderr. Without a terminal, it prints a line every few seconds, even while no
+    item completes."""
 
     def __init__(self, name: str, total: int):
         console = Console(stderr=True)
