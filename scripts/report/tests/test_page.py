@@ -26,7 +26,6 @@ from model.motion.tests import figure
 from model.reference.kinematics import angle_between, conjugate, forward, rotate
 from scripts import run
 from scripts.report import __main__ as report
-from scripts.trajectory import CHOOSING, WHOLE_ARM
 from tb.sim.env import ROOT
 
 PAGE = Path("build/report/report.html")
@@ -138,13 +137,13 @@ def test_hands_of_a_robot(shown):
     np.testing.assert_array_equal(hands["error"], [float(f"{error:.3g}") for error in run["orientation_error"]])
 
 
-@pytest.mark.parametrize("datapaths", ["lean", "fold", "lean,fold"])
-def test_hands_on_the_datapaths(shown, simulator, datapaths):
+@pytest.mark.parametrize(("datapaths", "names"), [("lean", ["arm"]), ("lean,fold", ["arm", "fold_arm"])])
+def test_hands_on_the_datapaths(shown, simulator, datapaths, names):
     """Hand poses run on the whole arm of each datapath, with the same joints."""
     data = shown("--trajectory", "pick_and_place", "--datapath", datapaths, "--rate", "10")
-    names, runs = [WHOLE_ARM[name] for name in datapaths.split(",")], [data, *data["beside"]]
+    runs = [data, *data["beside"]]
     assert [run["datapath"] for run in runs] == names
-    assert [call["datapath"] for call in simulator.calls] == [CHOOSING[name] for name in names]
+    assert [call["datapath"] for call in simulator.calls] == [name.replace("arm", "choose") for name in names]
     assert all(run["passed"] and run["figures"][-1][0].startswith("largest speed of A7") for run in runs)
     assert data["hands"]["names"] == list(ROBOTS["iiwa14"].names) and not any(data["hands"]["over"])
 
