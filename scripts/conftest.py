@@ -41,14 +41,14 @@ class FakeSimulator:
         """Words of the first job of each call."""
         return [call["jobs"][0].words for call in self.calls]
 
-    def __call__(self, jobs, *, datapath, width, waves=None, **others):
-        self.calls.append({"jobs": jobs, "datapath": datapath, "width": width, **others})
+    def __call__(self, jobs, *, datapath, width, waves=None, limits=None, **others):
+        self.calls.append({"jobs": jobs, "datapath": datapath, "width": width, "limits": limits, **others})
         if waves:
             assert waves.is_absolute(), "the simulator runs in another folder"
-            self.record(waves, jobs, datapath, width, others.get("limits"))
+            self.record(waves, jobs, datapath, width, limits)
         runs = []
         for job in jobs:
-            model = answer(job.words, width, datapath, others.get("limits"))
+            model = answer(job.words, width, datapath, limits)
             runs.append(Run(model.results.copy(), model.flags.copy(), LATENCY, LATENCY + len(job.words), 0, None))
         self.spoil(*runs)
         return runs

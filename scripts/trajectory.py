@@ -297,8 +297,8 @@ def simulated(
             words = np.insert(prepared[0].words, [len(ARM_FIELDS)] * 7, prepared[0].references, axis=1)
             jobs, datapath = [replace(jobs[0], words=words)], CHOOSING[datapath]
         core = {"simulator": arguments.sim, "datapath": datapath, "width": arguments.width, "cores": arguments.cores}
-        core |= {"limits": prepared[0].limits} if prepared[0].limits else {}
-        runs = simulate(jobs, waves=waves, progress=lambda done, _: meter(done), **core)
+        core |= {"limits": prepared[0].limits, "waves": waves}
+        runs = simulate(jobs, progress=lambda done, _: meter(done), **core)
     if not chooses:
         return runs
     bits = (1 << ARM_FLAG_BITS) - 1

@@ -57,7 +57,6 @@ MOST_ROWS = 12
 MOST_ARMS = 4
 """Largest number of arms of different lengths that are drawn together; with more, only the moving arm is drawn."""
 
-
 NEAR = 1e-4
 """Largest geometric error, as a fraction of the reach, at which an entity near a singular pose is still drawn."""
 
