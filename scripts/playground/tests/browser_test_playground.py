@@ -14,10 +14,10 @@ from model.io.words import FIELDS, Targets, from_words, to_words
 from model.reference.joints import wrap
 from model.reference.kinematics import conjugate, multiply, rotate
 from model.reference.lean_equations import solve_lean
+from scripts.conftest import FITS, NARROW, SET, STICKING_OUT, WIDE, Page
 from scripts.playground import __main__ as playground
 from scripts.playground import machines
 from scripts.playground.machines import Machine
-from scripts.report.tests.browser import FITS, NARROW, SET, STICKING_OUT, WIDE, Page
 from scripts.waves import read
 from tb.sim.env import ROOT
 from tb.sim.native_run import nodes_of
