@@ -71,7 +71,7 @@ test-browser: ## test report and playground in headless Chromium
 	@$(RUN) scripts.test browser $(WORDS)
 
 release-check: ## run the tests marked release; fail on stale pages of proofs
-	@$(SETUP) checkout icarus verilator cc clang ghdl fpga farm table6 arms
+	@$(SETUP) checkout icarus verilator cc clang ghdl fpga farm arms
 	@$(VENV) -m scripts.check_proofs --strict
 	@$(RUN) scripts.test release $(WORDS)
 
@@ -98,10 +98,10 @@ docs: ## write the generated headers, scores.md, latency.md; MEMORY=1 memory.md 
 	@$(RUN) scripts.generate.pages $(WORDS)
 
 paper_needs_figures := graphviz
-paper_needs_table6  := table6
+paper_needs_table6  := cc
 
 paper: ## write the pages of comparison with the paper
-	@$(SETUP) checkout icarus $(if $(filter ONLY,$(TYPED)),$(paper_needs_$(ONLY)),graphviz table6)
+	@$(SETUP) checkout icarus $(if $(filter ONLY,$(TYPED)),$(paper_needs_$(ONLY)),graphviz cc)
 	@$(RUN) scripts.paper $(WORDS)
 
 fpga: ## measure size and clock of the datapaths with open tools: fpga.md
@@ -130,7 +130,7 @@ compile = uv pip compile --quiet --universal --python-version 3.10 --upgrade --g
 lock: # regenerate the lock files of requirements/ (needs uv)
 	$(compile) --extra checkout --output-file requirements/checkout.lock pyproject.toml
 	$(compile) --extra run --constraint requirements/checkout.lock --output-file requirements/run.lock pyproject.toml
-	for name in fpga table6 schedule playground browser farm litex arms; do $(compile) --constraint requirements/checkout.lock \
+	for name in fpga schedule playground browser farm litex arms; do $(compile) --constraint requirements/checkout.lock \
 	  $$(test $$name != playground || echo --constraint requirements/fpga.lock) \
 	  --output-file requirements/$$name.lock --group pyproject.toml:$$name || exit; done
 

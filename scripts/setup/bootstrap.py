@@ -26,7 +26,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 OLDEST, NEWEST = (3, 10), (3, 14)  # Python versions that the lock files cover
 VERSION = "%d.%d" % sys.version_info[:2]
 PYTHON, STAMP, LOCK = ".venv/bin/python", ".venv/cga-ik.json", "requirements/{}.lock"  # relative to ROOT
-EXTRAS = ["checkout", "fpga", "table6", "schedule", "playground", "browser", "farm", "litex", "arms"]
+EXTRAS = ["checkout", "fpga", "schedule", "playground", "browser", "farm", "litex", "arms"]
 PROGRAMS = {
     "icarus": ["iverilog", "vvp"],
     "verilator": ["perl", "pod2usage", "make", "g++", "ccache"],  # pod2usage is in perl, not in perl-base
@@ -36,10 +36,10 @@ PROGRAMS = {
     "clang": ["clang"],
     "ghdl": ["ghdl"],
 }
-PROGRAMS.update({extra: [] for extra in EXTRAS}, browser=["chromium"], table6=["cc"], litex=["riscv64-unknown-elf-gcc"])
+PROGRAMS.update({extra: [] for extra in EXTRAS}, browser=["chromium"], litex=["riscv64-unknown-elf-gcc"])
 # Programs that commands can do without: they are installed only where apt-get is allowed.
 OPTIONAL = ["ccache", "/usr/bin/verilator_bin", "cc", "clang", "ghdl", "riscv64-unknown-elf-gcc"]
-OPTIONAL_EXTRAS = ["table6", "litex", "arms"]
+OPTIONAL_EXTRAS = ["litex", "arms"]
 # Program -> its Debian package, where the names differ.
 PACKAGE = {
     "vvp": "iverilog",

@@ -58,7 +58,6 @@ BAD_INPUT = [
     ("mutants --only lean --keep", "--keep --only"),
     ("formal --only nothing", "--only 'nothing'"),
     ("playground --width 17", "lean-W32,"),
-    ("table6 --only fortran", "c-lean-double-chain"),
     ("test quick --only ik_mull", "no module ik_mull; near: ik_mul,"),
 ]
 """Rows: command line, words of its error message, and, if needed, content of the input file `in.*`."""

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from model.io.words import FIELDS, Targets
 from scripts.console import InputError
 
 SOURCE = Path(__file__).parent / "equations.c"
@@ -52,6 +53,11 @@ def shared_object(equations: str, real: str, extra: tuple[str, ...]) -> ctypes.C
             wrong = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines() or ["?"]
             raise InputError(f"cc cannot compile {SOURCE.name}: {wrong[0]}")
         return ctypes.CDLL(f"{folder}/equations.so")
+
+
+def columns(targets: Targets) -> list[np.ndarray]:
+    """Return the columns x, y, z, phi, d1, d2 of targets, (N,) each."""
+    return [getattr(targets, name) for name in FIELDS]
 
 
 class Solver:

@@ -32,7 +32,7 @@ def path(tmp_path, monkeypatch):
     (root / ".venv" / "bin" / "python").symlink_to(sys.executable)
     monkeypatch.setenv("PATH", str(path))
     monkeypatch.chdir(root)
-    for name in ("run", "checkout", "fpga", "table6"):
+    for name in ("run", "checkout", "fpga", "arms"):
         Path(bootstrap.LOCK.format(name)).write_text("numpy==1.0\n")
     bootstrap.write_stamp(["icarus"])
     return path
@@ -87,12 +87,12 @@ def test_an_extra_is_added_once_and_again_after_its_lock_has_changed(pip):
 
 
 def test_an_extra_that_does_not_install(pip, capsys):
-    """Fail for fpga, but only print a line for table6, which is optional. Other needs stay ready."""
+    """Fail for fpga, but only print a line for arms, which is optional. Other needs stay ready."""
     pip.append("bad")
     assert "no hash" in refused(capsys, bootstrap.set_up, ["fpga"])
-    bootstrap.set_up(["table6"])
-    assert "could not add the packages of requirements/table6.lock" in capsys.readouterr().err
-    assert bootstrap.is_ready(["icarus"]) and not bootstrap.is_ready(["fpga"]) and not bootstrap.is_ready(["table6"])
+    bootstrap.set_up(["arms"])
+    assert "could not add the packages of requirements/arms.lock" in capsys.readouterr().err
+    assert bootstrap.is_ready(["icarus"]) and not bootstrap.is_ready(["fpga"]) and not bootstrap.is_ready(["arms"])
 
 
 @pytest.mark.usefixtures("path")
