@@ -18,7 +18,7 @@ import platform
 import re
 import statistics
 import sys
-import time
+import timeit
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -27,8 +27,7 @@ from typing import Any
 import click
 import numpy as np
 
-from model.dataflow import fixed
-from model.io.scoring import hand_errors
+from model.io.scoring import hand_errors, model_errors
 from model.io.stimuli import random_reachable
 from model.io.trajectories import make
 from model.io.words import Targets, from_words, result_values, to_words
@@ -48,8 +47,8 @@ TARGETS, SEED = 1_000_000, 1
 """Number of random targets, and their seed."""
 REPEATS = 7
 """Number of measurements from which a median is taken."""
-SHORT = 0.02
-"""Minimum duration of a measurement (s). A faster function is repeated within one measurement."""
+SOLVED = 10_000_000
+"""Number of targets solved in a measurement; fewer targets are solved repeatedly."""
 
 WIDTH, DATAPATH = 32, "lean"
 BUS, LATENCY = 128, 34
@@ -76,20 +75,12 @@ def machine() -> dict[str, Any]:
     }
 
 
-def seconds(again: Callable[[int], Any]) -> float:
-    """Return the seconds that `again(times)` takes per repetition: the median of several measurements."""
-
-    def measured(times: int) -> float:
-        begin = time.perf_counter()
-        again(times)
-        return (time.perf_counter() - begin) / times
-
-    measured(1)  # compiles, fills caches
-    once, times = measured(1), 1
-    while once * times < SHORT:
-        times = max(2 * times, min(100 * times, round(1.2 * SHORT / once)))
-        once = measured(times)
-    return statistics.median(measured(times) for _ in range(REPEATS))
+def nanoseconds(solve: Callable[[int], Any], targets: int) -> float:
+    """Return the time per target (ns) of a function that solves its targets a number of times: the median of several
+    measurements."""
+    times = max(SOLVED // targets, 1)
+    solve(times)  # fills caches
+    return 1e9 * statistics.median(timeit.repeat(lambda: solve(times), number=1, repeat=REPEATS)) / (times * targets)
 
 
 def figure(value: float) -> float:
@@ -108,7 +99,7 @@ def row(names: tuple[str, str, str], samples: dict[str, Targets]) -> dict[str, A
         answered = errors[np.isfinite(errors)]
         cells[name] = {
             "targets": len(targets),
-            "ns": figure(1e9 * seconds(solve) / len(targets)),
+            "ns": figure(nanoseconds(solve, len(targets))),
             "error": figure(answered.max()) if len(answered) else None,
             "unanswered": len(errors) - len(answered),
         }
@@ -147,9 +138,7 @@ PATHS = {STREAMS: stream_to_stream, f"memory to memory, {BUS} bits, latency {LAT
 def random_error(words: np.ndarray) -> float:
     """Return the largest hand error / reach of the bit-true model, which equals the RTL, over input words (N, 6)."""
     parts = np.array_split(words, -(-len(words) // CHUNK))
-    answers = (result_values(fixed.run(part, WIDTH, DATAPATH).results, WIDTH) for part in parts)
-    errors = (hand_errors(a, from_words(p, 0, WIDTH, "random")) for a, p in zip(answers, parts, strict=True))
-    return float(max(error.max() for error in errors))
+    return max(float(model_errors(part, WIDTH, DATAPATH)[0].max()) for part in parts)
 
 
 def core(words: np.ndarray) -> Iterator[dict[str, Any]]:

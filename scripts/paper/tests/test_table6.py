@@ -83,7 +83,7 @@ def test_the_command_measures_c_and_keeps_the_dated_rows(command, monkeypatch, t
     table6.FIGURES.write_text(json.dumps(before))
     monkeypatch.setattr(table6, "TARGETS", 3)
     monkeypatch.setattr(table6, "core", lambda words: before["hardware"])
-    monkeypatch.setattr(table6, "seconds", lambda again: 1e-6)
+    monkeypatch.setattr(table6, "nanoseconds", lambda solve, targets: 1.0)
     monkeypatch.setattr(table6, "Solver", lambda columns, *names: lambda: columns)
     monkeypatch.setattr(table6, "hand_errors", lambda columns, targets: np.array([1e-13, np.nan, 1e-15]))
     assert command(table6.main)[0] == 0
