@@ -26,9 +26,8 @@ from model.io.scoring import model_errors
 from model.io.stimuli import hand_poses, region
 from scripts import parallel
 from scripts.console import WORD_LENGTH, InputError, command, option, progress, switch
-from scripts.fpga import designs
+from scripts.fpga import designs, netlist
 from scripts.fpga.designs import CHIPS, FAMILIES, Design, clock, find, measured, run_of
-from scripts.fpga.netlist import MULTIPLIER_NS, MULTIPLIERS
 from scripts.fpga.runs import TOOLS, Run, commands, done, version
 from scripts.generate.pages import TARGETS
 from scripts.generate.render import TEMPLATES, commit
@@ -88,11 +87,7 @@ def form(value: object, form: str = "{}") -> str:
     return "-" if value in (None, "") else form.format(value)
 
 
-def clocks(figures: dict, digits: int = 0) -> str:
-    return ", ".join(f"{mhz:.{digits}f}" for mhz in figures.get("tried", [])) or "-"
-
-
-TEMPLATES.filters |= {"form": form, "clocks": clocks}
+TEMPLATES.filters["form"] = form
 
 
 def page(data: dict) -> TemplateModule:
@@ -117,25 +112,11 @@ def page(data: dict) -> TemplateModule:
             figures |= {"mhz": mhz, "ns": 1000 * figures["latency"] / mhz, "us": (figures["latency"] + 100) / mhz}
         return figures
 
-    values = {
-        "data": data,
-        "run": run,
-        "measured": partial(measured, data),
-        "sources": sources,
-        "dates": " to ".join(sorted({dates[0], dates[-1]})),
-        "tools": ", ".join(f"{name} {number}" for name, number in data["tools"].items()),
-        "columns": [
-            column(d) for of in ("paper", "lean", "lean25") for d in sorted(measured(data, of), key=lambda d: -d.width)
-        ],
-        "chips": CHIPS,
-        "chip": tables,
-        "models": MODELS,
-        "broken": [find(name, width) for name, widths in BROKEN_DOWN.items() for width in widths],
-        "multipliers": MULTIPLIERS,
-        "multiplier_ns": MULTIPLIER_NS,
-        "multiplier_mhz": f"{1000 / MULTIPLIER_NS:.0f}",
-        "aim": {"paper": find("paper", 18).aims["ecp5"], **{f"w{w}": find("lean", w).aims["ecp5"] for w in (18, 32)}},
-    }
+    columns = [column(design) for of in ("paper", "lean", "lean25") for design in reversed(measured(data, of))]
+    broken = [find(name, width) for name, widths in BROKEN_DOWN.items() for width in widths]
+    values = {"data": data, "run": run, "measured": partial(measured, data), "sources": sources, "columns": columns}
+    values |= {"broken": broken, "find": find, "dates": " to ".join(sorted({dates[0], dates[-1]}))}
+    values |= {"chip": tables, "chips": CHIPS, "models": MODELS, "netlist": netlist}
     return TEMPLATES.get_template("fpga.md.j2").make_module(values)
 
 
