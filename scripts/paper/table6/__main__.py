@@ -36,7 +36,7 @@ from scripts.fpga.designs import clock, load
 from scripts.generate.pages import measured
 from scripts.generate.render import render
 from scripts.paper import tables
-from scripts.paper.table6.compiled import EQUATIONS, FLAGS, REALS, WAYS, Solver, columns, compiler_version
+from scripts.paper.table6 import EQUATIONS, FLAGS, REALS, WAYS, Solver, columns, compiler_version
 from tb.sim.env import GENERATED, SIMULATORS
 from tb.sim.simulate import Job, SimulationError, simulate
 

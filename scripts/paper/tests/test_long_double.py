@@ -9,7 +9,7 @@ from model.dataflow import fixed
 from model.io.flags import expected_flags
 from model.io.scoring import singular_distance
 from model.io.words import from_words, result_values
-from scripts.paper.table6.compiled import Solver
+from scripts.paper.table6 import Solver
 from tb.core.random_targets import chunk
 
 UNEQUAL = 2.0**-24

@@ -14,8 +14,8 @@ from model.io.words import RESULT_FIELDS, from_words
 from model.reference import equations
 from model.reference.lean_equations import solve_lean
 from scripts.fpga.designs import load
+from scripts.paper.table6 import REALS, WAYS, Solver, columns
 from scripts.paper.table6 import __main__ as table6
-from scripts.paper.table6.compiled import REALS, WAYS, Solver, columns
 
 REACH, RANDOM = make("reach"), from_words(random_reachable(3000, 32, 7), 0, 32, "random")
 
