@@ -28,7 +28,7 @@ from model.reference.joints import centred
 from model.reference.kinematics import conjugate, matrix
 from scripts.console import WORD_LENGTH, command, option, output, some_of
 from scripts.generate.render import TEMPLATES
-from scripts.playground.machines import NAMES, BuildError, Machine, chosen, table, tools, wasm
+from scripts.playground.machines import NAMES, Machine, chosen, table, tools, wasm
 
 HERE = Path(__file__).parent
 REPORT = HERE.parent / "report"
@@ -69,7 +69,7 @@ def data(machines: Sequence[Machine]) -> dict[str, Any]:
 
 
 def page(machines: Sequence[Machine]) -> str:
-    """Return the HTML page. Raises BuildError."""
+    """Return the HTML page. Raises SimulationError if a tool fails."""
     code = [REPORT / "arm.js", *(HERE / f"{name}.js" for name in SCRIPTS)]
     embedded = [
         f'<script type="application/octet-stream" id="wasm-{machine.name}">'
@@ -100,11 +100,7 @@ def main(parsed: SimpleNamespace) -> int:
     tools()
     path = parsed.out / "index.html"
     with output(parsed.out, [path]):
-        try:
-            text = page(machines)
-        except BuildError as error:
-            print(f"playground: {error}", file=sys.stderr)
-            return 1
+        text = page(machines)
         write_atomically(path, text)
     print(f"wrote {path}: {len(text.encode()) / 1e6:.1f} MB, {', '.join(machine.name for machine in machines)}")
     return 0

