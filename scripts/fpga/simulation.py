@@ -18,8 +18,7 @@ import numpy as np
 from model.io.stimuli import arm_targets
 from model.io.words import pack
 from scripts.fpga.cells import modelled
-from scripts.fpga.netlist import ToolError
-from scripts.fpga.tools import LeftOutError, call
+from scripts.fpga.netlist import LeftOutError, ToolError, call
 from scripts.generate.render import TEMPLATES
 from tb.sim.runner import runtime
 from tb.sim.subprocesses import compiled

@@ -11,7 +11,7 @@ import pytest
 from model.io.stimuli import arm_targets
 from model.io.words import pack
 from scripts.fpga import __main__ as fpga
-from scripts.fpga import designs, netlist, runs, simulation, tools
+from scripts.fpga import designs, netlist, runs, simulation
 from tb.sim.sources import closure
 
 DELAY = "$paramod\\ik_delay\\W=s32'00000000000000000000000000001000"
@@ -152,7 +152,7 @@ def test_seeds_are_tried_up_to_the_aim_and_the_fastest_counts(monkeypatch, tmp_p
 
     def nextpnr(self, *_):
         if (mhz := clocks.pop(0)) is None:
-            raise tools.LeftOutError("stopped after 40 min, left out")
+            raise netlist.LeftOutError("stopped after 40 min, left out")
         return 1, mhz
 
     monkeypatch.setattr(runs.Run, "_nextpnr", nextpnr)
@@ -162,7 +162,7 @@ def test_seeds_are_tried_up_to_the_aim_and_the_fastest_counts(monkeypatch, tmp_p
         tried = [mhz for mhz in kinds if mhz]
         assert run.place(tmp_path, {}) == {"place_s": 1, "mhz": max(tried), "seed": seed, "tried": tried}
     clocks[:] = [None] * 4
-    with pytest.raises(tools.LeftOutError, match="no seed"):
+    with pytest.raises(netlist.LeftOutError, match="no seed"):
         run.place(tmp_path, {})
 
 
@@ -215,5 +215,5 @@ def test_a_netlist_equals_the_rtl(figures, family):
 def test_a_wrong_netlist_is_refused(figures, family, factor):
     """Use two bugs of Yosys 0.70 (docs/integration.md): products are wrong on xc7 if an operand is sign-extended, on
     iCE40 if two registers follow."""
-    with pytest.raises(tools.LeftOutError, match="clocks differ from the RTL"):
+    with pytest.raises(netlist.LeftOutError, match="clocks differ from the RTL"):
         figures(family, factor)
