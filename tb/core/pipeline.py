@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bench of ``ik_axis`` and ``ik_arm``: clock, reset, driver, monitor, and a scoreboard for all nodes.
 
-``ik_axis_bytes`` and ``ik_arm_bytes`` use the same bench, without comparing nodes. Tests build on :class:`Pipeline`; test_plain.py shows a
-bench without it. All sampling is done at the falling edge of the clock, when inputs and registers have settled in both
-simulators.
+``ik_axis_bytes`` and ``ik_arm_bytes`` use the same bench, without comparing nodes. Tests build on :class:`Pipeline`;
+test_plain.py shows a bench without it. All sampling is done at the falling edge of the clock, when inputs and registers
+have settled in both simulators.
 """
 
 import logging

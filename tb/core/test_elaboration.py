@@ -142,8 +142,8 @@ PARTS = ("ik_axis", "ik_axi", "ik_arm", "ik_credit_fifo", "ik_lean", "ik_lean_ar
 def test_fifo_has_a_slot_for_each_clock_and_not_twice_as_many(tmp_path):
     """Check that the FIFO has at least T_OUT + 3 slots, fewer than twice that, and that ``ik_axi`` has equal constants.
 
-    A slot is reserved for T_OUT clocks, two in the FIFO and one of departure. With fewer slots the stream has gaps. Of a
-    folded core, ``ik_axi`` has the model's latency.
+    A slot is reserved for T_OUT clocks, two in the FIFO and one of departure. With fewer slots the stream has gaps.
+    The latency of a folded core in ``ik_axi`` must be the model's.
     """
     lines, checked = ["module top;"], 0
     for path in MODELS.values():
