@@ -86,6 +86,7 @@ def without_rtl(patch):
     for module in (trajectory, random_targets):
         patch.setattr(module, "simulate", fake)
     patch.setattr(native_run, "program", lambda datapath, width: None)
+    patch.setattr(console, "installed", lambda need: False)
     patch.setattr(trajectory, "predicted_error", lambda w, width, _: np.linspace(1, 2, len(w)) * 2.0 ** (8 - width))
     return fake
 

@@ -32,8 +32,9 @@ from model.io.words import DEFAULT_D1, DEFAULT_D2, TargetError
 from model.motion import arms
 from model.motion import clip as clips
 from model.motion.pose import NAMED_AXES, Axis, parse_axis
+from scripts.setup import installed
 from tb.sim.env import CORES, SIMULATORS
-from tb.sim.simulate import SimulationError
+from tb.sim.simulate import LONG, SimulationError
 from tb.sim.subprocesses import end_with_parent
 
 PLAIN_COLUMNS = 120  # characters in a line of a table that is not printed on a terminal
@@ -176,6 +177,20 @@ def switch(name: str, about: str) -> click.Option:
 
 def sim_option(default: str = SIMULATORS[0]) -> click.Option:
     return option("--sim", "simulator", click.Choice(SIMULATORS), default=default)
+
+
+def choose_simulator(options: SimpleNamespace, targets: int) -> None:
+    """Set --sim to verilator for many targets, which it simulates natively, unless --sim or --waves is given. Print how
+    many targets are simulated."""
+    chosen = "sim" in options.given
+    if targets < LONG or getattr(options, "waves", None) or (chosen and options.sim != "verilator"):
+        return
+    options.sim = "verilator" if chosen or installed("verilator") else options.sim
+    if options.sim == "verilator":
+        how = "by Verilator without Python in the loop; SIM=icarus takes longer, with the same results"
+    else:
+        how = "by Icarus, in minutes; Verilator, which takes seconds, could not be installed"
+    print(f"{targets} targets are simulated {how}", file=sys.stderr)
 
 
 def core_options(

@@ -41,7 +41,7 @@ from model.motion.hands import limit_words
 from model.motion.path import JointPath
 from model.motion.pose import elbow_jumps, hanging, soft_reach, swivel, to_z
 from model.reference import joints
-from scripts.console import InputError, output, progress
+from scripts.console import InputError, choose_simulator, output, progress
 from scripts.robots import Speeds, planned, speeds, times
 from tb.sim.simulate import Job, Run, simulate
 
@@ -261,6 +261,7 @@ def prepare(arguments: SimpleNamespace) -> list[Prepared]:
         path = item.targets.path  # None: built-in
         for doubt in (*item.notes, *(doubts(item.targets, item.robot is None) if path is not None else ())):
             print(f"warning: {path or item.targets.name}: {doubt}", file=sys.stderr)
+    choose_simulator(arguments, sum(len(item.words) for item in prepared))
     return prepared
 
 

@@ -26,7 +26,9 @@ def read(name):
 
 PAGE, FROM_C = read("docs/integration.md").split("## From C\n")
 BLOCKS = re.findall(r"(?:^    \S.*\n)+", PAGE, re.MULTILINE)
-COMMANDS = [line.strip() for block in BLOCKS for line in block.splitlines() if not re.match(r" +(Qs|Qe|flags|th) ", line)]
+COMMANDS = [
+    line.strip() for block in BLOCKS for line in block.splitlines() if not re.match(r" +(Qs|Qe|flags|th) ", line)
+]
 WRIST, HAND = (block.replace("    ", "") for block in BLOCKS if re.match(r" +(Qs|th) = ", block))
 """Lines that the two examples print."""
 VERILATOR, RELEASE = pytest.mark.needs("verilator"), pytest.mark.release

@@ -20,7 +20,7 @@ from model.motion.pose import soft_reach, solve
 from model.motion.tests import figure
 from model.reference.joints import reached
 from model.reference.kinematics import angle_between, multiply, rotate
-from scripts import run
+from scripts import console, run
 from scripts.fpga.designs import clock, load
 from scripts.generate import pages
 from tb.sim import simulate
@@ -54,6 +54,25 @@ def test_options_reach_the_simulator(cli, simulator, files):
     names = ["aligned.gtkw", "aligned.vcd", "results.csv", "results.npz", "score.json", "waves.gtkw", "waves.vcd"]
     assert files() == [f"o/{name}" for name in names]
     assert sorted(line for line in out if line.startswith("wrote ")) == [f"wrote {name}" for name in files()]
+
+
+@pytest.mark.parametrize(
+    ("words", "there", "simulator_used", "said"),
+    [
+        ("", True, "verilator", "by Verilator"),
+        ("", False, "icarus", "could not be installed"),
+        ("--sim verilator", False, "verilator", "by Verilator"),
+        ("--sim icarus", True, "icarus", ""),
+        ("--waves", True, "icarus", ""),
+    ],
+)
+def test_many_targets_are_simulated_by_verilator(cli, simulator, monkeypatch, words, there, simulator_used, said):
+    """Without SIM=, and unless waves are asked for. A line on stderr names the way."""
+    monkeypatch.setattr(console, "LONG", 100)
+    monkeypatch.setattr(console, "installed", lambda need: there)
+    status, _, err = cli("--trajectory", "circle", *words.split())
+    assert (status, scores()[0]["simulator"], simulator.calls[0]["simulator"]) == (0, *[simulator_used] * 2)
+    assert [line[:26] for line in err] == ["100 targets are simulated "] * bool(said) and said in "".join(err)
 
 
 def test_all_trajectories_have_a_line_and_a_file_each(cli, simulator, files):

@@ -15,8 +15,9 @@ from tb.sim.env import ROOT
 from tb.sim.job import Job, Run, SimulationError
 from tb.sim.subprocesses import full, started
 
-LONG = 5000
-"""Least number of targets that Verilator runs natively by default. For fewer, cocotb takes less time than a build."""
+LONG = 2000
+"""Least number of targets that Verilator runs natively by default. For fewer, cocotb takes less time than a build, and
+Icarus about as long."""
 
 
 def simulate(
