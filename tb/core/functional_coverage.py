@@ -2,7 +2,7 @@
 """Functional coverage at the ports of ``ik_axis`` (flag x datapath x singular region x stall pattern) and of ``ik_arm``
 (property of a pose, or of the choice of its branch, x datapath x stall pattern).
 
-:class:`tb.core.monitor.Monitor` samples each result; the bench writes the samples after it has checked the results.
+:class:`tb.core.pipeline.Monitor` samples each result; the bench writes the samples after it has checked the results.
 """
 
 import functools

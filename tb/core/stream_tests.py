@@ -15,9 +15,8 @@ from cocotb.triggers import ClockCycles, FallingEdge, Timer
 
 from model.dataflow import fixed
 from model.dataflow.fold.program import program
-from tb.core.driver import PATTERNS, pause
 from tb.core.functional_coverage import STALLS, every_kind
-from tb.core.pipeline import Pipeline
+from tb.core.pipeline import PATTERNS, Pipeline, pause
 from tb.sim.timeout import timed_test
 
 
