@@ -283,7 +283,7 @@ class Pipeline:
         await FallingEdge(self.dut.clk)
 
     def mixed(self, count: int, seed: int) -> np.ndarray:
-        """Return shuffled targets of every kind, as in a :class:`tb.sim.job.Job`."""
+        """Return shuffled targets of every kind, as in a job of :mod:`tb.sim.job`."""
         return usual_words(self.datapath, count, self.width, seed)
 
     def around(self, words: np.ndarray) -> np.ndarray:

@@ -33,7 +33,7 @@ from model.io.stimuli import (
 from tb.core import worst_targets
 from tb.sim import native_run
 from tb.sim.job import usual_limits
-from tb.sim.simulate import Job, Run, SimulationError, simulate
+from tb.sim.simulate import Run, SimulationError, simulate
 
 CHUNK = 20000  # targets per chunk
 
@@ -142,7 +142,7 @@ class Core:
         if self.program:
             run = native_run.compare(self.program, frames, self.width, self.datapath)
         else:
-            (run,) = simulate([Job("soak", words)], simulator=self.sim, datapath=self.datapath, width=self.width)
+            (run,) = simulate([words], simulator=self.sim, datapath=self.datapath, width=self.width)
         return run, *(np.concatenate([getattr(answer, part) for _, answer in frames]) for part in ("results", "flags"))
 
     def __str__(self) -> str:

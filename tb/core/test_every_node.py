@@ -19,7 +19,7 @@ from tb.core import worst_targets
 from tb.sim.env import simulator
 from tb.sim.job import Run, answer, usual_words
 from tb.sim.shared import marked, moment, recording
-from tb.sim.simulate import Job, simulate
+from tb.sim.simulate import simulate
 
 GROUPS = worst_targets.groups(worst_targets.read(worst_targets.LIST))
 ICARUS = simulator() == "icarus"
@@ -60,7 +60,7 @@ def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) 
     ends = np.random.default_rng(6).integers(-(1 << width - 1), 1 << width - 1, (7, 2))
     limits = list(map(tuple, ends.tolist())) if MODELS[datapath].side and not MODELS[datapath].chooses else None
     vcd = recording(f"every_node-{datapath}-{width}")
-    (done,) = simulate([Job("nodes", words)], **options, native=True, limits=limits, waves=vcd)
+    (done,) = simulate([words], **options, native=True, limits=limits, waves=vcd)
     if message := done.first_mismatch:
         message += marked(vcd, "first", MODELS[datapath].top, moment(message, 0, 0))
         pytest.fail(message, pytrace=False)

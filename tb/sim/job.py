@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Inputs and results of a simulation, and its differences from the model; independent of the simulator."""
+"""Inputs and results of a simulation, and its differences from the model; independent of the simulator.
+
+A job is an array of targets to run in order. Its rows are signed input words: wrist targets (N, 6), or poses of the
+whole arm with their branch (N, 12), with reference joints before the branch (N, 19) where the core chooses.
+"""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -20,32 +24,20 @@ class SimulationError(Exception):
     """Error of a simulation that did not complete; the message has one or more lines for the user."""
 
 
-@dataclass
-class Job:
-    """Targets to run in order.
-
-    ``words`` are signed input words: wrist targets (N, 6), or poses of the whole arm with their branch (N, 12),
-    with reference joints before the branch (N, 19) where the core chooses.
-    """
-
-    name: str
-    words: np.ndarray
-
-
 def usual_limits(datapath: str, width: int) -> list[tuple[int, int]]:
     """Return the limits of joints that benches use by default."""
     return arm_limits(width, long=MODELS[datapath].chooses)
 
 
 def usual_words(datapath: str, count: int, width: int, seed: int) -> np.ndarray:
-    """Return the words of a :class:`Job` with targets of every kind."""
+    """Return a job with targets of every kind."""
     path = MODELS[datapath]
     words = (arm_targets if path.side else mixed)(count, width, seed)
     return referenced(words, width, seed) if path.chooses else words
 
 
 def answer(words: np.ndarray, width: int, datapath: str, limits: Limits | None = None) -> fixed.Answer:
-    """Return the model's answer to the words of a :class:`Job`; ``limits`` default to :func:`usual_limits`."""
+    """Return the model's answer to a job; ``limits`` default to :func:`usual_limits`."""
     count = len(MODELS[datapath].inputs)
     branch = words[:, count] if MODELS[datapath].side else 0
     return fixed.run(words[:, :count], width, datapath, branch, limits or usual_limits(datapath, width))
