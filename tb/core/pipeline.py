@@ -67,10 +67,6 @@ class Scoreboard:
                     if len(self.differences) < KEPT:
                         self.differences.append(difference)
 
-    def report(self, since: int = 0) -> str:
-        """Return a message about the first target that differs; empty if none does. Numbers count from ``since``."""
-        return report(self.differences, self.nodes, since=since)
-
 
 class Driver:
     """Driver that sends targets with incrementing tags, and announces the model's answers.
@@ -313,6 +309,7 @@ class Pipeline:
         """Check everything that must hold after a drain: results, order, tags, flags and all compared nodes."""
         errors, board = self.monitor.errors, self.scoreboard
         assert not errors, f"{len(errors)} errors, the first: {errors[0]}"
-        assert not board.mismatching_bits, f"{board.mismatching_bits} bits differ\n{board.report()}"
+        first = report(board.differences, board.nodes)
+        assert not board.mismatching_bits, f"{board.mismatching_bits} bits differ\n{first}"
         assert board.compared or not (board.nodes and self.monitor.results), "the scoreboard compared nothing"
         functional_coverage.keep()

@@ -18,18 +18,8 @@ import numpy as np
 from model.bounds import tolerances
 from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Limits
+from model.io import stimuli
 from model.io.flags import FLAGS, OVER_BIT, expected_flags, names
-from model.io.stimuli import (
-    REGIONS,
-    corners,
-    edges,
-    extremes,
-    of_special,
-    random_reachable,
-    referenced,
-    region,
-    unreachable,
-)
 from tb.core import worst_targets
 from tb.sim import native_run
 from tb.sim.job import usual_limits
@@ -42,18 +32,19 @@ CANDIDATES = 1000
 
 
 def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.ndarray:
-    """Return chunk `number` of targets (count, 6), shuffled. Half lie in `REGIONS`, most of which are near singular
-    poses; an eighth each are `unreachable`, `edges` and `extremes`; `corners` and `random_reachable` make up the rest.
+    """Return chunk `number` of targets (count, 6) of `model.io.stimuli`, shuffled. Half lie in `REGIONS`, most of which
+    are near singular poses; an eighth each are `unreachable`, `edges` and `extremes`; `corners` and `random_reachable`
+    make up the rest.
 
     Without a seed, return part `number` of all targets made of special words, in order."""
     if seed is None:
-        return of_special(number * count, count, width)
+        return stimuli.of_special(number * count, count, width)
     chunk_seed = int(np.random.SeedSequence((seed, number)).generate_state(1, np.uint64)[0])
-    named = np.array(list(corners(width).values()), dtype=np.int64)
-    parts = [region(name, count // 2 // len(REGIONS), width, chunk_seed) for name in REGIONS]
-    parts += [make(count // 8, width, chunk_seed) for make in (unreachable, edges, extremes)]
+    named = np.array(list(stimuli.corners(width).values()), dtype=np.int64)
+    parts = [stimuli.region(name, count // 2 // len(stimuli.REGIONS), width, chunk_seed) for name in stimuli.REGIONS]
+    parts += [make(count // 8, width, chunk_seed) for make in (stimuli.unreachable, stimuli.edges, stimuli.extremes)]
     parts.append(named[: count // 8])
-    parts.append(random_reachable(count - sum(map(len, parts)), width, chunk_seed))
+    parts.append(stimuli.random_reachable(count - sum(map(len, parts)), width, chunk_seed))
     return np.random.default_rng((chunk_seed, width)).permutation(np.concatenate(parts))
 
 
@@ -66,7 +57,8 @@ def over_limits(results: np.ndarray, limits: Limits, width: int) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Hard:
-    """Reachable target with its number in the sequence, its errors, and its tolerance or predicted error."""
+    """Reachable target with its number in the sequence, its errors, and its tolerance or predicted error. The tolerance
+    is inf for a target in `Found.by_norm` that is not one of the CANDIDATES."""
 
     target: int
     words: list[int]
@@ -137,7 +129,7 @@ class Core:
         """Return the RTL's run, and the model's results (N, words) and flags (N,). Where the core chooses the branch,
         poses get random reference joints. Raises SimulationError."""
         if MODELS[self.datapath].chooses:
-            words = referenced(words, self.width, int(np.abs(words[0]).sum()))
+            words = stimuli.referenced(words, self.width, int(np.abs(words[0]).sum()))
         frames = list(native_run.answered(words, self.width, self.datapath))
         if self.program:
             run = native_run.compare(self.program, frames, self.width, self.datapath)
@@ -185,8 +177,6 @@ def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found,
     failures += _above("abs(norm^2 - 1) {:.3e} is above its tolerance", norm, most, np.flatnonzero(~(norm <= most)))
 
     by_norm = reachable[np.argsort(-norm[reachable], kind="stable")][: worst_targets.KEPT]
-    missing = by_norm[np.isinf(tolerance[by_norm])]
-    tolerance[missing] = tolerances.scale(words[missing], core.width, core.datapath)
 
     def hard(rows) -> list[Hard]:
         columns = (column[rows].tolist() for column in (np.asarray(numbers), words, hand, tolerance, norm))

@@ -40,7 +40,6 @@ def shared(key: str) -> Shared:
         "toplevel": "ik_axis_bytes" if key in BYTES else MODELS[datapath].top,
         "module": "tb.core.stream_tests",
         "parameters": {"W": width, "TAG_W": tag_width, **MODELS[datapath].parameters},
-        "seed": 1,
     }
 
     def chosen(names: list[str]) -> dict:

@@ -12,7 +12,6 @@ import io
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -79,12 +78,11 @@ def array(rows: Iterable[Row]) -> np.ndarray:
 
 
 def groups(rows: Iterable[Row]) -> dict[tuple[str, int], list[Row]]:
-    """Group rows by (datapath, width)."""
-
-    def key(row: Row) -> tuple[str, int]:
-        return row.datapath, row.width
-
-    return {k: list(group) for k, group in groupby(sorted(rows, key=key), key)}
+    """Group rows by (datapath, width), in the order of these."""
+    grouped: dict[tuple[str, int], list[Row]] = {}
+    for row in rows:
+        grouped.setdefault((row.datapath, row.width), []).append(row)
+    return dict(sorted(grouped.items()))
 
 
 def read(path: Path) -> list[Row]:
