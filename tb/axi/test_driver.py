@@ -149,7 +149,7 @@ def test_numbers(real, tmp_path, capfd):
     """Solve 120 sets of 1000 random targets, and for double the corners, without undefined behaviour."""
     core = RegisterModel()
     library = compiled(tmp_path, f"-DIK_REAL={real}", "-fsanitize=undefined")
-    driver = Driver(library, core, *core.areas, COUNT, real=real, polls=3)
+    driver = Driver(library, core, COUNT, real=real, polls=3)
     assert driver.start_up() == "none"
     random = np.random.default_rng(7)
     sets = corners() if real == "double" else []
@@ -166,7 +166,7 @@ def test_numbers(real, tmp_path, capfd):
 def test_bad_targets_are_refused(library):
     """A bad target is refused before any job starts; ``bad`` is its index."""
     core = RegisterModel(width=18)
-    driver = Driver(library, core, *core.areas, COUNT)
+    driver = Driver(library, core, COUNT)
     good = {name: np.full(9, 0.25) for name in FIELDS}
     tags = np.arange(9)
     assert driver.solve(driver.targets(good, tags))[0] == "no_core", "before ik_init"
@@ -191,7 +191,7 @@ def test_bad_targets_are_refused(library):
 def test_bad_hands_are_refused(library):
     """Each wrong field of a hand pose returns its code; each solve function refuses the core of the other."""
     core, wrists = RegisterModel(arm=1), RegisterModel()
-    driver, other = (Driver(library, one, *one.areas, COUNT // 2, arm=one is core) for one in (core, wrists))
+    driver, other = (Driver(library, one, COUNT // 2, arm=one is core) for one in (core, wrists))
     good = dict.fromkeys((*FIELDS, "tool"), np.full(9, 0.25)) | {"hand": np.tile([1.0, 0, 0, 0], (9, 1))}
     poses, reals = driver.targets(good, np.arange(9)), [(ctypes.c_double * 7)(*[k] * 7) for k in (0, 1)]
     assert driver.solve(poses)[0] == "no_core" and driver.call("ik_limits", *reals) == CODES["no_core"]
@@ -218,7 +218,7 @@ def test_bad_hands_are_refused(library):
 def test_joint_limits(library, width):
     """ik_limits rounds inward to core words, like `model.motion.hands.limit_words`. Bad limits change no register."""
     core, random = RegisterModel(width, arm=1), np.random.default_rng(3)
-    driver = Driver(library, core, *core.areas, COUNT, arm=True)
+    driver = Driver(library, core, COUNT, arm=True)
     assert driver.start_up() == "none"
     low = random.uniform(-4, 4, 7)
     high = low + random.uniform(0, 5, 7)
@@ -238,16 +238,16 @@ def test_start_up(library):
     codes = {0x494B0100: "none", 0x494B01FF: "none", 0x494B0200: "version"}
     for identity, code in (codes | dict.fromkeys((0x494A0100, 0, 0xFFFFFFFF), "no_core")).items():
         core = RegisterModel(identity=identity)
-        driver = Driver(library, core, *core.areas, COUNT)
+        driver = Driver(library, core, COUNT)
         assert driver.start_up() == code
         solved = driver.solve(driver.targets({name: np.ones(1) for name in FIELDS}, np.ones(1)))[0]
         assert solved == ("none" if code == "none" else "no_core")
     core = RegisterModel()
     core.registers["STATUS"] = 1  # never cleared
-    assert Driver(library, core, *core.areas, COUNT, polls=9).start_up() == "timeout"
+    assert Driver(library, core, COUNT, polls=9).start_up() == "timeout"
     core = RegisterModel()
     for name in ("read", "write", "source", "destination", "records"):
-        driver = Driver(library, core, *core.areas, COUNT)
+        driver = Driver(library, core, COUNT)
         setattr(driver.bus, name, type(getattr(driver.bus, name))())
         assert driver.start_up() == "null", name
     assert driver.call("ik_init", None) == CODES["null"]
@@ -258,8 +258,8 @@ def test_missing_result(library):
     """A job that reports done but has not written the result buffer returns the code ``lost``."""
     core = RegisterModel()
     elsewhere = ctypes.create_string_buffer(COUNT * BYTES)
-    source, (_, address) = core.areas
-    driver = Driver(library, core, source, (ctypes.addressof(elsewhere), address), COUNT)
+    driver = Driver(library, core, COUNT)
+    driver.bus.destination.at = ctypes.addressof(elsewhere)
     assert driver.start_up() == "none"
     code, results = driver.solve(driver.targets({name: np.ones(7) for name in FIELDS}, np.arange(7)))
     assert (code, len(results)) == ("lost", 0)
@@ -267,7 +267,7 @@ def test_missing_result(library):
 
 def test_texts(library):
     """Each code has its own text; all unknown codes have the same text."""
-    driver = Driver(library, RegisterModel(), *RegisterModel().areas, COUNT)
+    driver = Driver(library, RegisterModel(), COUNT)
     texts = [driver.linked.ik_error_text(code) for code in (*CODES.values(), -1, 10, 15, max(CODES.values()) + 1)]
     assert len(set(texts)) == len(CODES) + 1 and len(set(texts[-4:])) == 1
     assert all(text.endswith(b".") for text in texts[:-4])
@@ -321,7 +321,7 @@ def test_uio_wait_ends(library, tmp_path, error):
     core, uio = RegisterModel(), Uio()
     if error is not None:
         core.run = lambda count: None  # no job ends
-    driver = Driver(library, core, *core.areas, COUNT, polls=9)
+    driver = Driver(library, core, COUNT, polls=9)
     paths, patience = uio_device(tmp_path, *BUFFER), 9000 if error == errno.EINTR else 20
     assert driver.linked.ik_uio_open(ctypes.byref(uio), *paths, patience) == 0
     driver.core, driver.bus.user, driver.bus.wait = uio.core, uio.bus.user, uio.bus.wait
