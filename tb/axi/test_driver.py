@@ -25,6 +25,7 @@ from tb.sim.shared import passes
 COUNT = 400  # capacity of each buffer in records of 32 bytes; the longest call has more targets
 
 BYTES = RECORDS.size
+TAGS = np.arange(9)
 
 pytestmark = pytest.mark.needs("cc")
 
@@ -163,55 +164,50 @@ def test_numbers(real, tmp_path, capfd):
     assert "runtime error" not in capfd.readouterr().err
 
 
-def test_bad_targets_are_refused(library):
-    """A bad target is refused before any job starts; ``bad`` is its index."""
-    core = RegisterModel(width=18)
-    driver = Driver(library, core, COUNT)
-    good = {name: np.full(9, 0.25) for name in FIELDS}
-    tags = np.arange(9)
-    assert driver.solve(driver.targets(good, tags))[0] == "no_core", "before ik_init"
+@pytest.mark.parametrize("arm", [False, True])
+def test_bad_targets_are_refused(library, arm):
+    """A bad target or hand pose is refused before any job starts; ``bad`` is its index."""
+    core = RegisterModel(width=18, arm=arm)
+    driver = Driver(library, core, COUNT // 2, arm=arm)
+    good = driver.targets(dict.fromkeys(FIELDS, 0.25) | ({"tool": 0.25, "hand": [1.0, 0, 0, 0]} if arm else {}), TAGS)
+    assert driver.solve(good)[0] == "no_core", "before ik_init"
     assert driver.start_up() == "none"
-    cases = [(name, value, "not_finite") for name in FIELDS for value in (np.nan, np.inf, -np.inf)]
-    cases += [(name, value, "not_an_arm") for name in ("d1", "d2") for value in (0.0, -0.25, -5e-324)]
-    cases += [(name, value, "too_far_out") for name in "xyz" for value in (16.0, -16.1)]
-    cases += [(name, 0.5 * 2.0**-18, "too_short") for name in ("d1", "d2")]  # at W = 18
-    for k, (name, value, code) in enumerate(cases):
-        bad = {**good, name: np.where(np.arange(9) == k % 9, value, good[name])}
-        assert driver.solve(driver.targets(bad, tags))[0] == code, f"{name} {value}"
-        assert driver.core.bad == k % 9
-    assert driver.solve(driver.targets(good, tags)[:0])[0] == "no_targets"
-    for arguments in ((None, tags.ctypes), (tags.ctypes, None)):
-        assert driver.call("ik_solve", *arguments, ctypes.c_size_t(9)) == CODES["null"]
-    assert driver.linked.ik_solve(None, tags.ctypes, tags.ctypes, ctypes.c_size_t(9)) == CODES["null"]
-    assert not core.jobs
-    bad = {**good, "d1": np.full(9, 2.0**-19)}  # half an ulp at W = 18; the core rounds it up
-    assert driver.solve(driver.targets(bad, tags))[0] == "none" and len(core.jobs) == 1
-
-
-def test_bad_hands_are_refused(library):
-    """Each wrong field of a hand pose returns its code; each solve function refuses the core of the other."""
-    core, wrists = RegisterModel(arm=1), RegisterModel()
-    driver, other = (Driver(library, one, COUNT // 2, arm=one is core) for one in (core, wrists))
-    good = dict.fromkeys((*FIELDS, "tool"), np.full(9, 0.25)) | {"hand": np.tile([1.0, 0, 0, 0], (9, 1))}
-    poses, reals = driver.targets(good, np.arange(9)), [(ctypes.c_double * 7)(*[k] * 7) for k in (0, 1)]
-    assert driver.solve(poses)[0] == "no_core" and driver.call("ik_limits", *reals) == CODES["no_core"]
-    assert driver.start_up() == other.start_up() == "none"
-    cases = [("tool", 0, value, "not_finite") for value in (np.nan, np.inf)]
-    cases += [("tool", 0, value, "too_far_out") for value in (16.0, -16.0)]
-    cases += [("hand", part, value, "not_a_hand") for part in range(4) for value in (np.nan, -np.inf, 2.0, -2.1)]
-    cases += [("x", 0, np.nan, "not_finite"), ("d2", 0, 0.0, "not_an_arm"), ("z", 0, 16.0, "too_far_out")]
+    reals, parts = (*FIELDS, *["tool"] * arm), range(4 * arm)
+    cases = [(name, 0, value, "not_finite") for name in reals for value in (np.nan, np.inf, -np.inf)]
+    cases += [(name, 0, value, "not_an_arm") for name in ("d1", "d2") for value in (0.0, -0.25, -5e-324)]
+    cases += [(name, 0, value, "too_far_out") for name in ("x", "y", "z", *reals[6:]) for value in (16.0, -16.1)]
+    cases += [(name, 0, 0.5 * 2.0**-18, "too_short") for name in ("d1", "d2")]  # at W = 18
+    cases += [("hand", part, value, "not_a_hand") for part in parts for value in (np.nan, -np.inf, 2.0, -2.1)]
     for k, (name, part, value, code) in enumerate(cases):
-        bad = poses.copy()
+        bad = good.copy()
         bad[name].reshape(9, -1)[k % 9, part] = value
         assert (driver.solve(bad)[0], driver.core.bad) == (code, k % 9), f"{name} {part} {value}"
-    assert driver.solve(poses[:0])[0] == "no_targets"
-    for call in (driver.linked.ik_solve_arm, driver.linked.ik_limits):
-        for null in range(3):
-            pointers = [None if k == null else one for k, one in enumerate((ctypes.byref(driver.core), *reals))]
-            assert call(*pointers, ctypes.c_size_t(9)) == CODES["null"]
+    assert driver.solve(good[:0])[0] == "no_targets"
+    check_null_pointers(driver, "ik_solve_arm" if arm else "ik_solve")
+    assert not core.jobs
+    if not arm:
+        good["d1"] = 2.0**-19  # half an ulp at W = 18; the core rounds it up
+        assert driver.solve(good)[0] == "none" and len(core.jobs) == 1
+
+
+def check_null_pointers(driver: Driver, name: str) -> None:
+    """Check that a function of the driver refuses a null pointer as any of its three arguments."""
+    some = (ctypes.c_double * 7)()
+    for null in range(3):
+        pointers = [None if k == null else one for k, one in enumerate((ctypes.byref(driver.core), some, some))]
+        assert getattr(driver.linked, name)(*pointers, ctypes.c_size_t(9)) == CODES["null"]
+
+
+def test_each_solve_function_refuses_the_core_of_the_other(library):
+    core, wrists, ends = RegisterModel(arm=1), RegisterModel(), [(ctypes.c_double * 7)(*[k] * 7) for k in (0, 1)]
+    driver, other = (Driver(library, one, COUNT // 2, arm=one is core) for one in (core, wrists))
+    poses = driver.targets(dict.fromkeys((*FIELDS, "tool"), 0.25) | {"hand": [1.0, 0, 0, 0]}, TAGS)
+    assert driver.call("ik_limits", *ends) == CODES["no_core"]
+    assert driver.start_up() == other.start_up() == "none"
+    check_null_pointers(driver, "ik_limits")
     driver.arm, other.arm = False, True
     assert driver.solve(poses)[0] == other.solve(poses)[0] == "other_core"
-    assert other.call("ik_limits", *reals) == CODES["other_core"] and not core.jobs + wrists.jobs
+    assert other.call("ik_limits", *ends) == CODES["other_core"] and not core.jobs + wrists.jobs
 
 
 @pytest.mark.parametrize("width", [18, 32])
