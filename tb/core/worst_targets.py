@@ -21,8 +21,8 @@ from model.dataflow.datapaths import MODELS
 from model.dataflow.formats import WIDTHS
 from model.io.files import number
 from model.io.flags import UNREACHABLE, expected_flags
-from model.io.words import ARM_FIELDS, FIELDS, TargetError, result_values
-from model.reference.kinematics import forward
+from model.io.scoring import hand_errors
+from model.io.words import ARM_FIELDS, FIELDS, TargetError, from_words, result_values
 from tb.sim.env import ROOT
 from tb.sim.job import answer
 
@@ -51,19 +51,15 @@ def errors(
 
     The whole arm needs ``flags``; the larger of :func:`tolerances.pose_errors` then replaces hand error / reach.
     """
-    if words.shape[1] > len(FIELDS):
-        quaternions = result_values(results[:, 7:13], width)
-        norm = (np.abs((quaternions[:, part] ** 2).sum(axis=1) - 1) for part in (slice(4), slice(4, 6)))
-        return np.maximum(*tolerances.pose_errors(words, results, flags, width)), np.maximum(*norm)
-    values = result_values(results, width)
-    qs, qe = values[:, :4], values[:, 4:]
-    lengths = result_values(words, width)
-    position, d1, d2 = lengths[:, :3], lengths[:, 4], lengths[:, 5]
-    _, wrist = forward(qs, qe, d1, d2)
-    reachable = expected_flags(words, width) & UNREACHABLE == 0
-    hand = np.full(len(words), np.nan)
-    np.divide(np.linalg.norm(wrist - position, axis=1), d1 + d2, out=hand, where=reachable)
-    return hand, np.maximum(*(np.abs((q**2).sum(axis=1) - 1) for q in (qs, qe)))
+    arm = words.shape[1] > len(FIELDS)
+    quaternions = result_values(results[:, 7:13] if arm else results, width)
+    if arm:
+        hand = np.maximum(*tolerances.pose_errors(words, results, flags, width))
+    else:
+        reachable = expected_flags(words, width) & UNREACHABLE == 0
+        hand = np.full(len(words), np.nan)
+        hand[reachable] = hand_errors(quaternions[reachable], from_words(words[reachable], 0, width, "reachable"))
+    return hand, np.maximum(*(np.abs((q**2).sum(axis=1) - 1) for q in (quaternions[:, :4], quaternions[:, 4:])))
 
 
 def named(count: int) -> tuple[str, ...]:
