@@ -157,9 +157,7 @@ def equivalent(mutant: Mutant, module: str, place: Path, end: float, deep: bool)
             *command,
             f"hierarchy -top {module}",
             "flatten" if deep else "blackbox * A:top %d",
-            "opt_clean",
-            f"rename -top {path.stem}",
-            f"write_rtlil {relative(path)}",
+            f"opt_clean; rename -top {path.stem}; write_rtlil {relative(path)}",
         ]
         if yosys(place, path.stem, lines, max(1.0, end - time.monotonic())):
             return False
@@ -167,12 +165,7 @@ def equivalent(mutant: Mutant, module: str, place: Path, end: float, deep: bool)
     lines = [
         *(f"read_rtlil -overwrite {relative(path)}" for path in (right, changed)),
         "techmap -map +/pmux2mux.v",  # of several selects the first wins, as in the simulated Verilog
-        "opt_dff",
-        "dffunmap",
-        "opt_expr",
-        "wreduce",
-        "opt_clean",
-        "splitnets",
+        "opt_dff; dffunmap; opt_expr; wreduce; opt_clean; splitnets",
         f"equiv_make -blacklist {relative(removed)} right changed both",
         "cd both",
         "opt_merge",

@@ -126,12 +126,10 @@ def simulate(
     sim = simulator(sim)
     digit = cores(core) == "digit" and toplevel in WITH_DIGIT
     parameters = ({"DIGIT": 1} if digit else {}) | (parameters or {})
-    parts = [toplevel, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])]
-    if waves and sim == "verilator":
-        parts.append("waves")
-    folder = (build or BUILD) / sim / "-".join(parts)
-    if top:
-        folder = folder.with_name(f"{folder.name}-{hashlib.sha1(top.encode()).hexdigest()[:10]}")
+    parts = [toplevel, *(f"{k}{v}" for k, v in parameters.items()), name]
+    parts.append("waves" if waves and sim == "verilator" else "")
+    parts.append(hashlib.sha1(top.encode()).hexdigest()[:10] if top else "")
+    folder = (build or BUILD) / sim / "-".join(filter(None, parts))
     with alone(folder):
         files = with_rules(sources(root), folder)
         if top:

@@ -74,14 +74,9 @@ if simulator() == "verilator":
 
     def test_results_and_flags_at_the_port_count(program):
         """Check that wrong results or flags after right nodes, as from a broken FIFO, are reported."""
-
-        def result(answer):
-            answer.results[3, 5] ^= 1
-
-        def flags(answer):
-            answer.flags[3] ^= 32
-
-        for change in (result, flags):
+        changes = [lambda answer: np.bitwise_xor.at(answer.results, (3, 5), 1)]
+        changes += [lambda answer: np.bitwise_xor.at(answer.flags, 3, 32)]
+        for change in changes:
             with pytest.raises(SimulationError, match="target 3: its nodes are right, its result or flags are not"):
                 native_run.compare(program, spoiled(mixed(100, WIDTH, seed=2), change), WIDTH, "lean")
 
