@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Generated top with several modules of ``rtl/`` side by side, so that one simulation tests all of them.
+"""Generated top with several modules of ``rtl/`` or AXI rules side by side, so that one simulation tests all of them.
 
 A wrapper around a module has registers for its inputs and wires for its outputs, with the same names, so that a bench
 can use the wrapper like the module. Each wrapper has its own clock, so that only the module under test runs.
@@ -7,9 +7,8 @@ can use the wrapper like the module. Each wrapper has its own clock, so that onl
 
 import re
 from collections.abc import Iterable
-from pathlib import Path
 
-from tb.sim.sources import sources
+from tb.sim.sources import RULES, sources
 
 TOP = "ik_wrapper_top"
 
@@ -17,12 +16,9 @@ HEADER = re.compile(r"^module (\w+) #\((.*?)^\) \((.*?)^\);", re.DOTALL | re.MUL
 PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)\b\s*((?:signed\s*)?(?:\[.*?\])?)\s*(\w+)", re.MULTILINE)
 
 
-def top_of(instances: dict[str, tuple[str, dict[str, int]]], more: Iterable[Path] = ()) -> str:
-    """Return the text of :data:`TOP`, with a wrapper for each of ``instances``, name -> (module, parameters).
-
-    ``more`` are files of modules outside ``rtl/``.
-    """
-    text = "\n".join(path.read_text() for path in [*sources(), *more])
+def top_of(instances: dict[str, tuple[str, dict[str, int]]]) -> str:
+    """Return the text of :data:`TOP`, with a wrapper for each of ``instances``, name -> (module, parameters)."""
+    text = "\n".join(path.read_text() for path in [*sources(), RULES / "ik_rules.v"])
     headers = {found[1]: found.groups() for found in HEADER.finditer(text)}
     wrappers = [_wrapper(*headers[module]) for module in sorted({module for module, _ in instances.values()})]
     lines = [
