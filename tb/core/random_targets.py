@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -55,16 +56,13 @@ def over_limits(results: np.ndarray, limits: Limits, width: int) -> np.ndarray:
     return (over << np.arange(OVER_BIT, OVER_BIT + 7)).sum(axis=1)
 
 
-@dataclass(frozen=True)
-class Hard:
-    """Reachable target with its number in the sequence, its errors, and its tolerance or predicted error. The tolerance
-    is inf for a target in `Found.by_norm` that is not one of the CANDIDATES."""
+class Hard(NamedTuple):
+    """Reachable target: a measure of hardness, its number in the sequence, and its hand error."""
 
+    hardness: float
     target: int
     words: list[int]
     hand_error: float
-    tolerance: float
-    norm_error: float
 
 
 @dataclass
@@ -92,15 +90,15 @@ class Found:
             self.above + other.above,
             max(self.hand_error_max, other.hand_error_max),
             max(self.norm_error_max, other.norm_error_max),
-            _first(self.by_hand + other.by_hand, lambda hard: hard.hand_error / hard.tolerance),
-            _first(self.by_norm + other.by_norm, lambda hard: hard.norm_error),
+            _hardest(self.by_hand + other.by_hand),
+            _hardest(self.by_norm + other.by_norm),
             self.flags + other.flags,
         )
 
 
-def _first(of: list[Hard], measure: Callable[[Hard], float]) -> list[Hard]:
-    once = {tuple(hard.words): hard for hard in sorted(of, key=lambda hard: -hard.target)}
-    return sorted(once.values(), key=lambda hard: (-measure(hard), hard.target))[: worst_targets.KEPT]
+def _hardest(targets: list[Hard]) -> list[Hard]:
+    once = {tuple(hard.words): hard for hard in sorted(targets, key=lambda hard: -hard.target)}
+    return sorted(once.values(), key=lambda hard: (-hard.hardness, hard.target))[: worst_targets.KEPT]
 
 
 @dataclass(frozen=True)
@@ -176,16 +174,16 @@ def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found,
     most = np.full(len(words), tolerances.norm(core.width, core.datapath))
     failures += _above("abs(norm^2 - 1) {:.3e} is above its tolerance", norm, most, np.flatnonzero(~(norm <= most)))
 
-    by_norm = reachable[np.argsort(-norm[reachable], kind="stable")][: worst_targets.KEPT]
+    def hardest(rows: np.ndarray, hardness: np.ndarray) -> list[Hard]:
+        first = np.argsort(-hardness, kind="stable")[: worst_targets.KEPT]
+        columns = hardness[first], *(column[rows[first]] for column in (np.asarray(numbers), words, hand))
+        return list(map(Hard, *(column.tolist() for column in columns)))
 
-    def hard(rows) -> list[Hard]:
-        columns = (column[rows].tolist() for column in (np.asarray(numbers), words, hand, tolerance, norm))
-        return list(map(Hard, *columns))
-
-    by_ratio = candidates[np.argsort(-hand[candidates] / tolerance[candidates], kind="stable")][: worst_targets.KEPT]
+    by_hand = hardest(candidates, hand[candidates] / tolerance[candidates])
+    by_norm = hardest(reachable, norm[reachable])
     largest = float(hand[reachable].max(initial=0.0)), float(norm.max(initial=0.0))
     flagged = Counter({name: int(np.count_nonzero(run.flags & flag)) for name, flag in FLAGS.items()})
-    totals = Found(len(words), len(reachable), len(above), *largest, hard(by_ratio), hard(by_norm), flagged)
+    totals = Found(len(words), len(reachable), len(above), *largest, by_hand, by_norm, flagged)
     return Found() + totals, failures
 
 
