@@ -36,11 +36,8 @@ pytestmark = [pytest.mark.sim, pytest.mark.cost(60)]
 def shared(key: str) -> Shared:
     """Return the simulation of a parameter set."""
     datapath, width, tag_width = (SETS | BYTES)[key]
-    options = {
-        "toplevel": "ik_axis_bytes" if key in BYTES else MODELS[datapath].top,
-        "module": "tb.core.stream_tests",
-        "parameters": {"W": width, "TAG_W": tag_width, **MODELS[datapath].parameters},
-    }
+    options = {"toplevel": "ik_axis_bytes" if key in BYTES else MODELS[datapath].top, "module": stream_tests.__name__}
+    options["parameters"] = {"W": width, "TAG_W": tag_width, **MODELS[datapath].parameters}
 
     def chosen(names: list[str]) -> dict:
         wanted = "|".join(re.escape(f"stream_tests.{name}") + "$" for name in names)

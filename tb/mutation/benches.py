@@ -142,19 +142,10 @@ class NodeBench:
         ]
         compared.append(f"runs = {core}.go !== 1'b0;\n" if path.times else "runs = 1;\n")
         latest = max(by_time)
-        values = {
-            "WORDS": sizes[0],
-            "IN": sum(sizes[:2]),
-            "OUT": sizes[2],
-            "FLAGS": sizes[3],
-            "N": count,
-            "BITS": bits,
-            "TAG": TAG_W,
-            "SELECT": BITS,
-            "RING": 1 << (latest + 2).bit_length(),
-            "MOST": count * (path.period + 8) * 3 + 20 * latest + 4000,
-            "FULL": 2 * latest + 200 if path.times else latest + (2 << (latest + 4).bit_length()),
-        }
+        values = {"WORDS": sizes[0], "IN": sum(sizes[:2]), "OUT": sizes[2], "FLAGS": sizes[3], "N": count, "BITS": bits}
+        values |= {"TAG": TAG_W, "SELECT": BITS, "RING": 1 << (latest + 2).bit_length()}
+        values["MOST"] = count * (path.period + 8) * 3 + 20 * latest + 4000
+        values["FULL"] = 2 * latest + 200 if path.times else latest + (2 << (latest + 4).bit_length())
         macros = {"CORE": path.top} | ({"LIMITS": f"{14 * w}'h{limits:x}"} if limits is not None else {})
         lines = [f"`define {name} {value}\n" for name, value in macros.items()]
         lines += [f"localparam {name} = {value};\n" for name, value in values.items()]
