@@ -124,10 +124,8 @@ class Monitor:
         self.beats: dict[str, list[int]] = {"ar": [], "r": []}  # clocks of the handshakes
         self.bursts: dict[str, list[tuple[int, int]]] = {"ar": [], "aw": []}  # address, beats
         self.most = {"reads": 0, "writes": 0, "places": 0}
-        self.valid, self.ready = (
-            {name: getattr(dut, f"m_axi_{name}{part}") for name in ("ar", "r", "aw", "w", "b")}
-            for part in ("valid", "ready")
-        )
+        self.valid = {name: getattr(dut, f"m_axi_{name}valid") for name in CHANNELS[:-1]}
+        self.ready = {name: getattr(dut, f"m_axi_{name}ready") for name in CHANNELS[:-1]}
         parts = ("addr", "len", "size", "burst", "cache", "prot", "id")
         self.payload = {name: [getattr(dut, f"m_axi_{name}{part}") for part in parts] for name in self.bursts}
         self.kind = ((BYTES // record_beats).bit_length() - 1, 1, 0b0011, 0, 0)  # size, burst, cache, prot, id

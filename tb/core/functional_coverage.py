@@ -62,11 +62,7 @@ def bin_of_kind(kind: Kind, datapath: str, stall: str) -> Point:
 
 
 WRISTS = [kind for kind in itertools.product(("-", *CORE_FLAGS), REGIONS) if kind not in IMPOSSIBLE]
-KINDS: dict[str, list[Kind]] = {
-    "lean": WRISTS,
-    "arm": [(pose,) for pose in POSES],
-    "choose": [(choice,) for choice in CHOICES],
-}
+KINDS = {"lean": WRISTS, "arm": [(pose,) for pose in POSES], "choose": [(choice,) for choice in CHOICES]}
 """Kinds by the datapath that has examples of them; :func:`source` names it."""
 
 

@@ -179,9 +179,7 @@ async def not_ready_under_reset(dut):
             await FallingEdge(dut.clk)
             if dut.s_axis_tready.value == 1:
                 break
-        assert dut.s_axis_tready.value == 1, (
-            "s_axis_tready stays low for 1000 clocks after a reset, with a target waiting"
-        )
+        assert dut.s_axis_tready.value == 1, "tready stays low for 1000 clocks after a reset, with a target waiting"
         dut.rst.value = 1
         await Timer(1, unit="ns")
         assert dut.s_axis_tready.value == 0, "tready is high under reset"

@@ -102,9 +102,8 @@ def elaborated(top: str, parameters: dict[str, int]) -> tuple[int, set[str]]:
         # `make lint` covers warnings
         command = ["verilator_bin", "--lint-only", "-Wno-fatal", "--default-language", "1364-2001", "--top-module", top]
         command += [*(f"-G{name}={value}" for name, value in parameters.items()), str(ROOT / "rtl" / "lint.vlt")]
-    done = subprocess.run(
-        [*command, *folders, *map(str, sources())], env=environment(), capture_output=True, text=True, check=False
-    )
+    command += [*folders, *map(str, sources())]
+    done = subprocess.run(command, env=environment(), capture_output=True, text=True, check=False)
     return done.returncode, set(re.findall(r"(?:Unknown module type: |containing module: ')(\w+)", done.stderr))
 
 

@@ -55,9 +55,8 @@ STREAMED = () if ICARUS else (3, 6, 12)
 
 EVERY = "every_flag.*idle=False/stall=False"
 STREAMS = f"power_up|one_result|ready_before|after=few|idle=bursts/stall=bursts|{EVERY}"
-TOPS = [  # parameters of other tests, whose builds are reused
-    pytest.param("ik_axi", {"W": 18, "DATA_W": 128}, "power_up|one_record|after_a_reset", id="memory"),
-]
+TOPS = [pytest.param("ik_axi", {"W": 18, "DATA_W": 128}, "power_up|one_record|after_a_reset", id="memory")]
+"""Parameters of other tests, whose builds are reused."""
 for name, (path, width, tag) in SETS.items():
     if ICARUS or path != "paper":
         parameters = {"W": width, "TAG_W": tag, **MODELS[path].parameters}

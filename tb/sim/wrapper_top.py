@@ -33,14 +33,9 @@ def _wrapper(module: str, parameters: str, ports: str) -> str:
     declared = PORT.findall(ports)
     names = re.findall(r"parameter integer (\w+)", parameters)
     ports = [name for *_, name in declared]
-    return "\n".join(
-        [
-            f"module {module}_wrapper #({parameters});",
-            *(f"  {kinds[way]} {form} {name};" for way, form, name in declared),
-            f"  {module} #({_by_name(names, names)}) u ({_by_name(ports, ports)});",
-            "endmodule",
-        ]
-    )
+    registers = "".join(f"  {kinds[way]} {form} {name};\n" for way, form, name in declared)
+    instance = f"  {module} #({_by_name(names, names)}) u ({_by_name(ports, ports)});\n"
+    return f"module {module}_wrapper #({parameters});\n{registers}{instance}endmodule"
 
 
 def _by_name(names: Iterable[str], values: Iterable) -> str:
