@@ -194,7 +194,7 @@ def differences(recording: Recording, nodes: Nodes) -> Iterator[Difference]:
         for node in nodes:
             rtl, model = recording.word(node, target), model_bits(node, target)
             if rtl != model:
-                yield Difference(node, target, clock + node.time, rtl, int(model, 2))
+                yield Difference(node, target, clock + node.time, rtl, model)
 
 
 def column(recording: Recording, nodes: Nodes, target: int) -> int:

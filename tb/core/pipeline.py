@@ -59,9 +59,9 @@ class Scoreboard:
                 continue
             for node, handle in pairs:
                 bits = str(handle.value)  # as text: X or Z is a difference, not an error of the bench
-                expected = self.expected[node.name][target]
+                expected = format(self.expected[node.name][target], f"0{node.format.width}b")
                 self.compared += 1
-                if bits != format(expected, f"0{node.format.width}b"):
+                if bits != expected:
                     difference = Difference(node, target, now, bits, expected)
                     self.mismatching_bits += difference.bits()
                     if len(self.differences) < KEPT:

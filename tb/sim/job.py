@@ -76,21 +76,17 @@ class Difference:
     target: int
     clock: int
     rtl: str  # bits, including X and Z
-    model: int
+    model: str
 
     def bits(self) -> int:
         """Return the number of differing bits. X and Z differ from both 0 and 1."""
-        expected = format(self.model, f"0{self.node.format.width}b")
-        return sum(a != b for a, b in zip(self.rtl, expected, strict=True))
+        return sum(a != b for a, b in zip(self.rtl, self.model, strict=True))
 
     def __str__(self) -> str:
-        fmt = self.node.format
-        model = format(self.model, f"0{fmt.width}b")
         equation = f" {self.node.equation}" if self.node.equation else ""
-        return (
-            f"{self.node.section}.{self.node.name}{equation} of target {self.target} at clock {self.clock}: "
-            f"RTL {hexadecimal(self.rtl)} ({value(self.rtl, fmt)}), model {hexadecimal(model)} ({value(model, fmt)})"
-        )
+        rtl, model = (f"{hexadecimal(bits)} ({value(bits, self.node.format)})" for bits in (self.rtl, self.model))
+        name = f"{self.node.section}.{self.node.name}{equation}"
+        return f"{name} of target {self.target} at clock {self.clock}: RTL {rtl}, model {model}"
 
 
 def hexadecimal(bits: str) -> str:
