@@ -2,7 +2,7 @@
 """Run each test of stream_tests.py as a pytest case. All cases of a parameter set share one build and simulation."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterator
 
 import pytest
 from cocotb import regression
@@ -47,10 +47,10 @@ def shared(key: str) -> Shared:
 
 
 LARGE = ("paper-23", "arm-18", "choose-18", "fold_arm-24", "fold_choose-24") if simulator() == "icarus" else ()
-SOME = (*LARGE, "fold_arm16-18")
-"""Besides large sets, the one that differs from another only by its fetch of steps, which test_power_up resets."""
-WHOLE = [key for key in SETS if key not in SOME]
 FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out")
+PARTS = dict.fromkeys((*LARGE, "fold_arm16-18"), FEW) | dict.fromkeys(BYTES, ("idle=bursts/stall=bursts", "after=out"))
+"""Set -> parts of the names of its tests; other sets run all. fold_arm16 differs from fold_arm only by its fetch of
+steps, which test_power_up resets."""
 
 
 def around(key: str) -> pytest.MarkDecorator:
@@ -63,26 +63,16 @@ def around(key: str) -> pytest.MarkDecorator:
     return pytest.mark.bench("ik_axis_bytes" if key in BYTES else path.top, without=others)
 
 
-def cases(keys: Iterable[str], parts: Iterable[str] = ("",)):
-    """Return a decorator: a case for each parameter set and each test whose name contains one of ``parts``."""
-    names = [name for name in TESTS if any(part in name for part in parts)]
-    sets = {key: shared(key) for key in keys}
-    rows = [pytest.param(sets[key], name, id=f"{key}-{name}", marks=around(key)) for key in sets for name in names]
-    return pytest.mark.parametrize(("simulation", "name"), rows)
+def cases() -> Iterator:
+    """Yield a case for each parameter set and each of its tests."""
+    for key in (*SETS, *BYTES):
+        simulation, marks = shared(key), [around(key), *[pytest.mark.slow] * (key in BYTES)]
+        for name in TESTS:
+            if any(part in name for part in PARTS.get(key, [""])):
+                yield pytest.param(simulation, name, id=f"{key}-{name}", marks=marks)
 
 
-@cases(WHOLE)
+@pytest.mark.parametrize(("simulation", "name"), cases())
 def test_streams(request, simulation, name):
-    simulation.check(request, name)
-
-
-@cases(SOME, FEW)
-def test_some_streams(request, simulation, name):
-    simulation.check(request, name)
-
-
-@pytest.mark.slow
-@cases(BYTES, ["idle=bursts/stall=bursts", "after=out"])
-def test_words_of_whole_bytes(request, simulation, name):
-    """Check that ``ik_axis_bytes`` ignores the padding of targets, which is random here, and sign-extends results."""
+    """Run a test. ``ik_axis_bytes`` ignores the padding of targets, which is random here, and sign-extends results."""
     simulation.check(request, name)
