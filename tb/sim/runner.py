@@ -20,7 +20,7 @@ from pathlib import Path
 import cocotb_test.simulator
 
 from tb.sim import coverage
-from tb.sim.env import ROOT, cores, simulator, use_environment
+from tb.sim.env import ROOT, cores, environment, simulator
 from tb.sim.sources import headers, includes, sources, with_rules
 
 BUILD = coverage.build("sim")
@@ -122,7 +122,9 @@ def simulate(
     another folder for builds. ``seconds`` limits each command. Raises ``SystemExit`` when a test or the build fails, as
     cocotb-test does, or at the limit.
     """
-    use_environment()
+    ready = environment()  # cocotb-test's commands inherit the environment of this process
+    os.environ.clear()
+    os.environ.update(ready)
     sim = simulator(sim)
     digit = cores(core) == "digit" and toplevel in WITH_DIGIT
     parameters = ({"DIGIT": 1} if digit else {}) | (parameters or {})
