@@ -13,7 +13,7 @@ from model.dataflow.datapaths import MODELS
 from scripts import console, run, trajectory
 from scripts.report.tests.browser import WIDE, Page
 from scripts.waves import model_bits, place, variable
-from tb.core import random_targets
+from tb.core import worst_targets
 from tb.sim import native_run
 from tb.sim.job import Run, answer
 
@@ -86,7 +86,7 @@ class FakeSimulator:
 def without_rtl(patch):
     """Replace the simulator by the bit-true model, and the predicted errors by a ramp; return the fake simulator."""
     fake = FakeSimulator()
-    for module in (trajectory, random_targets):
+    for module in (trajectory, worst_targets):
         patch.setattr(module, "simulate", fake)
     patch.setattr(native_run, "program", lambda datapath, width: None)
     patch.setattr(trajectory, "predicted_error", lambda w, width, _: np.linspace(1, 2, len(w)) * 2.0 ** (8 - width))

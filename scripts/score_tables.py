@@ -14,7 +14,7 @@ from model.dataflow.datapaths import MODELS
 from model.io import flags as flag_bits
 from model.io.scoring import Score
 from scripts.generate.render import error
-from tb.core.random_targets import Core, Found
+from tb.core.worst_targets import Core, Found
 
 LATENCY, CLOCKS, RATE = "latency (clocks)", "clocks for all targets", "results per clock while they flow"
 

@@ -15,7 +15,7 @@ from model.io.stimuli import REGIONS, SPECIAL, corners, of_special, region, spec
 from model.io.words import from_words
 from model.reference.equations import solve_clamped
 from tb.core import worst_targets
-from tb.core.random_targets import chunk
+from tb.core.worst_targets import chunk
 from tb.sim import job
 
 ROWS = worst_targets.read(worst_targets.LIST)
