@@ -13,7 +13,7 @@ from tb.axi.instances import echoing
 from tb.sim.env import simulator
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.shared import failures, passes
-from tb.sim.wrapper_top import TOP, top_of
+from tb.sim.sources import TOP, top_of
 
 PORTS = {
     "stream": ("ik_rules_channel", {"N": 8, "STREAM": 1, "STOP": 0}),
