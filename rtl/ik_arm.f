@@ -2,6 +2,7 @@
 // The whole arm around the core, read with it: verilator -F rtl/ik_axis.f -F rtl/ik_arm.f
 +incdir+include
 ik_arm.v
+ik_arm_bytes.v
 ik_choose.v
 lean/ik_lean_arm.v
 lean/ik_lean_frame.v

@@ -9,19 +9,21 @@
 // k-1: th k; bit 8: bad_hand).
 //
 // Accesses stay within the two areas. No burst crosses 4 KiB; rready and bready are always high. A record is requested
-// only when the core has a slot for its result, so it never refuses a target and no deadlock is possible.
-// Latency: 2 clocks from a record's last R beat to the core, 1 clock from a result to its first W beat.
+// only when there is a slot for it, in the core's FIFO of results or in a folded core's FIFO of targets, so none is
+// refused and no deadlock is possible.
+// Latency: 2 clocks from a record's last R beat to the core, or 4 if it is folded; 1 clock from a result to its first W
+// beat.
 `default_nettype none
 
 module ik_axi #(
     parameter integer W          = 32,  // word length, 16 to 32
-    parameter integer DATAPATH   = 1,   // 1 lean, 0 paper
+    parameter integer DATAPATH   = 1,   // 0 paper, 1 lean, 2 fold (lean on one multiplier): W even, 20 or more
     parameter integer DIGIT      = 0,   // paper dividers and roots: 1 digit recurrence, 0 behavioural
-    parameter integer TILE       = 18,  // lean multiplier blocks: width of the longer operand, e.g. 25 for 25x18
+    parameter integer TILE       = 18,  // multiplier blocks of lean and fold, see ik_axis and ik_arm
     parameter integer ADDR_W     = 32,  // address width: 12 to 64, 13 to 64 with ARM = 1
     parameter integer DATA_W     = 64,  // data bus width: 32, 64 or 128
     parameter integer LOG2_BURST = 3,   // log2 of records per full burst, 1 to 5; at most 256 beats
-    parameter integer ARM        = 0    // 1: hand pose to joint angles, with DATAPATH = 1 only
+    parameter integer ARM        = 0    // 1: hand pose to joint angles, with DATAPATH 1 or 2
 ) (
     // Clock, reset, interrupt; attributes for block designs of Vivado, which infers the buses from the ports' names
     (* X_INTERFACE_INFO = "xilinx.com:signal:clock:1.0 clk CLK" *)
@@ -101,8 +103,12 @@ module ik_axi #(
   endfunction
 
   localparam integer LOG2_RECORD = (ARM == 1) ? 6 : 5;  // log2 of a record's bytes
-  localparam integer LATENCY = ((ARM == 1) ? T_OUT : datapath_latency(DATAPATH, W, TILE)) + 2;
-  localparam integer LOG2_PLACES = clog2(LATENCY + 1);  // FIFO slots of the core
+  localparam FOLDED = DATAPATH == 2;
+  localparam integer FOLD_LATENCY = (ARM == 0) ? 99 : (W <= 24) ? 238 : 246;  // as in the model: a test compares them
+  localparam integer PIPELINE_LATENCY = ((ARM == 1) ? T_OUT : datapath_latency(DATAPATH, W, TILE)) + 2;
+  localparam integer LATENCY = FOLDED ? FOLD_LATENCY : PIPELINE_LATENCY;
+  // FIFO slots: of the core's results, or of two bursts of targets in front of a folded core
+  localparam integer LOG2_PLACES = FOLDED ? LOG2_BURST + 1 : clog2(LATENCY + 1);
   localparam integer LOG2_BURSTS = 3;  // at most 8 outstanding bursts in each direction
 
   generate
@@ -115,7 +121,7 @@ module ik_axi #(
     if (LOG2_BURST < 1 || LOG2_BURST > 5 || (8 << LOG2_BURST << LOG2_RECORD) > 256 * DATA_W) begin : g_burst
       ik_axi_illegal_LOG2_BURST u_stop ();
     end
-    if (DATAPATH != 1 && (DATAPATH != 0 || ARM == 1)) begin : g_datapath
+    if (DATAPATH < ARM || DATAPATH > 2) begin : g_datapath
       ik_axi_illegal_DATAPATH u_stop ();
     end
     if (ARM != 0 && ARM != 1) begin : g_kind
@@ -281,6 +287,7 @@ module ik_axi #(
       .DIGIT      (DIGIT),
       .TILE       (TILE),
       .DATA_W     (DATA_W),
+      .LOG2_PLACES(LOG2_PLACES),
       .LOG2_RECORD(LOG2_RECORD)
   ) u_records (
       .clk         (clk),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fixtures for tests of commands; a model that replaces the simulators."""
+"""Fixtures for tests of commands; a model that replaces the simulators; windows of headless Chromium, by Playwright."""
 
 from functools import partial
 from pathlib import Path
@@ -11,7 +11,6 @@ from vcd.writer import VCDWriter
 
 from model.dataflow.datapaths import MODELS
 from scripts import console, run, trajectory
-from scripts.report.tests.browser import WIDE, Page
 from scripts.waves import model_bits, place, variable
 from tb.core import worst_targets
 from tb.sim import native_run
@@ -42,14 +41,14 @@ class FakeSimulator:
         """Words of the first job of each call."""
         return [call["jobs"][0] for call in self.calls]
 
-    def __call__(self, jobs, *, datapath, width, waves=None, **others):
-        self.calls.append({"jobs": jobs, "datapath": datapath, "width": width, **others})
+    def __call__(self, jobs, *, datapath, width, waves=None, limits=None, **others):
+        self.calls.append({"jobs": jobs, "datapath": datapath, "width": width, "limits": limits, **others})
         if waves:
             assert waves.is_absolute(), "the simulator runs in another folder"
-            self.record(waves, jobs, datapath, width, others.get("limits"))
+            self.record(waves, jobs, datapath, width, limits)
         runs = []
         for job in jobs:
-            model = answer(job, width, datapath, others.get("limits"))
+            model = answer(job, width, datapath, limits)
             runs.append(Run(model.results.copy(), model.flags.copy(), LATENCY, LATENCY + len(job), 0, None))
         self.spoil(*runs)
         return runs
@@ -69,17 +68,15 @@ class FakeSimulator:
             lines = {name[-1]: variable(writer, name, size) for name, size in sizes.items()}
             for clock in range(1, admitted[-1] + max(node.time for node in nodes) + 9):
                 rise = 10_000 * clock - 5_000
-                bits = {"clk": 1, "rst": clock < 4, "s_axis_tready": 1, "s_axis_tvalid": clock in admitted}
-                for name, bit in bits.items():
+                stream = {"clk": 1, "rst": clock < 4, "s_axis_tready": 1, "s_axis_tvalid": clock in admitted}
+                for name, bit in stream.items():
                     writer.change(lines[name], rise, int(bit))
                 for node in nodes:
-                    bits = "x"
                     if clock - node.time in admitted:
                         target = admitted.index(clock - node.time)
                         bits = model_bits(node, target)
-                        if (node.name, target) in self.wrong:
-                            bits = format(int(bits, 2) ^ 1, f"0{len(bits)}b")
-                    writer.change(lines[node.name], rise, bits)
+                        wrong = (node.name, target) in self.wrong
+                        writer.change(lines[node.name], rise, int(bits, 2) ^ wrong)
                 writer.change(lines["clk"], 10_000 * clock, 0)
 
 
@@ -122,6 +119,92 @@ def cli(simulator, command):
 def files():
     """Return a function that lists the files below the working folder, sorted."""
     return lambda: sorted(str(path) for path in Path().rglob("*") if path.is_file())
+
+
+WIDE, NARROW = (1400, 1000), (400, 800)
+
+# Scripts evaluated in the page.
+FITS = "document.documentElement.scrollWidth <= window.innerWidth"
+# Elements that overflow the window or their own box sideways, except inside scrolling boxes.
+STICKING_OUT = """[...document.body.querySelectorAll("*")]
+    .filter((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth + 0.5
+        || (e.clientWidth && e.scrollWidth > e.clientWidth + 1))
+    .map((e) => e.tagName + "#" + e.id)"""
+
+# Function that sets a control as a user does.
+SET = """((name, value) => {
+    const e = document.getElementById(name);
+    e.value = value;
+    for (const kind of ['input', 'change']) e.dispatchEvent(new Event(kind));
+})"""
+
+LIMIT = 60  # seconds per action; a loaded computer may start a browser slowly
+
+
+class Page:
+    """Window of `width` x `height` CSS pixels with its own browser profile. `problems` collects console messages and
+    uncaught errors; `requests` collects the addresses that are loaded."""
+
+    def __init__(self, browser, width: int, height: int, **media: str):
+        self.problems: list[str] = []
+        self.requests: list[str] = []
+        self._context = browser.new_context()
+        self._context.set_default_timeout(1000 * LIMIT)
+        self._page = self._context.new_page()
+        self._page.on("pageerror", lambda error: self.problems.append(str(error)))
+        self._page.on("console", lambda message: self.problems.append(f"console.{message.type}: {message.text}"))
+        self._page.on("request", lambda request: self.requests.append(request.url))
+        self.call = self._context.new_cdp_session(self._page).send
+        self.click, self.press, self.run = self._page.click, self._page.keyboard.press, self._page.evaluate
+        self.close = self._context.close
+        self.resize(width, height, **media)
+
+    def resize(self, width: int, height: int, **media: str) -> None:
+        self._page.set_viewport_size({"width": width, "height": height})
+        self._page.emulate_media(**media)
+
+    def open(self, url: str, before: str = "") -> "Page":
+        """Load a page and wait until its scripts have run. The script `before` runs before them."""
+        self._page.add_init_script(before)
+        for address in ("about:blank", url):  # a change of only the #hash would not reload the page
+            self.requests.clear()
+            self._page.goto(address)
+        return self
+
+    def wait_for(self, script: str) -> None:
+        self._page.wait_for_function(f"() => {script}")
+
+    def choose(self, name: str, value: object) -> None:
+        """Set the control with this id."""
+        self.run(f"{SET}('{name}', '{value}')")
+
+    def text(self, name: str) -> str:
+        """Return the text of the element with this id."""
+        return self._page.text_content(f"#{name}")
+
+    def picture(self, name: str = "scene") -> str:
+        """Return the picture of the canvas with this id."""
+        return self.run(f"document.getElementById('{name}').toDataURL()")
+
+    def drag(self, start: tuple[float, float], end: tuple[float, float], *, touch: bool = False) -> None:
+        """Press the mouse or a finger at `start` and release it at `end`; with start == end it is a click."""
+        middle = tuple((a + b) / 2 for a, b in zip(start, end, strict=True))
+        if touch:
+            for kind, points in (("Start", [start]), ("Move", [middle]), ("Move", [end]), ("End", [])):
+                touched = [{"x": x, "y": y} for x, y in points]
+                self.call("Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": touched})
+            return
+        self._page.mouse.move(*start)
+        self._page.mouse.down()
+        self._page.mouse.move(*end, steps=2)
+        self._page.mouse.up()
+
+    def middle(self, selector: str) -> tuple[float, float]:
+        """Scroll an element into view and return its centre."""
+        element = self._page.locator(selector).first
+        element.scroll_into_view_if_needed()
+        box = element.bounding_box()
+        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
 @pytest.fixture(scope="session")

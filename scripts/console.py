@@ -26,15 +26,18 @@ from rich.table import Table
 
 from model.dataflow.datapaths import CONFIGURATIONS, DATAPATHS, DEFAULT, MODELS
 from model.dataflow.formats import WIDTHS
+from model.io import trajectories
 from model.io.files import Place, number, whole_files
-from model.io.words import TargetError
-from model.motion.clip import TORSO
-from model.motion.pose import Axis, parse_axis
-from tb.sim.env import SIMULATORS
+from model.io.words import DEFAULT_D1, DEFAULT_D2, TargetError
+from model.motion import arms
+from model.motion import clip as clips
+from model.motion.pose import NAMED_AXES, Axis, parse_axis
+from tb.sim.env import CORES, SIMULATORS
 from tb.sim.simulate import SimulationError
 from tb.sim.subprocesses import end_with_parent
 
 PLAIN_COLUMNS = 120  # characters in a line of a table that is not printed on a terminal
+MOST_DATAPATHS = 3  # largest number of datapaths that a command compares
 EVERY = 5.0  # seconds between progress lines if stderr is no terminal
 RECENT = 120.0  # seconds over which a rate is averaged
 
@@ -225,7 +228,7 @@ POSITIVE = Finite(min=0, min_open=True)
 def reference_axis(text: str) -> Axis:
     """Convert the text of an option to a reference axis; "torso" stays as it is."""
     try:
-        return text if text == TORSO else parse_axis(text)
+        return text if text == clips.TORSO else parse_axis(text)
     except ValueError as exc:
         raise click.BadParameter(str(exc)) from None
 
@@ -243,6 +246,75 @@ def point(text: str) -> list[float] | str:
 def swivel_angle(text: str) -> float | str:
     """Convert the text of an option to a swivel angle (rad); "clip" and "constant" stay as they are."""
     return text if text in ("clip", "constant") else Finite()(text)
+
+
+def trajectory_options(
+    out: str, written: str, *, datapath: str | None = DEFAULT, most: int = 1, core: bool = True
+) -> list[click.Option]:
+    """Return the options of a command that runs trajectories.
+
+    out: default of --out. written: names of the files there, for the help. datapath: default of --datapath, None if it
+    depends on the trajectory. most: largest number of names that --datapath takes. core: return the core's options too.
+    """
+    trajectory = (
+        "a built-in trajectory (see --list), all of wrist targets, a CSV file with a header (x,y,z and optionally phi "
+        "in rad, d1, d2; any unit of length; for hands qw,qx,qy,qz or roll,pitch,yaw in rad, tool, branch), or a BVH "
+        "motion-capture clip"
+    )
+    cores = "dividers and roots of the paper datapath: behavioural, or rows for synthesis; the results are the same"
+    axis = (
+        "reference axis of swivel angles in the frame of the targets: z, -z, x, ... or a vector such as 0.3,1,0; no "
+        "wrist may come near its line, in either direction; torso: outward and up from a clip's torso  "
+        "[default: z; for a clip: torso]"
+    )
+    joints = (
+        "clip: shoulder, elbow and wrist joints, if not recognized by name, such as LeftArm,LeftForeArm,LeftHand; six "
+        "for both sides, left first"
+    )
+    up = "clip: up axis of clip.glb and report  [default: from the feet to the head]"
+    twist = "clip: rotation of each bone about itself, from the clip or from the core  [default: clip]"
+    scale = "clip: unit of length; clip.glb is in metres  [default: auto, from the arm lengths]"
+    row = "for rows of a CSV file without that column"
+    phi = (
+        "swivel angle; CSV file: for rows without that column (default: the elbow hangs down); clip: clip, its own "
+        "angles (default), constant, the mean of each arm, or one number"
+    )
+    pole = "point the elbow at X,Y,Z (CSV file: from the shoulder; clip: world) or at a clip's joint; overrides phi"
+    soft = "outer fraction of the reach, 0 to 1, in which CSV or clip targets are pulled in smoothly"
+    robot = "arm with its lengths, tool and joint limits; hand poses are poses of its tip in its base frame"
+    plan = "choose branch and swivel angle of hand poses along the whole path, or of each row alone  [default: path]"
+    limits = "rows with a joint outside the limits of ROBOT: fail the run, or report them  [default: fail]"
+    rate = "rows per second of a ROBOT's path, for the speeds of its joints; without it: by a column t (seconds)"
+    link = "of a URDF file, if its chain is not the only one"
+    tolerance = (
+        "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "
+        "the paper datapath near singular poses or below 32 bits)"
+    )
+    return [
+        option("--trajectory", trajectory, os.path.expanduser, default=trajectories.DEFAULT, metavar="NAME|all|FILE"),
+        option("--out", f"folder for {written}, created if missing", Path, default=out, metavar="DIR"),
+        *(core_options(datapath=datapath, most=most) if core else ()),
+        *([option("--cores", cores, click.Choice(CORES), default=CORES[0])] if core else ()),
+        option("--axis", axis, reference_axis, metavar="AXIS"),
+        option("--arm", "clip: sides to run  [default: both]", click.Choice(["both", *clips.SIDES])),
+        option("--limb", "clip: limbs to run  [default: arms]", click.Choice([*clips.LIMBS])),
+        option("--joints", joints, lambda text: text.split(","), metavar="UPPER,FORE,HAND"),
+        option("--up", up, click.Choice(NAMED_AXES)),
+        option("--twist", twist, click.Choice(clips.TWISTS)),
+        option("--scale", scale, click.Choice([*clips.UNITS, "auto"])),
+        option("--d1", f"upper arm, {row}  [default: {DEFAULT_D1}]", POSITIVE, metavar="LENGTH"),
+        option("--d2", f"forearm, {row}  [default: {DEFAULT_D2}]", POSITIVE, metavar="LENGTH"),
+        option("--phi", phi, swivel_angle, metavar="RAD|clip|constant"),
+        option("--pole", pole, point, metavar="X,Y,Z|JOINT"),
+        option("--soft", soft, Finite(0, 1), metavar="FRACTION"),
+        option("--robot", robot, os.path.expanduser, metavar="|".join((*arms.ROBOTS, "FILE.urdf"))),
+        option("--plan", plan, click.Choice(["path", "rows"])),
+        option("--rate", rate, POSITIVE, metavar="HZ"),
+        option("--limits", limits, click.Choice(["fail", "report"])),
+        option("--base", f"first link {link}", metavar="LINK"),
+        option("--tip", f"last link {link}", metavar="LINK"),
+        option("--tolerance", tolerance, POSITIVE, metavar="ERROR"),
+    ]
 
 
 def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> contextlib.AbstractContextManager[Place]:
@@ -270,7 +342,8 @@ def show(*tables: Table) -> None:
 
 
 class Meter(Progress):
-    """Progress bar of `total` items on stderr; without a terminal it prints nothing."""
+    """Progress bar of `total` items on stderr. Without a terminal, it prints a line every few seconds, even while no
+    item completes."""
 
     def __init__(self, name: str, total: int):
         console = Console(stderr=True)
@@ -279,30 +352,28 @@ class Meter(Progress):
         super().__init__(*columns, TimeRemainingColumn(), speed_estimate_period=RECENT, **more)
         self.add_task(name, total=total)
         (self.task,) = self.tasks
-        self.name = name
+        self.name, self.over = name, threading.Event()
 
     def __call__(self, done: int, what: str = "") -> None:
         """Update the number of items done and the present activity `what`."""
         self.update(self.task.id, completed=done, description=what or self.name)
 
+    def start(self) -> None:
+        super().start()
+        if self.disable:
+            threading.Thread(target=self._lines, daemon=True).start()
 
-@contextlib.contextmanager
-def progress(name: str, total: int) -> Iterator[Meter]:
-    """Yield a `Meter`. Without a terminal, print a progress line every few seconds, even while no item completes."""
-    over = threading.Event()
+    def stop(self) -> None:
+        self.over.set()
+        super().stop()
 
-    def repeat() -> None:
-        while not over.wait(EVERY):
-            task = meter.task
+    def _lines(self) -> None:
+        while not self.over.wait(EVERY):
+            task = self.task
             left = f", {task.time_remaining:.0f} s left" if task.time_remaining else ""
-            what = f"{task.description}: " if task.description != name else ""
-            line = f"{name}: {what}{task.completed} of {task.total} done after {task.elapsed:.0f} s{left}"
+            what = f"{task.description}: " if task.description != self.name else ""
+            line = f"{self.name}: {what}{task.completed} of {task.total} done after {task.elapsed:.0f} s{left}"
             print(line, file=sys.stderr, flush=True)
 
-    with Meter(name, total) as meter:
-        if meter.disable:
-            threading.Thread(target=repeat, daemon=True).start()
-        try:
-            yield meter
-        finally:
-            over.set()
+
+progress = Meter  # with progress(name, total) as meter: ... meter(done)

@@ -7,7 +7,7 @@ that is not reached is a finding, unless a line of tb/sim/coverage_waivers.txt w
 unreached point is a finding as well.
 """
 
-import functools
+import linecache
 import re
 import shutil
 import sys
@@ -50,16 +50,15 @@ def run() -> int:
         return process.wait()
 
 
-@functools.cache
-def source(file: str) -> list[str]:
-    return (ROOT / file).read_text(encoding="utf-8").splitlines()
+def source(point: Point) -> str:
+    return linecache.getline(str(ROOT / point.file), point.line).strip()
 
 
 def text(point: Point) -> str:
     """Return the text that waivers match: bit and transition of a toggle point, else kind, values and source line."""
     if point.kind == "toggle":
         return point.what
-    return f"{point.kind} {point.what}: {source(point.file)[point.line - 1].strip()}"
+    return f"{point.kind} {point.what}: {source(point)}"
 
 
 def matcher(pattern: str) -> re.Pattern:
@@ -98,11 +97,11 @@ def findings(counts: Counter[Point], reasons: dict[Point, str]) -> list[str]:
     known, files = {point.file for point in counts}, (str(path.relative_to(ROOT)) for path in sources())
     lines = [f"{name}: no simulation has it" for name in files if name not in known]
     lines += [f"cross not reached: {bin.what}" for bin in BINS if not counts[bin]]
-    places: dict[tuple[str, int, str], list[str]] = defaultdict(list)
+    places: dict[tuple[str, int, str], list[Point]] = defaultdict(list)
     for point in sorted(point for point, count in counts.items() if not count and point not in reasons):
-        places[point.file, point.line, point.kind].append(point.what)
+        places[point.file, point.line, point.kind].append(point)
     for (file, line, kind), missed in places.items():
-        lines.append(f"{file}:{line}: {kind} {' '.join(missed)}: {source(file)[line - 1].strip()}")
+        lines.append(f"{file}:{line}: {kind} {' '.join(point.what for point in missed)}: {source(missed[0])}")
     return lines
 
 

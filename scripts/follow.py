@@ -15,8 +15,7 @@ from types import SimpleNamespace
 
 from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Node
-from scripts.console import InputError, command, option, output, switch, whole
-from scripts.options import trajectory_options
+from scripts.console import InputError, command, option, output, switch, trajectory_options, whole
 from scripts.trajectory import datapaths, prepare, simulated, sources
 from scripts.waves import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
 from tb.sim.job import Difference, answer, hexadecimal, value

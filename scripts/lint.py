@@ -31,11 +31,13 @@ MODULE_SETS = {
         {"W": 18, "DATA_W": 32, "ADDR_W": 64, "LOG2_BURST": 5},
         {"W": 18, "DATAPATH": 0, "DIGIT": 1, "DATA_W": 128, "ADDR_W": 12, "LOG2_BURST": 1},
         {"W": 32, "ARM": 1},
+        *({"W": 24, "DATAPATH": 2, "ARM": arm} for arm in (0, 1)),
         {"W": 18, "ARM": 1, "DATA_W": 32, "ADDR_W": 13, "LOG2_BURST": 4},
     ],
     "ik_axi_target": [{"W": width} for width in (32, 31, 18, 16)] + [{"W": 18, "LOG2_RECORD": 6}],
     "ik_axis": [{"W": 24}, {"W": 16}, {"W": 18, "TILE": 25}, {"W": 24, "DATAPATH": 2}],
     "ik_axis_bytes": [{"W": 18}],
+    "ik_arm_bytes": [{"W": 18, "CHOOSE": choose} for choose in (0, 1)],
     "ik_paper": [{"W": width, "DIGIT": digit} for width in (32, 18) for digit in (0, 1)],
     **{name: [{"W": width} for width in (32, 20)] for name in ("ik_fold", "ik_fold_arm")},
     **{name: [{}] for name in ("ik_fold_datapath", "ik_fold_norm", "ik_fold_arm_hand")},
@@ -152,26 +154,19 @@ def main(options: SimpleNamespace) -> int:
     every = [*sources(), *(path for name in FOLDERS for path in sorted((ROOT / name).glob("*.v")))]
     if unknown := set(options.modules) - {source.stem for source in every}:
         raise InputError(f"no module {', '.join(sorted(unknown))}")
-    failed = 0
-
-    def report(name: str, messages: str) -> None:
-        nonlocal failed
-        failed += bool(messages)
-        print(f"{'FAIL' if messages else 'ok  '} {name}", *filter(None, [messages]), sep="\n", flush=True)
-
     if not verilators()[1:]:
         print(f"skip the distribution's Verilator: there is none, or it is older than {OLDEST}")
     if not importlib.util.find_spec("pyslang"):
         print("skip slang: pyslang needs Python 3.11")
+    failed, checks = 0, {}
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        tools = {} if options.modules else TOOLS
-        checks = {name: pool.submit(findings, words, only_failures=True) for name, words in tools.items()}
-        for name, messages in pool.map(lint_module, [s for s in every if s.stem in (options.modules or [s.stem])]):
-            report(name, messages)
-        for name, check in checks.items():
-            report(name, check.result())
-    if not options.modules:
-        report("licences, lengths of files", unkept(findings(["git", "ls-files"]).splitlines()))
+        if not options.modules:
+            checks = {name: pool.submit(findings, words, only_failures=True) for name, words in TOOLS.items()}
+            checks["licences, lengths of files"] = pool.submit(unkept, findings(["git", "ls-files"]).splitlines())
+        linted = pool.map(lint_module, [s for s in every if s.stem in (options.modules or [s.stem])])
+        for name, messages in itertools.chain(linted, ((name, check.result()) for name, check in checks.items())):
+            failed += bool(messages)
+            print(f"{'FAIL' if messages else 'ok  '} {name}", *filter(None, [messages]), sep="\n", flush=True)
     return 1 if failed else 0
 
 

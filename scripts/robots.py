@@ -3,7 +3,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,12 +15,13 @@ from model.reference.kinematics import conjugate, multiply
 
 
 class Speeds(NamedTuple):
-    """Largest speeds of a robot's joints (7,), rad/s; their limits (7,), inf for none; numbers of rows above (7,)."""
+    """Largest speeds of a robot's joints (7,), rad/s; their limits (7,), inf for none; numbers of rows above (7,). All
+    are empty for rows without times."""
 
-    names: tuple[str, ...]
-    largest: np.ndarray
-    limits: np.ndarray
-    above: np.ndarray
+    names: tuple[str, ...] = ()
+    largest: np.ndarray = np.zeros(0)
+    limits: np.ndarray = np.zeros(0)
+    above: np.ndarray = np.zeros(0, dtype=int)
 
     def figures(self) -> list[tuple[str, ...]]:
         """Return a row of a table for each joint: name and largest speed."""
@@ -31,12 +31,9 @@ class Speeds(NamedTuple):
 
     def doubt(self) -> str:
         """Return a warning that names the joints above their limits, or an empty string."""
-        fast = np.flatnonzero(self.above)
-        listed = [
-            f"{self.names[k]} in {self.above[k]} rows, up to {self.largest[k]:.3g} of {self.limits[k]:.4g} rad/s"
-            for k in fast
-        ]
-        return f"{len(fast)} of 7 joints exceed their limits of speed: {'; '.join(listed)}" if listed else ""
+        rows = zip(self.names, self.above, self.largest, self.limits, strict=True)
+        fast = [f"{name} in {n} rows, up to {most:.3g} of {limit:.4g} rad/s" for name, n, most, limit in rows if n]
+        return f"{len(fast)} of 7 joints exceed their limits of speed: {'; '.join(fast)}" if fast else ""
 
 
 def times(targets: Targets, rate: float | None) -> np.ndarray | None:
@@ -77,11 +74,6 @@ def speeds(robot: Arm, path: JointPath, positions: np.ndarray, seconds: np.ndarr
     return Speeds(robot.names, all_moves.max(axis=0), limits, np.count_nonzero(all_moves > limits, axis=0))
 
 
-def _report(progress: Callable[[int, str], None], done: int, rows: int, part: float, count: int) -> None:
-    """Report the rows of earlier paths and a part of this one."""
-    progress(done + int(part * rows), f"{count} swivel angles")
-
-
 def planned(
     robot: Arm, poses: Targets, each: bool = False, progress: Callable[[int, str], None] = lambda rows, text: None
 ) -> tuple[Targets, JointPath]:
@@ -101,11 +93,13 @@ def planned(
     branch = poses.branch if "branch" in poses.others else None
     empty = np.full((count, 7), np.nan)
     whole = JointPath(empty, empty[:, 0].copy(), np.zeros(count, dtype=np.int64), np.zeros(count), {})
-    groups = list(np.arange(count)[:, None]) if each else paths
     done = 0
-    for group in groups:
+    for group in np.arange(count)[:, None] if each else paths:
         some_phi, some_branch = (None if v is None else v[group] for v in (phi, branch))
-        report = partial(_report, progress, done, len(group))
+
+        def report(part: float, angles: int, done: int = done, rows: int = len(group)) -> None:
+            progress(done + int(part * rows), f"{angles} swivel angles")
+
         how: Any = {"phi": some_phi, "branch": some_branch, "progress": report}
         path = robot.path(poses.position[group], poses.hand[group], **how)
         done += len(group)
@@ -126,6 +120,5 @@ def planned(
     lengths: dict[str, Any] = {"d1": robot.d1, "d2": robot.d2, "tool": robot.tool[None], "default_arm": ()}
     lengths |= {"origin": robot.base, "frame": conjugate(robot.mount), "others": others, "branch": whole.branch}
     q = multiply(poses.hand, conjugate(robot.tip))
-    return replace(poses, phi=whole.phi if phi is None else phi, hand=q, **lengths), replace(
-        whole, jumps=dict(sorted(whole.jumps.items()))
-    )
+    targets = replace(poses, phi=whole.phi if phi is None else phi, hand=q, **lengths)
+    return targets, replace(whole, jumps=dict(sorted(whole.jumps.items())))

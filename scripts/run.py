@@ -12,21 +12,10 @@ import sys
 from types import SimpleNamespace
 
 from model.io import trajectories
-from scripts.console import command, show, switch
-from scripts.options import MOST_DATAPATHS, trajectory_options
+from scripts import trajectory
+from scripts.console import MOST_DATAPATHS, command, show, switch, trajectory_options
 from scripts.paper.tables import table_of_datapaths
 from scripts.score_tables import table_of_many, table_of_one, verdict
-from scripts.trajectory import (
-    SCORES,
-    datapaths,
-    outputs,
-    prepare,
-    result_paths,
-    score_runs,
-    simulated,
-    speeds_of,
-    write_results,
-)
 from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file
 from tb.sim.simulate import LONG
 
@@ -48,35 +37,33 @@ def main(arguments: SimpleNamespace) -> int:
             print(f"{name:14} {trajectories.describe(name)}")
         return 0
     out = arguments.out
-    prepared = prepare(arguments)
-    folders = datapaths(arguments, prepared)
+    prepared = trajectory.prepare(arguments)
+    folders = trajectory.datapaths(arguments, prepared)
     # For a long file the prediction takes longer than everything else.
     predict = sum(len(item.words) for item in prepared) < LONG
     recorded = WAVES[: 4 if len(prepared) == 1 else 2] if arguments.waves else []  # aligned: for one trajectory
     waves = [folder / name for folder in folders.values() for name in recorded]
-    with outputs(out, folders.values(), prepared, *waves) as files:
+    with trajectory.outputs(out, folders.values(), prepared, *waves) as files:
         done = []
         for datapath, folder in folders.items():
             vcd = folder / VCD
-            runs = simulated(arguments, datapath, prepared, files(vcd) if arguments.waves else None)
-            done.append(score_runs(arguments, datapath, prepared, runs, predict))
+            runs = trajectory.simulated(arguments, datapath, prepared, files(vcd) if arguments.waves else None)
+            done.append(trajectory.score_runs(arguments, datapath, prepared, runs, predict))
             if arguments.waves and len(prepared) == 1:
                 align(vcd, prepared[0].words, arguments.width, datapath, files, prepared[0].limits)
             elif arguments.waves:
                 write_save_file(files(vcd), datapath, arguments.width, files(vcd.with_suffix(".gtkw")), VCD)
-        write_results(files, out, folders.values(), prepared, done)
+        trajectory.write_results(files, out, folders.values(), prepared, done)
 
     if (count := len(prepared)) == 1:
-        moving = [speeds_of(prepared[0], result) for ((_, result),) in done]
-        more = [one.figures() if one else [] for one in moving]
-        scored = [(result, ran.flags, rows) for ((ran, result),), rows in zip(done, more, strict=True)]
+        scored = [(result, ran.flags, trajectory.speeds_of(prepared[0], result).figures()) for ((ran, result),) in done]
         show(table_of_datapaths(scored) if len(scored) > 1 else table_of_one(*scored[0]))
-        tables = [path for folder in folders.values() for path in result_paths(folder, prepared)]
+        tables = [path for folder in folders.values() for path in trajectory.result_paths(folder, prepared)]
     else:
         show(*(table_of_many([result for _, result in scored]) for scored in done))
         kinds = [f"*/results.{kind} ({count} files)" for kind in ("csv", "npz")]
         tables = [folder / kind for folder in folders.values() for kind in kinds]
-    print(*(f"wrote {path}" for path in (*tables, out / SCORES, *waves)), sep="\n")
+    print(*(f"wrote {path}" for path in (*tables, out / trajectory.SCORES, *waves)), sep="\n")
     return verdict("run", [result for ran in done for _, result in ran])
 
 

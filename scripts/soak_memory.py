@@ -18,11 +18,11 @@ from types import SimpleNamespace
 
 from scripts.console import command, option, progress, sim_option, whole
 from scripts.parallel import shared
-from tb.axi.instances import CORE, ECHO, echoing, named, run_in_process
+from tb.axi.instances import CORE, ECHO, FOLDED, echoing, named, run_in_process
 from tb.sim.env import ROOT
 from tb.sim.simulate import SimulationError
 
-INSTANCES = [(parameters, False) for parameters in CORE] + [(parameters, True) for parameters in ECHO]
+INSTANCES = [(parameters, False) for parameters in (*CORE, *FOLDED)] + [(parameters, True) for parameters in ECHO]
 PIECE = 100  # jobs of a piece, including those with pauses on a single channel
 
 ECHO_PLACE = ROOT / "build" / "soak-memory"

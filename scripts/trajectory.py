@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Load the targets of --trajectory, run them through the core, score the results and write the result files.
 
-All input is checked here. The command-line options are in :mod:`scripts.options`.
+All input is checked here. The command-line options are in :mod:`scripts.console`.
 """
 
 import os
@@ -297,8 +297,8 @@ def simulated(
             jobs = [np.insert(jobs[0], [len(ARM_FIELDS)] * 7, prepared[0].references, axis=1)]
             datapath = CHOOSING[datapath]
         core = {"simulator": arguments.sim, "datapath": datapath, "width": arguments.width, "cores": arguments.cores}
-        core |= {"limits": prepared[0].limits} if prepared[0].limits else {}
-        runs = simulate(jobs, waves=waves, progress=lambda done, _: meter(done), **core)
+        core |= {"limits": prepared[0].limits, "waves": waves}
+        runs = simulate(jobs, progress=lambda done, _: meter(done), **core)
     if not chooses:
         return runs
     bits = (1 << ARM_FLAG_BITS) - 1
@@ -338,10 +338,10 @@ def positions(item: Prepared, result: Score) -> np.ndarray:
     return item.robot.positions(result.per_target.hand.joints, item.path.joints)
 
 
-def speeds_of(item: Prepared, result: Score) -> Speeds | None:
-    """Return the speeds of the robot's joints, or None without times."""
+def speeds_of(item: Prepared, result: Score) -> Speeds:
+    """Return the speeds of the robot's joints."""
     if item.seconds is None or not (item.robot and item.path):
-        return None
+        return Speeds()
     return speeds(item.robot, item.path, positions(item, result), item.seconds, item.targets)
 
 
@@ -427,18 +427,16 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 at = positions(item, result)
                 more = dict(zip(item.robot.names, at.T, strict=True))
                 apart = np.flatnonzero(np.abs(at - item.path.joints).max(axis=1) > APART)
+                notes = []
                 if ran.branch is not None:
                     targets = replace(targets, others=targets.others | {"branch": [*map(str, ran.branch.tolist())]})
-                    if others := np.count_nonzero(ran.branch != targets.branch):
-                        text = (
-                            f"the core chooses another branch than the planner for {others} of {len(targets)} targets"
-                        )
-                        print(f"warning: {targets.name}: {text}", file=sys.stderr)
-                if len(apart):
-                    text = f"joints of {len(apart)} targets differ from the planned ones; first: target {apart[0]}"
-                    print(f"warning: {targets.name}: {text}", file=sys.stderr)
-                if (moving := speeds_of(item, result)) and (doubt := moving.doubt()):
-                    print(f"warning: {targets.name}: {doubt}", file=sys.stderr)
+                    if count := np.count_nonzero(ran.branch != targets.branch):
+                        of = f"{count} of {len(targets)} targets"
+                        notes.append(f"the core chooses another branch than the planner for {of}")
+                if count := len(apart):
+                    notes.append(f"joints of {count} targets differ from the planned ones; first: target {apart[0]}")
+                for note in filter(None, (*notes, speeds_of(item, result).doubt())):
+                    print(f"warning: {targets.name}: {note}", file=sys.stderr)
             for suffix, content in tables(targets, ran, result, more).items():
                 files(path.with_suffix(suffix)).write_bytes(content)
     files(out / SCORES).write_bytes(score_json([result for scored in done for _, result in scored]))

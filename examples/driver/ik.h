@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Driver of ik_axi, the memory-to-memory core. C99; no allocation, no libm, only freestanding headers.
-// Files: ik.h, ik.c and the generated ik_regs.h. See docs/integration.md for an example.
+// Files: ik.h, the generated ik_regs.h, ik_words.c (jobs in the core's words; no floating point) and ik.c (calls in
+// floating point, for which ik_words.c does the jobs). See docs/integration.md for an example.
 #ifndef IK_H
 #define IK_H
 
@@ -47,6 +48,40 @@ typedef struct {
     uint16_t over_limit; // bit k: th[k] is outside its limits; bit 8: |hand| is outside [1 - 2^-8, 1 + 2^-8)
 } ik_joints;
 
+// Records: the core's words as they stand in memory. A length is Q2.30 in any unit, with d1 + d2 below 2; quaternions
+// are Q2.30; one turn is 2^32. The core rounds half up to its word length.
+typedef struct {
+    int32_t x, y, z;
+    uint32_t phi; // wraps
+    int32_t d1, d2;
+    uint32_t tag; // the low 24 bits are returned
+    uint32_t unused;
+} ik_target_words;
+
+typedef struct {
+    int32_t qs[4]; // shoulder: w, i, j, k
+    int32_t qe[2]; // elbow: w, i
+    uint32_t tag;  // flags << 24 | tag
+    uint32_t index;
+} ik_result_words;
+
+typedef struct {
+    int32_t x, y, z;
+    uint32_t phi;
+    int32_t d1, d2, tool;
+    uint32_t tag; // branch << 24 | tag
+    int32_t hand[4];
+    uint32_t unused[4];
+} ik_hand_words;
+
+typedef struct {
+    int32_t th[7];
+    uint32_t tag; // flags << 24 | tag
+    int32_t qs[4], qe[2];
+    uint32_t index;
+    uint32_t over_limit; // as in ik_joints
+} ik_joints_words;
+
 // IK_OK, a hardware code IK_CODE_* of ik_regs.h, or one of these codes of the driver.
 typedef int ik_code;
 enum {
@@ -56,12 +91,13 @@ enum {
     IK_NO_CORE,     // ID does not match, or ik_init has not succeeded
     IK_VERSION,     // another major version
     IK_NO_TARGETS,  // n is 0
+    IK_TOO_MANY,    // ik_solve_words, ik_solve_arm_words: n is above ik_bus.records
     IK_NOT_FINITE,  // infinite or NaN; for this and the next four codes, ik_core.bad is the target
     IK_NOT_AN_ARM,  // d1 or d2 is not positive
     IK_TOO_FAR_OUT, // a coordinate or tool, for the longest reach; or d1 + d2 overflows a double
     IK_TOO_SHORT,   // the scaled word of d1 or d2 is 0
     IK_NOT_A_HAND,  // a component of the quaternion is outside [-2, 2)
-    IK_OTHER_CORE,  // ik_solve on a core with ARM = 1, ik_solve_arm or ik_limits on any other core
+    IK_OTHER_CORE,  // a call for wrist targets on a core with ARM = 1, or one for hand poses on any other core
     IK_BAD_LIMITS,  // low is above high, or no angle of the core is between them; ik_core.bad is the joint, from 0
     // The job did not run, or it failed.
     IK_BUSY,    // another job is running
@@ -101,10 +137,11 @@ typedef struct {
 typedef struct {
     ik_bus bus;
     uint32_t width, data_width, addr_width, latency; // parameters W, DATA_W, ADDR_W; latency in clocks
-    bool lean;                                       // true: lean datapath; false: the paper's
+    bool lean;                                       // true: lean equations; false: the paper's
     bool arm;                                        // ARM = 1: the core solves hand poses
+    bool fold;                                       // folded onto one multiplier
 
-    // outcome of the last ik_solve or ik_solve_arm
+    // outcome of the last call that solved
     size_t written;         // number of valid results, counted from the first, with any return code
     size_t bad;             // index of the rejected target, or joint
     uint64_t error_address; // of a hardware error; see ERROR in docs/generated/registers.md
@@ -115,6 +152,37 @@ typedef struct {
 
 // Checks the core's ID and version, aborts any running job and reads the parameters. bus is copied.
 ik_code ik_init(ik_core *core, const ik_bus *bus);
+
+// ---- in the core's words: no floating point, no copy ----
+
+// Buffers of the records. Fill targets or hands, solve, and read results or joints.
+static inline ik_target_words *ik_target_records(const ik_core *core) {
+    return (ik_target_words *)(void *)core->bus.source.at;
+}
+static inline ik_result_words *ik_result_records(const ik_core *core) {
+    return (ik_result_words *)(void *)core->bus.destination.at;
+}
+static inline ik_hand_words *ik_hand_records(const ik_core *core) {
+    return (ik_hand_words *)(void *)core->bus.source.at;
+}
+static inline ik_joints_words *ik_joints_records(const ik_core *core) {
+    return (ik_joints_words *)(void *)core->bus.destination.at;
+}
+
+// Solves the first n records of ik_target_records, or of ik_hand_records on a core with ARM = 1. The first core->written
+// records of ik_result_records, or ik_joints_records, are valid. The words are not checked: the core flags a bad length or
+// quaternion.
+ik_code ik_solve_words(ik_core *core, size_t n);
+ik_code ik_solve_arm_words(ik_core *core, size_t n);
+
+// Sets the limits of th1 .. th7 in words; a low word above the high one leaves the arc across half a turn. No job may
+// be running.
+ik_code ik_limits_words(ik_core *core, const uint32_t low[7], const uint32_t high[7]);
+
+// True while a job is running, also another host's. Do not write to the buffers then.
+bool ik_busy(const ik_core *core);
+
+// ---- in floating point ----
 
 // Solves n targets. All lengths are scaled by a common power of two, as in make run.
 ik_code ik_solve(ik_core *core, const ik_target *targets, ik_result *results, size_t n);
@@ -128,9 +196,12 @@ ik_code ik_limits(ik_core *core, const ik_real low[7], const ik_real high[7]);
 // Call it in the interrupt handler, then wake bus.wait. Returns false if the interrupt has another source.
 bool ik_irq(ik_core *core);
 
-// Aborts a running ik_solve or ik_solve_arm from another context. If bus.wait is set, wake it afterwards.
+// Aborts a running call from another context. If bus.wait is set, wake it afterwards.
 void ik_abort(ik_core *core);
 
 const char *ik_error_text(ik_code code);
+
+// Private to the driver: runs a job of n records and adds its valid results to core->written.
+ik_code ik_job(ik_core *core, size_t n);
 
 #endif

@@ -7,7 +7,7 @@
 
 // The uio device has two maps; with uio_pdrv_genirq, two entries of `reg`. Map 0: registers. Map 1: memory that
 // Linux reserves for the core (reserved-memory, no-map), half for targets, half for results. Linux maps both uncached.
-// On Arm, such mappings need ik.c compiled with -mstrict-align (64 bits) or -mno-unaligned-access (32 bits).
+// On Arm, such mappings need the driver compiled with -mstrict-align (64 bits) or -mno-unaligned-access (32 bits).
 typedef struct {
     ik_core core;
     ik_bus bus;   // for ik_init(&uio.core, &uio.bus)

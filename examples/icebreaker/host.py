@@ -24,8 +24,7 @@ import serial
 from examples.icebreaker.frames import WIDTH, Answers, frame
 from model.dataflow import fixed
 from model.dataflow.datapaths import FOLD16
-from scripts.console import POSITIVE, InputError, command, option, progress, show, whole
-from scripts.options import trajectory_options
+from scripts.console import POSITIVE, InputError, command, option, progress, show, trajectory_options, whole
 from scripts.score_tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import SCORES, Prepared, csv_paths, outputs, prepare, score_runs, write_results
 from tb.sim.simulate import LONG, Run, SimulationError

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: Apache-2.0
--- Components of ik_axis, ik_axis_bytes, ik_arm and ik_axi for VHDL; ports and generics are those of the modules in rtl/.
+-- Components of the tops for VHDL; ports and generics are those of the modules in rtl/.
 
 library ieee;
 use ieee.std_logic_1164.all;
@@ -81,16 +81,42 @@ package ik_axis_pkg is
     );
   end component;
 
+  component ik_arm_bytes is
+    generic (
+      W        : integer := 32;  -- word length, 16 to 32; limits in ik_arm.v
+      TAG_W    : integer := 8;   -- tag width, at least 1
+      DATAPATH : integer := 1;   -- 1 lean, 2 fold (lean on one multiplier)
+      TILE     : integer := 18;  -- longer operand of the multiplier blocks, bits: 18, 25 or 16
+      CHOOSE   : integer := 0    -- 1: of the eight branches, answer with the one nearest to reference joints
+    );
+    port (
+      clk           : in  std_logic;
+      rst           : in  std_logic;  -- synchronous, active high
+      -- lower and upper limit of th1, .. th7, lowest bits first, one turn = 2^W; static
+      limits        : in  std_logic_vector(14 * W - 1 downto 0);
+      -- words as in ik_arm, each in the lowest W bits of whole bytes
+      s_axis_tdata  : in  std_logic_vector((11 + 7 * CHOOSE) * 8 * ((W + 7) / 8) - 1 downto 0);
+      s_axis_tuser  : in  std_logic_vector(TAG_W + 3 - 1 downto 0);  -- tag; above it the branch: shoulder, elbow, wrist
+      s_axis_tvalid : in  std_logic;
+      s_axis_tready : out std_logic;
+      -- words as in ik_arm, each sign-extended to whole bytes
+      m_axis_tdata  : out std_logic_vector(17 * 8 * ((W + 7) / 8) - 1 downto 0);
+      m_axis_tuser  : out std_logic_vector(TAG_W + 16 + 25 * CHOOSE - 1 downto 0);  -- tag; above it the flags, choice
+      m_axis_tvalid : out std_logic;
+      m_axis_tready : in  std_logic
+    );
+  end component;
+
   component ik_axi is
     generic (
       W          : integer := 32;  -- word length, 16 to 32; limits in ik_axis.v
-      DATAPATH   : integer := 1;   -- 0 paper, 1 lean
+      DATAPATH   : integer := 1;   -- 0 paper, 1 lean, 2 fold
       DIGIT      : integer := 0;   -- paper dividers and roots: 1 digit recurrence, for synthesis; 0 behavioural
       TILE       : integer := 18;  -- lean: longer operand of the multiplier blocks, bits: 18, 25 or 16
       ADDR_W     : integer := 32;  -- address width, 12 to 64
       DATA_W     : integer := 64;  -- data bus width: 32, 64 or 128
       LOG2_BURST : integer := 3;   -- log2 of records per full burst, 1 to 5; at most 256 beats
-      ARM        : integer := 0    -- 1: hand pose to joint angles, with DATAPATH = 1 only
+      ARM        : integer := 0    -- 1: hand pose to joint angles, with DATAPATH 1 or 2
     );
     port (
       clk           : in  std_logic;

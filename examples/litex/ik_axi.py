@@ -17,7 +17,7 @@ from litex.soc.interconnect.axi import AXIInterface, AXILiteInterface
 from litex.soc.interconnect.csr_eventmanager import EventManager, EventSourceLevel
 
 RTL = Path(__file__).resolve().parents[2] / "rtl"
-LISTS = ("ik_axis.f", "ik_axi.f")
+LISTS = ("ik_axis.f", "ik_arm.f", "ik_axi.f")
 
 
 class IkAxi(LiteXModule):

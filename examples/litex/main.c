@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Solves the targets of targets.h on a LiteX SoC: by ik_axi with polling and with its interrupt, and by the lean
-// equations on the CPU. Compares every word of the core with the model's, and prints clocks. All addresses are from the
-// SoC's headers.
+// Solves the targets of targets.h on a LiteX SoC: by ik_axi with polling, with its interrupt and in words, and wrist
+// targets by the lean equations on the CPU. Compares every word of the core with the model's, and prints clocks. All
+// addresses are from the SoC's headers.
 #include <generated/csr.h>
 #include <generated/mem.h>
 #include <generated/soc.h>
@@ -10,10 +10,24 @@
 #include "ik.h"
 #include "targets.h"
 
-enum { RECORDS = MAIN_RAM_SIZE / 2 / 32, PATIENCE = 100000 }; // of each area; turns of a waiting loop
+#if ARM
+typedef ik_joints result;
+typedef ik_joints_words result_words;
+#define SOLVE ik_solve_arm
+#define SOLVE_WORDS ik_solve_arm_words
+#else
+typedef ik_result result;
+typedef ik_result_words result_words;
+#define SOLVE ik_solve
+#define SOLVE_WORDS ik_solve_words
+#endif
+
+enum { WORDS = sizeof(result_words) / 4 };                                     // of a record
+enum { RECORDS = MAIN_RAM_SIZE / 2 / sizeof(result_words), PATIENCE = 100000 }; // of a buffer; turns of a waiting loop
+enum how { POLLING, INTERRUPT, IN_WORDS };
 
 static ik_core core;
-static ik_result results[TARGETS];
+static result results[TARGETS];
 static volatile unsigned interrupts;
 static unsigned seen;
 
@@ -77,28 +91,37 @@ static bool sleeps(void *user) {
 
 // ---- tests ----
 
-static double value(const ik_result *r, int i) {
-    const double all[6] = {r->qs[0], r->qs[1], r->qs[2], r->qs[3], r->qe[0], r->qe[1]};
-    return all[i];
+static bool same_values(const result *r, const result_words *words) {
+    bool same = r->tag == (words->tag & 0xffffff) && r->flags == words->tag >> 24;
+    for (int i = 0; i < 4; i++) same &= r->qs[i] * (1 << 30) == words->qs[i];
+    for (int i = 0; i < 2; i++) same &= r->qe[i] * (1 << 30) == words->qe[i];
+#if ARM
+    for (int i = 0; i < 7; i++) same &= r->th[i] == words->th[i] * (6.283185307179586 / 4294967296.0);
+    same &= r->over_limit == words->over_limit;
+#endif
+    return same;
 }
 
-// Solves all targets and compares the words in memory and the driver's values. Returns the number of wrong targets.
-static unsigned solve(const char *name, bool interrupt) {
+// Solves all targets, and compares the words in memory, and the driver's values unless it solves in words. Returns the
+// number of wrong targets.
+static unsigned solve(const char *name, enum how how) {
     uint32_t *const ram = (uint32_t *)MAIN_RAM_BASE;
     const ik_bus bus = {
         .read = reads,
         .write = writes,
         .source = {ram, MAIN_RAM_BASE},
-        .destination = {ram + RECORDS * 8, MAIN_RAM_BASE + RECORDS * 32},
+        .destination = {ram + RECORDS * WORDS, MAIN_RAM_BASE + RECORDS * WORDS * 4},
         .records = RECORDS,
         .invalidate = invalidate,
-        .wait = interrupt ? sleeps : 0,
+        .wait = how == INTERRUPT ? sleeps : 0,
         .polls = PATIENCE,
     };
     ik_code code = ik_init(&core, &bus);
     const unsigned before = interrupts;
+    for (uint32_t k = 0; how == IN_WORDS && k < TARGETS; k++)
+        for (int i = 0; i < WORDS; i++) bus.source.at[k * WORDS + i] = records[k][i];
     const uint32_t since = clocks();
-    if (!code) code = ik_solve(&core, targets, results, TARGETS);
+    if (!code) code = how == IN_WORDS ? SOLVE_WORDS(&core, TARGETS) : SOLVE(&core, targets, results, TARGETS);
     const uint32_t took = clocks() - since;
     put(name);
     if (code) {
@@ -108,11 +131,8 @@ static unsigned solve(const char *name, bool interrupt) {
     }
     unsigned wrong = 0;
     for (uint32_t k = 0; k < TARGETS; k++) {
-        const uint32_t *word = expected[k];
-        const ik_result *r = &results[k];
-        bool same = r->tag == (word[6] & 0xffffff) && r->flags == word[6] >> 24;
-        for (int i = 0; i < 8; i++) same &= bus.destination.at[k * 8 + i] == word[i];
-        for (int i = 0; i < 6; i++) same &= value(r, i) * (1 << 30) == (int32_t)word[i];
+        bool same = how == IN_WORDS || same_values(&results[k], (const result_words *)expected[k]);
+        for (int i = 0; i < WORDS; i++) same &= bus.destination.at[k * WORDS + i] == expected[k][i];
         wrong += !same;
     }
     put_number(wrong);
@@ -123,13 +143,14 @@ static unsigned solve(const char *name, bool interrupt) {
     put("\n");
     report("  driver and core  ", took);
     report("  core             ", reads(0, IK_CLOCKS));
-    if ((interrupts != before) != interrupt) {
+    if ((interrupts != before) != (how == INTERRUPT)) {
         put("the interrupt does not do what it should\n");
         return TARGETS;
     }
     return wrong;
 }
 
+#if !ARM
 void batch_double(long, long, const double *, const double *, const double *, const double *, const double *,
                   const double *, double *, double *, double *, double *, double *, double *);
 void batch_float(long, long, const float *, const float *, const float *, const float *, const float *, const float *,
@@ -148,7 +169,7 @@ void batch_float(long, long, const float *, const float *, const float *, const 
             batch_##REAL(1, 1, in, in + 1, in + 2, in + 3, in + 4, in + 5, q, q + 1, q + 2, q + 3, q + 4, q + 5);      \
             took += clocks() - since;                                                                                  \
             for (int i = 0; i < 6; i++) {                                                                              \
-                const double far = q[i] - value(&results[k], i);                                                       \
+                const double far = q[i] - (i < 4 ? results[k].qs[i] : results[k].qe[i - 4]);                           \
                 if (!(far < BAR && far > -BAR)) wrong |= 1;                                                            \
             }                                                                                                          \
         }                                                                                                              \
@@ -157,15 +178,19 @@ void batch_float(long, long, const float *, const float *, const float *, const 
     }
 ON_CPU(double, 1e-3)
 ON_CPU(float, 1e-3)
+#endif
 
 int main(void) {
     irq_setmask(1u << IK_INTERRUPT);
     irq_setie(1);
     ik_ev_enable_write(1);
-    unsigned wrong = solve("polling: ", false);
-    wrong += solve("interrupt: ", true);
+    unsigned wrong = solve("double, polling: ", POLLING);
+    wrong += solve("double, interrupt: ", INTERRUPT);
+    wrong += solve("words, polling: ", IN_WORDS);
+#if !ARM
     wrong += on_cpu_float();
     wrong += on_cpu_double();
+#endif
     put(wrong ? "failed\n" : "passed\n");
     while (!uart_txempty_read()) {}
     sim_finish_finish_write(1);

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Simulate a LiteX SoC, a VexRiscv with ik_axi, that solves the paper's targets with examples/driver and compares them.
 
-    python -m examples.litex.run [--targets 1..100] [--width 16..32] [--bus wishbone|axi] [--out DIR]
+    python -m examples.litex.run [--targets 1..100] [--width 16..32] [--bus wishbone|axi] [--arm] [--out DIR]
 
 Builds the SoC with its headers, its simulator, and the program main.c for its CPU. Prints what the program writes to
 the UART.
@@ -18,31 +18,52 @@ import numpy as np
 
 from model.dataflow import fixed
 from model.io import trajectories
-from model.io.words import FIELDS, RECORDS, Targets, to_words
-from scripts.console import WORD_LENGTH, InputError, command, option
+from model.io.stimuli import hand_poses, random_reachable
+from model.io.words import ARM_RECORDS, FIELDS, RECORDS, Targets, to_words
+from scripts.console import WORD_LENGTH, InputError, command, option, switch
 from tb.sim.job import SimulationError
 
 
-def header(count: int, width: int) -> str:
-    """Return the text of targets.h: the first targets of the paper's scenario, and the result records of the model."""
+def wrists(count: int) -> tuple[np.ndarray, list]:
+    """Return the 32-bit words (N, 6) of the first targets of the paper's scenario, and their values by row."""
     whole_set = trajectories.make(trajectories.DEFAULT)
     targets = Targets(name="", **{name: getattr(whole_set, name)[:count] for name in FIELDS})
+    return to_words(targets, 32)[0], list(zip(*(getattr(targets, name) for name in FIELDS), strict=True))
+
+
+def hands(count: int) -> tuple[np.ndarray, list]:
+    """Return the 32-bit words (N, 11) of random hand poses in reach, and their values by row."""
+    wrist = random_reachable(4 * count, 32, 1)
+    words = hand_poses(wrist[wrist[:, 4:].min(axis=1) > 1 << 24][:count], 32, 1)
+    values = np.ldexp(words.astype(float), -30)
+    values[:, 3] *= np.pi / 2
+    return words, values.tolist()
+
+
+def header(count: int, width: int, arm: bool = False) -> str:
+    """Return the text of targets.h: targets in double and as records, and the result records of the model."""
+    words, values = (hands if arm else wrists)(count)
+    layout, branch = (ARM_RECORDS, np.arange(count) % 8) if arm else (RECORDS, np.zeros(count, int))
     tags = np.arange(count) + 0xA50000
-    kept, *_ = RECORDS.core_words(RECORDS.targets(to_words(targets, 32)[0], tags), width)
-    answer = fixed.run(kept, width, "lean")
-    records = np.frombuffer(RECORDS.written(answer.results, answer.flags, tags, width), "<u4").reshape(-1, 8)
-    rows = zip(*(getattr(targets, name) for name in FIELDS), tags, strict=True)
-    return "\n".join(
-        [
-            f"enum {{ TARGETS = {count} }};",
-            "static const ik_target targets[TARGETS] = {",
-            *(f"    {{{', '.join(float(value).hex() for value in row)}, {tag}}}," for *row, tag in rows),
-            "};",
-            "static const uint32_t expected[TARGETS][8] = {",
-            *(f"    {{{', '.join(f'0x{word:08x}' for word in record)}}}," for record in records),
-            "};\n",
-        ]
-    )
+    records = layout.targets(words, branch << 24 | tags)
+    answer = fixed.run(layout.core_words(records, width)[0], width, "arm" if arm else "lean", branch)
+    results = layout.written(answer.results[:, : len(layout.results)], answer.flags, tags, width)
+    rows = []
+    for row, bit, tag in zip(values, branch, tags, strict=True):
+        numbers = [float(value).hex() for value in row]
+        rows.append([*numbers[:7], f"{{{', '.join(numbers[7:])}}}", tag, bit] if arm else [*numbers, tag])
+
+    def array(head: str, rows) -> list[str]:
+        return [f"{head} = {{", *(f"    {{{', '.join(map(str, row))}}}," for row in rows), "};"]
+
+    def table(name: str, data: bytes) -> list[str]:
+        rows = [[f"0x{word:08x}" for word in row] for row in np.frombuffer(data, "<u4").reshape(count, -1)]
+        return array(f"static const uint32_t {name}[TARGETS][{layout.size // 4}]", rows)
+
+    kind = "ik_hand" if arm else "ik_target"
+    lines = [f"#define ARM {int(arm)}", f"enum {{ TARGETS = {count} }};"]
+    lines += array(f"static const {kind} targets[TARGETS]", rows)
+    return "\n".join([*lines, *table("records", records), *table("expected", results), ""])
 
 
 def run(out: Path) -> bool:
@@ -65,6 +86,7 @@ def run(out: Path) -> bool:
         option("--targets", "number of the paper's targets", click.IntRange(1, 100), default=100),
         option("--width", "word length W", WORD_LENGTH, default=32),
         option("--bus", "the SoC's bus, by adapters of LiteX", click.Choice(["wishbone", "axi"]), default="wishbone"),
+        switch("--arm", "a core for the whole arm, and random hand poses"),
         option("--out", "folder for what is built", Path, default="build/litex", metavar="DIR"),
     ],
     passes="all words equal the model's",
@@ -76,8 +98,8 @@ def main(options: SimpleNamespace) -> int:
         raise InputError(f"the package {error.name} is not installed: use make -C examples/litex") from None
     logging.basicConfig(level=logging.ERROR)  # without LiteX's log
     out = options.out.resolve()
-    soc.build(out, options.width, options.bus, optimize=options.targets > 10)
-    soc.load(out, header(options.targets, options.width))
+    soc.build(out, options.width, options.bus, options.arm, optimize=options.targets > 10)
+    soc.load(out, header(options.targets, options.width, options.arm))
     return 0 if run(out) else 1
 
 

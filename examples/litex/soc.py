@@ -21,7 +21,7 @@ from tb.sim.runner import COMPACT, MAKE_ARGS, runtime
 
 HERE = ROOT / "examples" / "litex"
 EQUATIONS = ROOT / "scripts" / "paper" / "table6" / "equations.c"
-ROM, SRAM, MAIN_RAM = 0x10000, 0x4000, 0x3000
+ROM, SRAM, MAIN_RAM = 0x10000, 0x4000, 0x4000
 """Bytes of the memories. The core reads one half of main RAM and writes the other. With few targets, the CPU's cache
 still holds results of the first job when the second job ends, so the program fails without `invalidate`."""
 LATEST = 20_000_000  # clocks after which the simulation gives up
@@ -44,9 +44,9 @@ PADS = [
 
 
 class Soc(SoCCore):
-    """SoC with a VexRiscv, ROM, RAM, a UART, a timer, and ik_axi at word length `width`."""
+    """SoC with a VexRiscv, ROM, RAM, a UART, a timer, and ik_axi at word length `width`, for the whole arm if `arm`."""
 
-    def __init__(self, width: int, bus: str) -> None:
+    def __init__(self, width: int, bus: str, arm: bool) -> None:
         platform = SimPlatform("sim", list(PADS))
         self.crg = CRG(platform.request("sys_clk"))
         SoCCore.__init__(
@@ -63,7 +63,7 @@ class Soc(SoCCore):
             integrated_main_ram_size=MAIN_RAM,
         )
         platform.add_debug(self)  # sim_finish
-        self.ik = IkAxi(platform, data_width=self.bus.data_width, W=width)
+        self.ik = IkAxi(platform, data_width=self.bus.data_width, W=width, ARM=int(arm))
         self.bus.add_slave("ik", self.ik.registers, SoCRegion(size=IkAxi.SIZE, cached=False))
         self.bus.add_master("ik", self.ik.memory)
         self.irq.add("ik")
@@ -76,9 +76,9 @@ def called(words: Sequence[str | Path], log: Path, cwd: Path | None = None) -> N
             raise SimulationError(f"{words[0]} failed: see {log}")
 
 
-def build(out: Path, width: int, bus: str, optimize: bool) -> None:
+def build(out: Path, width: int, bus: str, arm: bool, optimize: bool) -> None:
     """Write the SoC's headers and Verilog to `out`, and compile the simulator."""
-    soc = Soc(width, bus)
+    soc = Soc(width, bus, arm)
     Builder(soc, output_dir=str(out), compile_software=False).build(run=False)
     files = [source for source, *_ in soc.platform.sources if source.endswith(".v")]
     folders = [f"-I{folder}" for folder in soc.platform.verilog_include_paths]
@@ -105,7 +105,8 @@ def load(out: Path, text: str) -> None:
     flags = ["-misa-spec=2.2", "-march=rv32im", "-mabi=ilp32", "-O2", "-ffunction-sections", "-fno-math-errno"]
     flags += ["-D_IEEE_LIBM", *(f"-I{path}" for path in includes)]
     gcc, log, objects = "riscv64-unknown-elf-gcc", folder / "gcc.log", []
-    sources = [cpu / "crt0.S", HERE / "main.c", ROOT / "examples/driver/ik.c", *(picolibc / name for name in PICOLIBC)]
+    driver = [ROOT / "examples/driver" / name for name in ("ik.c", "ik_words.c")]
+    sources = [cpu / "crt0.S", HERE / "main.c", *driver, *(picolibc / name for name in PICOLIBC)]
     for source in sources:
         objects.append(folder / f"{source.stem}.o")
         called([gcc, *flags, "-ffreestanding", "-c", source, "-o", objects[-1]], log)

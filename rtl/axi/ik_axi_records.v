@@ -3,9 +3,9 @@
 //
 // Rounding as in ik_axi_target; results are exact.
 // Records, see ik_axi: of 32 bytes through ik_axis, of 64 through ik_arm. A record is taken whenever it is valid:
-// ik_axi_read requests it only if the core has a slot for its result.
+// ik_axi_read requests it only if a slot is free, of the core's FIFO or, for a folded core, of the one here.
 // Throughput: one record per clock in, one beat per clock out.
-// Latency: 1 clock from record_valid to the core, 1 clock from its result to the first beat.
+// Latency: 1 clock from record_valid to the core, 3 clocks to a folded one; 1 clock from its result to the first beat.
 `default_nettype none
 
 module ik_axi_records #(
@@ -14,6 +14,7 @@ module ik_axi_records #(
     parameter integer DIGIT       = 0,
     parameter integer TILE        = 18,
     parameter integer DATA_W      = 64,  // data bus width
+    parameter integer LOG2_PLACES = 4,   // log2 of the targets in front of a folded core
     parameter integer LOG2_RECORD = 5    // log2 of a record's bytes: 5 for ik_axis, 6 for ik_arm
 ) (
     input  wire                          clk,
@@ -66,7 +67,29 @@ module ik_axi_records #(
 
   // ---- core ----
 
-  // s_axis_tready is always high: a slot is reserved
+  // A pipeline's tready is always high, as a slot is reserved. Targets wait for a folded core, which takes one per lap.
+  wire core_valid, core_ready;
+  wire [INPUTS*W-1:0] core_target;
+  wire [USER_W-1:0] core_tag;
+  generate
+    if (DATAPATH == 2) begin : g_wait
+      ik_fifo #(
+          .W   (USER_W + INPUTS * W),
+          .LOG2(LOG2_PLACES)
+      ) u_targets (
+          .clk    (clk),
+          .rst    (rst || clear),
+          .wr_en  (target_valid),
+          .wr_data({tag, target}),
+          .m_valid(core_valid),
+          .m_ready(core_ready),
+          .m_data ({core_tag, core_target})
+      );
+    end else begin : g_direct
+      assign {core_valid, core_tag, core_target} = {target_valid, tag, target};
+    end
+  endgenerate
+
   generate
     if (ARM == 1) begin : g_arm
       wire [17*W-1:0] words;  // th1 .. th7, qs_w, qs_i, qs_j, qs_k, qe_w, qe_i, qw_w, qw_i, qw_j, qw_k
@@ -88,10 +111,10 @@ module ik_axi_records #(
           .clk          (clk),
           .rst          (rst || clear),
           .limits       (pairs),
-          .s_axis_tdata (target),
-          .s_axis_tuser (tag),
-          .s_axis_tvalid(target_valid),
-          .s_axis_tready(),
+          .s_axis_tdata (core_target),
+          .s_axis_tuser (core_tag),
+          .s_axis_tvalid(core_valid),
+          .s_axis_tready(core_ready),
           .m_axis_tdata (words),
           .m_axis_tuser ({over, flags_tag}),
           .m_axis_tvalid(result_valid),
@@ -109,10 +132,10 @@ module ik_axi_records #(
       ) u_axis (
           .clk          (clk),
           .rst          (rst || clear),
-          .s_axis_tdata (target),
-          .s_axis_tuser (tag),
-          .s_axis_tvalid(target_valid),
-          .s_axis_tready(),
+          .s_axis_tdata (core_target),
+          .s_axis_tuser (core_tag),
+          .s_axis_tvalid(core_valid),
+          .s_axis_tready(core_ready),
           .m_axis_tdata (result),
           .m_axis_tuser (flags_tag),
           .m_axis_tvalid(result_valid),

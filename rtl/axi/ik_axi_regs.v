@@ -167,7 +167,7 @@ module ik_axi_regs #(
       s_axi_rresp <= OKAY;
       case (raddr)
         A_ID: s_axi_rdata <= ID;
-        A_CONFIG: s_axi_rdata <= {5'd0, ARM == 1, DIGIT != 0, DATAPATH != 0, ADDR_W[7:0], DATA_W[7:0], W[7:0]};
+        A_CONFIG: s_axi_rdata <= {4'd0, DATAPATH == 2, ARM == 1, DIGIT != 0, DATAPATH != 0, ADDR_W[7:0], DATA_W[7:0], W[7:0]};
         A_PIPELINE: s_axi_rdata <= {PLACES[15:0], LATENCY[15:0]};
         A_CONTROL: s_axi_rdata <= 32'd0;
         A_STATUS: s_axi_rdata <= {20'd0, code, 5'd0, error, done, busy};

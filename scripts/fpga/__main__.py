@@ -14,9 +14,11 @@ import datetime
 import json
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from types import SimpleNamespace
 
 import click
+from jinja2.environment import TemplateModule
 
 from model.dataflow.datapaths import MODELS
 from model.dataflow.fixed import latency
@@ -24,12 +26,16 @@ from model.io.scoring import model_errors
 from model.io.stimuli import hand_poses, region
 from scripts import parallel
 from scripts.console import WORD_LENGTH, InputError, command, option, progress, switch
-from scripts.fpga import designs, page
-from scripts.fpga.designs import Design
+from scripts.fpga import designs, netlist
+from scripts.fpga.designs import CHIPS, FAMILIES, Design, clock, find, measured, run_of
 from scripts.fpga.runs import TOOLS, Run, commands, done, version
 from scripts.generate.pages import TARGETS
-from scripts.generate.render import commit
+from scripts.generate.render import TEMPLATES, commit
+from scripts.paper import tables
 from scripts.soak import hand_errors
+
+BROKEN_DOWN = {"lean": (32, 18), "paper": (32,)}
+"""Datapath -> word lengths at which logic is counted by section."""
 
 
 def describe(design: Design) -> dict:
@@ -67,13 +73,51 @@ def measure(data: dict, chosen: Sequence[Design], ordered_map: Callable = map) -
     for design in chosen:
         data["designs"].setdefault(design.name, {}).update(describe(design))
     runs = [design.run(family) for design in chosen for family in design.families]
-    runs += [one.run("xc2vp", "tree") for one in chosen if one.width in page.BROKEN_DOWN.get(one.datapath, ())]
+    runs += [one.run("xc2vp", "tree") for one in chosen if one.width in BROKEN_DOWN.get(one.datapath, ())]
     figures = execute(data, runs, ordered_map)
     aims = [(design, family) for design in chosen for family in design.aims]
     placements = [design.run(family, "place") for design, family in aims if design.run(family).title in figures]
     figures |= execute(data, placements, ordered_map)
     write(data)
     return [run.title for run in [*runs, *placements] if run.title not in figures]
+
+
+def form(value: object, form: str = "{}") -> str:
+    """Format a value; a dash for a missing one."""
+    return "-" if value in (None, "") else form.format(value)
+
+
+TEMPLATES.filters["form"] = form
+
+
+def page(data: dict) -> TemplateModule:
+    """Return the page; its macros `comparison` and `folded` render single tables."""
+    dates = sorted(run["date"] for run in data["runs"].values())
+
+    def run(design: Design, family: str, kind: str = "synth") -> dict:
+        return run_of(data, design.run(family, kind))
+
+    def sources(*datapaths: str) -> str:
+        """Return a text with the commit and digest of each datapath's measured code."""
+        latest = {d.datapath: data["designs"][d.name] for d in measured(data, *datapaths)}
+        return "; ".join(f"{name} as of commit `{of['commit']}`, sources `{of['rtl']}`" for name, of in latest.items())
+
+    def column(design: Design) -> dict:
+        """Return the figures of a design's column in table 5."""
+        figures = {"head": f"{design.datapath}, W = {design.width}", **data["designs"][design.name]}
+        figures |= {family: run(design, family).get("cells", {}) for family in FAMILIES}
+        if figures["xc2vp"]:
+            figures["share"] = f"{figures['xc2vp']['LUT']} ({tables.of_chip(figures['xc2vp']['LUT'])})"
+        if mhz := clock(data, design.datapath, design.width):
+            figures |= {"mhz": mhz, "ns": 1000 * figures["latency"] / mhz, "us": (figures["latency"] + 100) / mhz}
+        return figures
+
+    columns = [column(design) for of in ("paper", "lean", "lean25") for design in reversed(measured(data, of))]
+    broken = [find(name, width) for name, widths in BROKEN_DOWN.items() for width in widths]
+    values = {"data": data, "run": run, "measured": partial(measured, data), "sources": sources, "columns": columns}
+    values |= {"broken": broken, "find": find, "dates": " to ".join(sorted({dates[0], dates[-1]}))}
+    values |= {"chip": tables, "chips": CHIPS, "models": MODELS, "netlist": netlist}
+    return TEMPLATES.get_template("fpga.md.j2").make_module(values)
 
 
 def write(data: dict) -> None:
@@ -90,7 +134,7 @@ def write(data: dict) -> None:
         rows = (f'  "{key}": {json.dumps(value)}' for key, value in data[part].items())
         lines.append(f' "{part}": {{\n' + ",\n".join(rows) + "\n }")
     designs.FIGURES.write_text("{\n" + ",\n".join(lines) + "\n}\n")
-    designs.PAGE.write_text(str(page.page(data)))
+    designs.PAGE.write_text(str(page(data)))
 
 
 @command(
@@ -108,14 +152,14 @@ def main(options: SimpleNamespace) -> int:
     if options.farm and options.page:
         raise InputError("argument --farm: does not go with --page")
     if options.page:
-        designs.PAGE.write_text(str(page.page(designs.load())))
+        designs.PAGE.write_text(str(page(designs.load())))
         return 0
     for tool in TOOLS:
         version(tool)
     data = designs.load()
     with parallel.shared(1, options.farm) as ordered_map:
         left_out = measure(data, designs.select(options.datapath, options.width), ordered_map)
-    made = page.page(data)
+    made = page(data)
     print("\n".join([made.comparison(), made.folded(), *(f"{title}: no figures" for title in left_out)]))
     return 1 if left_out else 0
 

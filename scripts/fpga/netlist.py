@@ -1,13 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Analysis of Yosys netlists and nextpnr reports: cells by kind, packing of registers, clock and critical path."""
+"""YoWASP's Yosys and nextpnr: versions and runs of the tools; in netlists and reports cells by kind, packing of
+registers, clock and critical path."""
 
 from __future__ import annotations
 
 import re
+import subprocess
+import time
 from collections import Counter, defaultdict
+from importlib import metadata
 from itertools import groupby
+from pathlib import Path
 
 from scripts.console import InputError
+from tb.sim.subprocesses import compiled
 
 MULTIPLIERS = 156  # in an ECP5-85k
 
@@ -37,9 +43,37 @@ LUT4_MEMORIES = [("RAM16X1S", 1), ("RAM16X1D|RAM32X1S", 2), ("RAM32X1D|RAM64X1S"
 LUT6_MEMORIES = [("RAM(32|64)X1S", 1), ("RAM(32|64)X1D", 2), ("RAM(32|64)M|RAM128X1D", 4), ("RAM32M16|RAM64M8", 8)]
 """(pattern of Xilinx' memories made of LUTs, number of LUTs): LUT4 on xc2vp, LUT6 on the other families."""
 
+LIMIT = 40 * 60.0
+"""Time limit of one tool run in seconds."""
+
 
 class ToolError(InputError):
     """A tool is missing or has failed."""
+
+
+class LeftOutError(ToolError):
+    """A run has no figures, because a tool exceeded its time limit or the netlist differs from the RTL."""
+
+
+def version(tool: str) -> str:
+    """Return the version of a tool, without its build number. Raises ToolError if it is not installed."""
+    try:
+        return re.match(r"\d+\.\d+(\.[1-9]\d*)?", metadata.version(f"yowasp-{tool}"))[0]
+    except metadata.PackageNotFoundError:
+        raise ToolError(f"yowasp-{tool} is not installed: run `make fpga`") from None
+
+
+def call(command: list[str], folder: Path, label: str) -> int:
+    """Run a tool with low priority in a folder; return the seconds it took. Raises LeftOutError after LIMIT seconds
+    and ToolError if the tool fails, with ``label`` first in the message."""
+    start = time.monotonic()
+    try:
+        done = compiled(["env", "-C", folder, "nice", *command], LIMIT)
+    except subprocess.TimeoutExpired:
+        raise LeftOutError(f"{label}: stopped after {LIMIT / 60:.0f} min, left out") from None
+    if done.returncode:
+        raise ToolError(f"{label}: failed: {(done.stderr or done.stdout)[-4000:].strip()}")
+    return round(time.monotonic() - start)
 
 
 def counted(stat: dict, family: str) -> dict[str, int]:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from scripts.fpga import netlist
+from scripts.fpga.netlist import LeftOutError, call, version
 from scripts.fpga.simulation import Ports, simulated
-from scripts.fpga.tools import LeftOutError, call, version
 from tb.sim.env import ROOT
 from tb.sim.sources import closure, digest
 

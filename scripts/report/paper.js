@@ -9,24 +9,19 @@ const onto = (v, axis) => scaled(unit(axis), dot(v, unit(axis)));
 
 // Returns the entities of model.reference.geometry for a target by name, relative to the shoulder: points and lengths
 // in the targets' unit, directions scaled to the reach, angles in rad. Entities that do not exist are undefined.
-const unpacked = new WeakMap();
 function entities(t, n) {
-  const { vectors, angles, lengths, steps, nothing, rows } = t.paper;
-  if (!unpacked.has(t.paper)) {
-    unpacked.set(t.paper, new Int16Array(Uint8Array.from(atob(rows), (c) => c.charCodeAt(0)).buffer));
-  }
+  const [vectors, angles, lengths] = t.paper;
   const [d1, d2] = t.lengths[n];
+  const reach = d1 + d2;
   const turned = (p) => (t.clip ? t.clip.place.map((axis) => dot(axis, p)) : p);
-  const found = { reach: d1 + d2, d1, d2, phi: t.phi[n], wrist: turned(t.target[n]) };
-  const count = 3 * vectors.length + angles.length + lengths.length;
-  let row = unpacked.get(t.paper).subarray(n * count);
-  const take = (names, size, read) => names.forEach((name) => {
-    found[name] = row[0] === nothing ? undefined : read(row);
-    row = row.subarray(size);
+  const found = { reach, d1, d2, phi: t.phi[n], wrist: turned(t.target[n]) };
+  const take = (named, read) => Object.entries(named).forEach(([name, values]) => {
+    const value = values[n];
+    found[name] = value === null || value[0] === null ? undefined : read(value);
   });
-  take(vectors, 3, () => turned(triple(row, 0, found.reach / steps)));
-  take(angles, 1, () => (row[0] * Math.PI) / steps);
-  take(lengths, 1, () => (row[0] * found.reach) / steps);
+  take(vectors, (p) => turned(scaled(p, reach)));
+  take(angles, (angle) => angle);
+  take(lengths, (length) => length * reach);
   return found;
 }
 

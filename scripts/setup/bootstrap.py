@@ -64,13 +64,13 @@ def die(text):
     sys.exit(2)
 
 
-def run_logged(command, env=None):
+def run_logged(command):
     """Run a command and append its output to build/setup.log. Return "", or the last line of output if it fails."""
     os.makedirs("build", exist_ok=True)
     with open("build/setup.log", "a+b") as log:
         log.write(("$ " + " ".join(command) + "\n").encode())
         log.flush()
-        if subprocess.call(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=env) == 0:
+        if subprocess.call(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log) == 0:
             return ""
         log.seek(0)
         return log.read().decode("utf-8", "replace").splitlines()[-1] + " (more in build/setup.log)"
@@ -142,10 +142,9 @@ def pip_install(name):
     pip = [PYTHON, "-I", "-m", "pip", "install", "--disable-pip-version-check", "--no-input"]
     pip += ["--progress-bar", "off", "--no-warn-script-location", "--no-user"]  # despite PIP_USER or a pip.conf
     error = run_logged(pip + ["--no-compile", "--no-deps", "--require-hashes", "-r", LOCK.format(name)])
-    env = dict(os.environ)
-    env.setdefault("YOWASP_CACHE_DIR", os.path.abspath(".venv/cache/yowasp"))  # as in the Makefile
+    os.environ.setdefault("YOWASP_CACHE_DIR", os.path.abspath(".venv/cache/yowasp"))  # as in the Makefile
     for program in TO_COMPILE.get(name, []):
-        error = error or run_logged([os.path.join(".venv/bin", program), "--version"], env)
+        error = error or run_logged([os.path.join(".venv/bin", program), "--version"])
     return error
 
 

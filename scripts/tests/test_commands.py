@@ -28,6 +28,8 @@ def main_of(name):
 
 VCD = "$scope module {} $end\n$var wire 1 ! clk $end\n$upscope $end\n$enddefinitions $end\n"
 
+POSES = "x,y,z,qw,qx,qy,qz,t\n.1,0,.3,1,0,0,0,2\n.1,0,.3,1,0,0,0,{}\n"
+
 BAD_INPUT = [
     ("run --datapath lean,lean", "--datapath 'lean,lean'"),
     ("run --datapath lean,fold --width 23", "--width fold 20, 22,"),
@@ -41,10 +43,14 @@ BAD_INPUT = [
     ("run --trajectory t.csv --pole Hips", "--pole 'Hips' BVH (t.csv)"),
     ("run --axis up", "--axis 'up' z, -z, x"),
     ("run --trajectory pick_and_place --robot kuka", "--robot 'kuka' iiwa14, human, URDF"),
+    ("run --trajectory pick_and_place --robot in.urdf", "--robot in.urdf: not a URDF", "<robot>"),
     ("run --trajectory pick_and_place --robot iiwa14 --base l1", "--base --tip URDF"),
     ("run --trajectory t.csv --robot iiwa14 --d1 2", "--robot and --d1"),
     ("run --trajectory circle --robot iiwa14", "--robot circle qw,qx,qy,qz"),
-    ("run --trajectory in.csv --soft 0.1", "--soft wrist targets", "x,y,z,qw,qx,qy,qz\n.1,0,.3,1,0,0,0\n"),
+    ("run --trajectory in.csv --soft 0.1", "--soft wrist targets", POSES.format(3)),
+    ("run --trajectory in.csv --robot iiwa14", "row 3, column t: '2' is not after '2' of row", POSES.format(2)),
+    ("run --trajectory in.csv --robot iiwa14", "row 3, column t: 'noon' is not a time in", POSES.format("noon")),
+    ("run --trajectory writing --rate 5", "--rate: applies to the joints of --robot"),
     ("run --trajectory pick_and_place --datapath paper", "--datapath paper whole arm"),
     ("follow --target 100", "--target reach 0 99, 100"),
     ("follow --target 0 --trajectory all", "--trajectory --target"),

@@ -131,6 +131,7 @@ class Monitor:
         self.kind = ((BYTES // record_beats).bit_length() - 1, 1, 0b0011, 0, 0)  # size, burst, cache, prot, id
         core = dut.u_records.g_arm.u_arm if ARM else dut.u_records.g_axis.u_axis
         self.axis_valid, self.axis_ready = core.s_axis_tvalid, core.s_axis_tready
+        self.targets = dut.u_records.g_wait.u_targets if int(dut.DATAPATH.value) == 2 else None  # of a folded core
         self._clear()
 
     def _clear(self) -> None:
@@ -176,8 +177,13 @@ class Monitor:
         for name in ("r", "b"):
             if self.ready[name].value != 1:
                 self.error(f"m_axi_{name}ready is low")
-        if self.axis_valid.value == 1 and self.axis_ready.value != 1:
-            self.error("the core is not ready for a target")
+        if self.targets is None:
+            if self.axis_valid.value == 1 and self.axis_ready.value != 1:
+                self.error("the core is not ready for a target")
+        elif self.targets.wr_en.value == 1:
+            slots = 1 << int(self.targets.LOG2.value)
+            if (int(self.targets.wr_ptr.value) - int(self.targets.rd_ptr.value)) % (2 * slots) == slots:
+                self.error("the FIFO of targets is full")
         if moved or self.offered:
             counts = (*self.open.values(), -(-(self.requested - self.sent) // self.record_beats))
             self.most = {name: max(most, n) for (name, most), n in zip(self.most.items(), counts, strict=True)}
@@ -219,13 +225,17 @@ class Bench:
         dut.rst.value = 1
         self.width, self.data_width = int(dut.W.value), int(dut.DATA_W.value)
         self.addr_width = int(dut.ADDR_W.value)
-        self.datapath = "arm" if ARM else "lean" if int(dut.DATAPATH.value) else "paper"
+        folded = int(dut.DATAPATH.value) == 2
+        wrists = ("paper", "lean", "fold")[int(dut.DATAPATH.value)]
+        self.datapath = ("fold_arm" if folded else "arm") if ARM else wrists
         self.limits: list[tuple[int, int]] | None = None  # (low, high) of each joint, in words of the core
         self.registers = [name for name in OFFSETS if ARM or not name.startswith("LIMIT_")]
         self.beats = 8 * BYTES // self.data_width  # beats of a record
         self.per_burst = 1 << int(dut.LOG2_BURST.value)  # records of a whole burst
         self.latency = fixed.latency(self.datapath, self.width)
-        self.places = 1 << self.latency.bit_length()  # FIFO slots of the core
+        self.lap = MODELS[self.datapath].lap(self.width)  # clocks from one target to the next
+        # FIFO slots of the core, or of targets in front of a folded one
+        self.places = 2 * self.per_burst if folded else 1 << self.latency.bit_length()
         self.memory = Memory()
         self.monitor = Monitor(dut, self.beats)
         cocotb.start_soon(self.monitor.run())

@@ -33,12 +33,12 @@ REALS = {"double": np.float64, "float": np.float32}
 
 
 def compiled(folder: Path, *options: str, text: str = "") -> Path:
-    """Compile ik.c, or the C source ``text`` instead, to a shared library and return its path."""
-    library, source = folder / "ik.so", SOURCE / "ik.c"
+    """Compile the driver, and the C source ``text`` with it, to a shared library and return its path."""
+    library, sources = folder / "ik.so", [SOURCE / "ik.c", SOURCE / "ik_words.c"]
     if text:
-        source = folder / "ik.c"
-        source.write_text(text)
-    command = ["cc", *FLAGS, f"-I{SOURCE}", *options, "-shared", "-fPIC", "-o", library, source]
+        sources.append(folder / "text.c")
+        sources[-1].write_text(text)
+    command = ["cc", *FLAGS, f"-I{SOURCE}", *options, "-shared", "-fPIC", "-o", library, *sources]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0 and not done.stderr, done.stderr
     return library
@@ -62,7 +62,7 @@ class Bus(ctypes.Structure):
 
 class Core(ctypes.Structure):
     _fields_ = [("bus", Bus), *((name, WORD) for name in ("width", "data_width", "addr_width", "latency"))]
-    _fields_ += [("lean", BOOL), ("arm", BOOL), ("written", SIZE), ("bad", SIZE)]
+    _fields_ += [*((name, BOOL) for name in ("lean", "arm", "fold")), ("written", SIZE), ("bad", SIZE)]
     _fields_ += [("error_address", LONG), ("events", WORD), ("aborted", BOOL)]
 
 
@@ -142,6 +142,10 @@ class Driver:
         for name, values in {**columns, "tag": tags}.items():
             targets[name] = values
         return targets
+
+    def solve_words(self, count: int) -> str:
+        """Call ik_solve_words or ik_solve_arm_words for the records in the buffer. Return the code's name."""
+        return NAMES[self.call("ik_solve_arm_words" if self.arm else "ik_solve_words", ctypes.c_size_t(count))]
 
     def solve(self, targets: np.ndarray) -> tuple[str, np.ndarray]:
         """Call ik_solve or ik_solve_arm. Return the code's name and the results that the driver reports as written.

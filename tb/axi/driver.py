@@ -201,7 +201,7 @@ async def ik_init(bench):
     core = platform.driver.core
     assert (core.width, core.data_width, core.addr_width) == (bench.width, bench.data_width, bench.addr_width)
     assert (core.latency, core.lean) == (int(bench.dut.LATENCY.value), bench.datapath != "paper")
-    assert core.arm == ARM
+    assert (core.arm, core.fold) == (ARM, bench.datapath.startswith("fold"))
     assert await bench.read("IRQ_ENABLE") == 0 and await bench.read("STATUS") == 0
     await platform.good_call()
     assert bench.dut.irq.value == 0

@@ -140,7 +140,8 @@ async def blocked_channel(bench, blocked):
         bench.channel(name).queue_occupancy_limit = 64  # accept every request
     bench.channel(blocked).pause = True
     await bench.start(source, destination, count)
-    await ClockCycles(bench.dut.clk, 30 * bench.places + 4 * count * bench.beats // bench.per_burst)
+    clocks = 30 * bench.places + 4 * count * bench.beats // bench.per_burst + (bench.lap - 1) * count
+    await ClockCycles(bench.dut.clk, clocks)
     assert bench.dut.u_job.busy.value == 1
     most = dict(bench.monitor.most)
     assert most["reads"] <= BURSTS and most["writes"] <= BURSTS, f"{most}"
@@ -181,7 +182,8 @@ async def counters(bench):
 @cocotb.parametrize(latency=LATENCIES)
 @timed_test()
 async def rates(dut, latency):
-    """Require 95 % use of the read bus without added latency. Append a row to the file named by IK_AXI_RATES."""
+    """Without added latency, require 95 % use of the read bus or of a folded core. Append a row to the file named by
+    IK_AXI_RATES."""
     words = None if ARM else to_words(make("reach"), 32)[0]
     bench = await started(dut, latency=latency - QUICKEST, words=words)
     assert ARM or bench.pool == BATCH
@@ -196,10 +198,10 @@ async def rates(dut, latency):
     requested, beats = bench.monitor.beats.values()
     assert beats[0] - requested[0] == latency, f"{beats[0] - requested[0]} clocks to the first beat, expected {latency}"
     span = beats[-1] - beats[0] + 1
-    share = len(beats) / span
+    share = max(len(beats), (bench.lap > 1) * bench.lap * LONG) / span
     if path := os.environ.get("IK_AXI_RATES"):
         row = {"whole": bench.per_burst, "latency": latency, "share": share, "each": span / LONG}
         row |= {"first": clocks[1], "last": clocks[BATCH], "results": results.tolist()}
         with Path(path).open("a") as file:
             file.write(json.dumps(row) + "\n")
-    assert latency > QUICKEST or share >= 0.95, f"{share:.3f} of the bus for {LONG * BYTES} bytes"
+    assert latency > QUICKEST or share >= 0.95, f"{share:.3f} of bus or core for {LONG * BYTES} bytes"

@@ -17,6 +17,7 @@ from tb.sim.subprocesses import started
 
 ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # Verilator needs minutes to compile DIGIT = 1
 CORE = ({}, {"W": 18, "DATA_W": 128}, {"W": 18, "DATAPATH": 0, **ROWS}, {"W": 18, "DATA_W": 128, "ARM": 1}, {"ARM": 1})
+FOLDED = ({"W": 20, "DATAPATH": 2}, {"W": 24, "DATA_W": 32, "LOG2_BURST": 1, "DATAPATH": 2, "ARM": 1})
 """Parameter sets for the real datapaths."""
 
 ECHO = (

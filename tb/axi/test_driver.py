@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model.io.words import FIELDS, RECORDS, TargetError, Targets, result_values, to_words
+from model.io.words import ARM_RECORDS, FIELDS, RECORDS, TargetError, Targets, result_values, to_words
 from model.motion.hands import limit_words
 from tb.axi.binding import CODES, FLAGS, REGISTER, SOURCE, Driver, Uio, compiled, uio_device
 from tb.axi.ik_regs import OFFSETS
@@ -34,12 +34,13 @@ class RegisterModel:
     """Model of a core's registers. Each job ends at once, with random result words."""
 
     def __init__(self, width: int = 32, identity: int = 0x494B0100, arm: int = 0) -> None:
-        config = 0x01204000 | width | arm << 26
+        config, self.arm = 0x01204000 | width | arm << 26, arm
         self.registers = dict.fromkeys(OFFSETS, 0) | {"ID": identity, "CONFIG": config}
         self.memory = ctypes.create_string_buffer(2 * COUNT * BYTES)
         self.random = np.random.default_rng(1)
         self.jobs: list[bytes] = []  # target records of each job
         self.words: list[np.ndarray] = []
+        self.results: list[bytes] = []  # result records of each job
         at = ctypes.addressof(self.memory)
         self.areas = (at, 0x1000), (at + COUNT * BYTES, 0x8000)
 
@@ -57,12 +58,13 @@ class RegisterModel:
 
     def run(self, count: int) -> None:
         assert self.registers["SOURCE_LO"] == 0x1000 and self.registers["DESTINATION_LO"] == 0x8000
-        self.jobs.append(self.memory.raw[: count * BYTES])
-        words = self.random.integers(-(2**31), 2**31, (count, 6))
-        words[:2] = (-(2**31), 2**31 - 1, 2**30, -(2**30), 0, -1)
-        tags = np.frombuffer(self.jobs[-1], "<u4").reshape(-1, 8)[:, 6] & 0xFFFFFF
-        data = RECORDS.written(words, words[:, 0] & 0xFF, tags, 32)
-        ctypes.memmove(self.areas[1][0], data, len(data))
+        layout = ARM_RECORDS if self.arm else RECORDS
+        self.jobs.append(self.memory.raw[: count * layout.size])
+        words = self.random.integers(-(2**31), 2**31, (count, len(layout.results)))
+        words[:2, :6] = (-(2**31), 2**31 - 1, 2**30, -(2**30), 0, -1)
+        tags = np.frombuffer(self.jobs[-1], "<u4").reshape(-1, layout.size // 4)[:, layout.tag] & 0xFFFFFF
+        self.results.append(layout.written(words, words[:, 0] & 0xFF, tags, 32))
+        ctypes.memmove(self.areas[1][0], self.results[-1], len(self.results[-1]))
         self.words.append(words)
         self.registers["IRQ_STATUS"] = 1
 
@@ -135,14 +137,22 @@ def library(tmp_path_factory):
 )
 @pytest.mark.parametrize("real", ["double", "float"])
 def test_compiles_freestanding_without_warnings(compiler, real, tmp_path):
-    """The driver compiles freestanding and references no external function except memcpy and memset."""
-    object_file = tmp_path / "ik.o"
-    command = [compiler, *FLAGS, "-ffreestanding", "-c", f"-DIK_REAL={real}", "-o", object_file, SOURCE / "ik.c"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0 and not done.stderr, done.stderr
+    """The driver compiles freestanding and references no other function except memcpy and memset. ik_words.c compiles
+    without floating-point registers, and does not call the compiler's functions for floating point either."""
+    parts = {"ik.c": [f"-DIK_REAL={real}"], "ik_words.c": ["-mgeneral-regs-only"]}
+    for name, options in parts.items():
+        command = [compiler, *FLAGS, "-ffreestanding", "-c", *options, "-o", tmp_path / f"{name}.o", SOURCE / name]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 0 and not done.stderr, done.stderr
     subprocess.run([compiler, *FLAGS, f"-DIK_REAL={real}", "-fsyntax-only", SOURCE / "ik_uio.c"], check=True)
-    listed = subprocess.run(["nm", "-u", object_file], capture_output=True, text=True, check=True).stdout.split()
-    assert set(listed) <= {"U", "memcpy", "memset"}, listed  # a compiler may emit calls to these
+
+    def symbols(name: str, *options: str) -> set[str]:
+        words = ["nm", "-j", *options, tmp_path / f"{name}.o"]
+        return set(subprocess.run(words, capture_output=True, text=True, check=True).stdout.split())
+
+    memory = {"memcpy", "memset"}  # a compiler may emit calls to these
+    assert symbols("ik_words.c", "-u") <= memory
+    assert symbols("ik.c", "-u") <= memory | symbols("ik_words.c", "--defined-only")
 
 
 @pytest.mark.parametrize("real", ["double", "float"])
@@ -185,9 +195,8 @@ def test_bad_targets_are_refused(library, arm):
     assert driver.solve(good[:0])[0] == "no_targets"
     check_null_pointers(driver, "ik_solve_arm" if arm else "ik_solve")
     assert not core.jobs
-    if not arm:
-        good["d1"] = 2.0**-19  # half an ulp at W = 18; the core rounds it up
-        assert driver.solve(good)[0] == "none" and len(core.jobs) == 1
+    good["d1"] = 2.0**-19  # half an ulp at W = 18; the core rounds it up
+    assert driver.solve(good)[0] == "none" and len(core.jobs) == 1
 
 
 def check_null_pointers(driver: Driver, name: str) -> None:
@@ -248,6 +257,38 @@ def test_start_up(library):
         assert driver.start_up() == "null", name
     assert driver.call("ik_init", None) == CODES["null"]
     assert driver.linked.ik_init(None, ctypes.byref(driver.bus)) == CODES["null"]
+
+
+@pytest.mark.parametrize("arm", [False, True])
+def test_words_in_place(library, arm):
+    """A call in words leaves the records as they are, starts one job, and refuses what the buffers do not hold, a busy
+    core, the other kind of core and a core without ik_init."""
+    core, other = RegisterModel(arm=arm), RegisterModel(arm=not arm)
+    driver, wrong = (Driver(library, one, COUNT >> arm, arm=arm) for one in (core, other))
+    assert driver.solve_words(1) == "no_core" and driver.start_up() == wrong.start_up() == "none"
+    records = np.random.default_rng(5).bytes(COUNT * BYTES)
+    ctypes.memmove(core.areas[0][0], records, len(records))
+    assert driver.solve_words(COUNT >> arm) == "none" and driver.core.written == COUNT >> arm
+    assert core.jobs == [records]
+    results = ctypes.string_at(core.areas[1][0], COUNT * BYTES)
+    assert results == core.results[0] and driver.solve_words(3) == "none"
+    assert [driver.solve_words(count) for count in (0, (COUNT >> arm) + 1)] == ["no_targets", "too_many"]
+    core.registers["STATUS"], before = 1, core.memory.raw
+    assert driver.solve_words(1) == "busy" and driver.linked.ik_busy(ctypes.byref(driver.core))
+    assert core.memory.raw == before
+    assert wrong.solve_words(1) == "other_core" and len(core.jobs) == 2 and not other.jobs
+    for name in ("ik_solve_words", "ik_solve_arm_words"):
+        assert getattr(driver.linked, name)(None, ctypes.c_size_t(1)) == CODES["null"]
+
+
+def test_limits_in_words(library):
+    core, words = RegisterModel(arm=1), np.arange(14, dtype="<u4") * 0x11111111
+    driver = Driver(library, core, COUNT, arm=True)
+    pointers = words[:7].ctypes, words[7:].ctypes
+    assert driver.call("ik_limits_words", *pointers) == CODES["no_core"] and driver.start_up() == "none"
+    assert driver.call("ik_limits_words", None, pointers[1]) == CODES["null"]
+    assert driver.call("ik_limits_words", *pointers) == 0
+    assert [core.registers[f"LIMIT_{end}{k}"] for end in ("LOW", "HIGH") for k in range(1, 8)] == words.tolist()
 
 
 def test_missing_result(library):

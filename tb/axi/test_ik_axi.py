@@ -3,7 +3,7 @@
 
 import pytest
 
-from tb.axi.instances import CORE, ECHO, echoing, named
+from tb.axi.instances import CORE, ECHO, FOLDED, echoing, named
 from tb.sim.env import simulator
 from tb.sim.shared import passes
 
@@ -51,3 +51,13 @@ def test_with_the_core(parameters):
     """Run a few tests with the real datapaths. Icarus runs fewer: it would take minutes for ARM = 1 at W = 32."""
     few = "one_record|limits" if parameters == CORE[-1] else FEW
     run("tb.axi.ik_axi", parameters, 20, few if ICARUS else f"{FEW}|latency=2$")
+
+
+@pytest.mark.sim
+@pytest.mark.slow
+@pytest.mark.cost(30)
+@pytest.mark.parametrize("parameters", FOLDED, ids=named)
+def test_with_a_folded_core(parameters):
+    """Run also resets and errors on the real folded datapaths, in front of which targets wait."""
+    tests = f"{FEW}|blocked_channel|latency=2$|soft_reset/|reset_during|bus_errors|after_a_reset"
+    run(MODULES, parameters, 8, FEW if ICARUS else tests)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bench of ``ik_axis`` and ``ik_arm``: clock, reset, driver, monitor, and a scoreboard for all nodes.
 
-``ik_axis_bytes`` uses the same bench, without comparing nodes. Tests build on :class:`Pipeline`; test_plain.py shows a
-bench without it. All sampling is done at the falling edge of the clock, when inputs and registers have settled in both
-simulators.
+``ik_axis_bytes`` and ``ik_arm_bytes`` use the same bench, without comparing nodes. Tests build on :class:`Pipeline`;
+test_plain.py shows a bench without it. All sampling is done at the falling edge of the clock, when inputs and registers
+have settled in both simulators.
 """
 
 import itertools
@@ -234,7 +234,7 @@ class Pipeline:
     def __init__(self, dut, nodes: bool = True, limits: Limits | None = None) -> None:
         self.dut = dut
         self.width, self.tag_width = int(dut.W.value), int(dut.TAG_W.value)
-        self.slot = -(-self.width // 8) * 8 if dut._name == "ik_axis_bytes" else self.width  # bits of a word in tdata
+        self.slot = -(-self.width // 8) * 8 if dut._name.endswith("_bytes") else self.width  # bits of a word in tdata
         self.datapath = configuration(dut)
         self.path = path = MODELS[self.datapath]
         self.period = path.lap(self.width)

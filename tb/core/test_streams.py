@@ -25,8 +25,8 @@ SETS = {
     "fold_arm16-18": ("fold_arm16", 18, 3),
 }
 SETS |= {"lean-18": ("lean", 18, 3)} if simulator() == "icarus" else {"lean-32": ("lean", 32, 8)}
-BYTES = {"bytes-18": ("lean", 18, 3)}
-"""Set of ``ik_axis_bytes``."""
+BYTES = {"bytes-18": ("lean", 18, 3), "arm_bytes-18": ("arm", 18, 3)}
+"""Sets of ``ik_axis_bytes`` and ``ik_arm_bytes``."""
 GENERATORS = [value for value in vars(stream_tests).values() if isinstance(value, regression.TestGenerator)]
 TESTS = [test.name for generator in GENERATORS for test in generator.generate_tests()]
 
@@ -36,7 +36,7 @@ pytestmark = [pytest.mark.sim, pytest.mark.cost(60)]
 def shared(key: str) -> Shared:
     """Return the simulation of a parameter set."""
     datapath, width, tag_width = (SETS | BYTES)[key]
-    options = {"toplevel": "ik_axis_bytes" if key in BYTES else MODELS[datapath].top, "module": stream_tests.__name__}
+    options = {"toplevel": MODELS[datapath].top + "_bytes" * (key in BYTES), "module": stream_tests.__name__}
     options["parameters"] = {"W": width, "TAG_W": tag_width, **MODELS[datapath].parameters}
 
     def chosen(names: list[str]) -> dict:
@@ -60,7 +60,7 @@ def around(key: str) -> pytest.MarkDecorator:
     """
     path = MODELS[(SETS | BYTES)[key][0]]
     others = {other.entity for other in MODELS.values() if not path.times or other.entity != path.entity}
-    return pytest.mark.bench("ik_axis_bytes" if key in BYTES else path.top, without=others)
+    return pytest.mark.bench(path.top + "_bytes" * (key in BYTES), without=others)
 
 
 def cases() -> Iterator:
@@ -74,5 +74,6 @@ def cases() -> Iterator:
 
 @pytest.mark.parametrize(("simulation", "name"), cases())
 def test_streams(request, simulation, name):
-    """Run a test. ``ik_axis_bytes`` ignores the padding of targets, which is random here, and sign-extends results."""
+    """Run a test. With whole bytes, the padding of targets, which is random here, is ignored, and results are
+    sign-extended."""
     simulation.check(request, name)

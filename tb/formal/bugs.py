@@ -44,6 +44,8 @@ BUGS: dict[str, Bug] = {
         "raddr_held && !s_axi_rvalid;", "raddr_held;", "r_stable"),
     "axi_job": Bug("overlap ignored", JOB, ": overlap ? 4'd5 : 4'd0", ": 4'd0", "areas_apart"),
     "axi_whole": Bug("ends before the writes", JOB, "if (read_idle && write_idle)", "if (read_idle)", "quiet"),
+    "axi_whole_fold": Bug("keeps an earlier job's targets", "rtl/axi/ik_axi_records.v",
+        "rst || clear),\n          .wr_en", "rst),\n          .wr_en", "emptied"),
     "axi_gates": Bug("wlast depends on ready", "rtl/axi/ik_axi_result.v",
         "ends && beat == LAST_BEAT", "ends && m_axi_wready", "independent"),
     "floors": Bug("remainder up to the divisor", "tb/formal/ik_div_digit.vh",

@@ -9,6 +9,21 @@
 
 (* hierconn *) wire [9:0] \u_records.g_axis.u_axis.inside ;
 (* hierconn *) wire \u_records.g_axis.u_axis.s_axis_tready ;
+`ifdef IK_FOLD
+// targets in front of a folded core: in memory, and with the output register
+(* hierconn *) wire [LOG2_PLACES:0] \u_records.g_wait.u_targets.wr_ptr ;
+(* hierconn *) wire [LOG2_PLACES:0] \u_records.g_wait.u_targets.rd_ptr ;
+(* hierconn *) wire \u_records.core_valid ;
+wire [LOG2_PLACES:0] f_stored = \u_records.g_wait.u_targets.wr_ptr - \u_records.g_wait.u_targets.rd_ptr ;
+wire [9:0] f_inside = \u_records.g_axis.u_axis.inside + f_stored + \u_records.core_valid ;
+wire f_free = !f_stored[LOG2_PLACES];
+wire f_moved = (f_stored != 0 && !\u_records.core_valid ) ||
+    (\u_records.core_valid && \u_records.g_axis.u_axis.s_axis_tready );
+`else
+wire [9:0] f_inside = \u_records.g_axis.u_axis.inside ;
+wire f_free = \u_records.g_axis.u_axis.s_axis_tready ;
+wire f_moved = 1'b0;
+`endif
 (* hierconn, init = 1'b0 *) wire \u_job.f_on ;
 (* hierconn *) wire [2:0] \u_job.state ;
 (* hierconn *) wire \u_read.ask ;
@@ -67,11 +82,11 @@ end
 // ---- ghost: events of a job, and whether the memory or ik_axis has to act ----
 
 wire f_event = \u_read.ask || (m_axi_arvalid && m_axi_arready) || m_axi_rvalid || record_valid ||
-    \u_records.target_valid || \u_write.issue ||
+    \u_records.target_valid || \u_write.issue || f_moved ||
     (m_axi_awvalid && m_axi_awready) || leave || f_gone || m_axi_bvalid;
 // the memory or ik_axis has to act next
 wire f_owed = m_axi_arvalid || \u_read.due != 0 || m_axi_awvalid || m_axi_wvalid || f_owes_answer ||
-    (\u_records.g_axis.u_axis.inside != 0 && !\u_records.result_valid );
+    (f_inside != 0 && !\u_records.result_valid );
 reg [1:0] f_still;  // clocks of a job in a row with neither f_event nor f_owed
 always @(posedge clk) begin
   f_still <= (rst || !f_running || f_event || f_owed) ? 2'd0 : f_still + (f_still != 3);
@@ -90,7 +105,7 @@ always @* if (\u_job.f_on ) begin
   written_inside : assert (!m_axi_awvalid || (m_axi_awaddr >= f_destination && f_write_end <= f_destination + f_bytes));
   wlast_as_announced : assert (!m_axi_wvalid || (f_open != 0 && m_axi_wlast == (f_oldest == 1 &&
       \u_records.u_result.beat == F_LAST)));
-  never_refused : assert (rst || !\u_records.target_valid || \u_records.g_axis.u_axis.s_axis_tready );
+  never_refused : assert (rst || !\u_records.target_valid || f_free);
   quiet : assert (f_running || (!m_axi_arvalid && \u_read.f_open == 0 && !m_axi_awvalid && !m_axi_wvalid &&
       \u_write.f_waits == 0 && \u_write.f_open == 0));
   some_in_each_burst : assert ((!\u_read.ask || \u_read.size != 0) && (!\u_write.issue || \u_write.size != 0));
@@ -104,10 +119,13 @@ always @* if (\u_job.f_on || \u_read.f_on || \u_write.f_on ) together : assert (
     \u_write.f_on );
 always @* if (\u_job.f_on ) begin
   none_on_the_way : assert (f_running || (!record_valid && (!\u_records.target_valid || \u_job.state == F_FINISH)));
-  inside_fits : assert (\u_records.g_axis.u_axis.inside <= 1 << LOG2_PLACES);
-  emptied : assert (\u_job.state <= F_ENDS || \u_job.state > F_DECIDE || \u_records.g_axis.u_axis.inside == 0);
-  core_is : assert (\u_read.f_core >= record_valid + \u_records.target_valid + \u_records.g_axis.u_axis.inside &&
-      (!f_running || \u_read.f_core == record_valid + \u_records.target_valid + \u_records.g_axis.u_axis.inside ));
+`ifdef IK_FOLD
+  stored_fits : assert (f_stored <= 1 << LOG2_PLACES && \u_records.g_axis.u_axis.inside <= 2);
+`endif
+  inside_fits : assert (f_inside <= 1 << LOG2_PLACES);
+  emptied : assert (\u_job.state <= F_ENDS || \u_job.state > F_DECIDE || f_inside == 0);
+  core_is : assert (\u_read.f_core >= record_valid + \u_records.target_valid + f_inside &&
+      (!f_running || \u_read.f_core == record_valid + \u_records.target_valid + f_inside ));
   to_write_is : assert (!f_running || {1'b0, \u_read.f_core } == \u_write.ready + \u_write.to_send );
   counts_are : assert (!f_running || (\u_read.f_count == job_count && \u_write.f_count == job_count && job_count != 0));
   bases_are : assert (!f_running || (\u_read.f_base == job_source && \u_write.f_base == job_destination));

@@ -1,9 +1,10 @@
 // Abstract core that replaces ik_axis: counts targets inside, offers results at any time; results are arbitrary.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Has only properties of ik_axis that ik_axis.vh proves: the number of slots, ready while a slot is free, no result
-// offered while empty, m_axis_tvalid high until a result is accepted. That a job ends (docs/verification.md) also
-// follows from offered_in_time of ik_axis.vh: with a target inside, a result is offered within T+1 clocks.
+// Has only properties of ik_axis that ik_axis.vh, and of a folded core ik_fold.vh, prove: the number of slots, ready
+// while a slot is free (folded: at any time), no result offered while empty, m_axis_tvalid high until a result is
+// accepted. That a job ends (docs/verification.md) also follows from offered_in_time of ik_axis.vh: with a target
+// inside, a result is offered within T+1 clocks.
 // Latency: any.
 `default_nettype none
 
@@ -26,15 +27,16 @@ module ik_axis #(
     input  wire               m_axis_tready
 );
 
-  localparam integer PLACES = (DATAPATH != 0) ? 64 : 512;
+  localparam integer PLACES = (DATAPATH == 2) ? 2 : (DATAPATH != 0) ? 64 : 512;
 
   (* anyseq *) wire [6*W+TAG_W+7:0] f_any;
   (* anyseq *) wire f_offer;
+  (* anyseq *) wire f_take;
   assign {m_axis_tuser, m_axis_tdata} = f_any;
 
   reg [9:0] inside;
   reg offered;
-  assign s_axis_tready = !rst && inside < PLACES;
+  assign s_axis_tready = !rst && inside < PLACES && (DATAPATH != 2 || f_take);
   assign m_axis_tvalid = inside != 0 && (offered || f_offer);
   always @(posedge clk) begin
     inside  <= rst ? 10'd0 : inside + (s_axis_tvalid && s_axis_tready) - (m_axis_tvalid && m_axis_tready);
@@ -43,7 +45,7 @@ module ik_axis #(
 
 `ifdef IK_COVER
   // the single path of ik_axi.vh
-  always @* assume (f_offer && f_any == 0);
+  always @* assume (f_offer && f_take && f_any == 0);
 `endif
 
 endmodule

@@ -88,6 +88,23 @@ def engine(name: str, others: str = "", size: int = 5) -> Proof:
     return Proof(f"axi_{name}_{'arm' if size > 5 else 64}", f"ik_axi_{name}", sets, others, depth=depth)
 
 
+def whole(name: str, sets: dict[str, int], others: str, defines: str = "") -> Proof:
+    """Return the proof of what the engines of ``ik_axi`` assume of each other; ik_stream.v replaces the core."""
+    properties = {f"ik_axi{engine}": f"ik_axi{engine}" for engine in ("", "_job", "_read", "_write")}
+    claims = "chformal -assume2assert t:$assume c:u_read.f_data %d c:f_answered %d c:f_length %d"
+    return Proof(f"axi_whole_{name}", "ik_axi", {"DATA_W": 64} | sets, f"{others} {ENGINES}", properties, defines,
+                 depth=40, script=("chformal -lower", "chformal -cover -remove t:$cover c:job_done %d"),
+                 claims=(claims, "select -assert-count 3 t:$assume"), after=WHOLE_AFTER)  # fmt: skip
+
+
+def gates(name: str, sets: dict[str, int], others: str, defines: str = "") -> Proof:
+    """Return the proof that no gates lead from an input of a bus of ``ik_axi`` to an output. ``rst`` is left out: it
+    drives ready of the registers."""
+    gates = ("i:s_axi_* i:m_axi_*", "o:*", 22, 31)
+    rest = {"defines": defines, "part": not defines, "gates": gates}
+    return Proof(f"axi_gates_{name}", "ik_axi", {"DATA_W": 64} | sets, f"{others} {ENGINES}", **rest)
+
+
 PROOFS = (
     *(Proof(f"fifo_{1 << log2}", "ik_fifo", {"W": 208, "LOG2": log2}, depth=n) for log2, n in ((6, 148), (9, 0))),
     axis("lean", 32, depth=84),
@@ -118,15 +135,9 @@ PROOFS = (
     engine("job"),
     *(engine(name, "ik_bursts", 6) for name in ("read", "write")),
     *(engine(name, size=6) for name in ("result", "job")),
-    Proof(  # proves what the engines assume about each other; ik_stream.v replaces the core
-        "axi_whole_64", "ik_axi", {"DATA_W": 64}, f"ik_bursts ik_stream {ENGINES}",
-        {f"ik_axi{engine}": f"ik_axi{engine}" for engine in ("", "_job", "_read", "_write")}, depth=40,
-        script=("chformal -lower", "chformal -cover -remove t:$cover c:job_done %d"),
-        claims=("chformal -assume2assert t:$assume c:u_read.f_data %d c:f_answered %d c:f_length %d",
-                "select -assert-count 3 t:$assume"),
-        after=WHOLE_AFTER),
-    Proof("axi_gates_64", "ik_axi", {"DATA_W": 64}, f"ik_core ik_credit_fifo ik_fifo ik_axis {ENGINES}",
-          defines=CORE["lean"],
-          gates=("i:s_axi_* i:m_axi_*", "o:*", 22, 31)),  # not rst, which drives ready of the registers
+    whole("64", {}, "ik_bursts ik_stream"),
+    whole("fold", {"DATAPATH": 2}, "ik_bursts ik_stream ik_fifo", "IK_FOLD"),
+    gates("64", {}, "ik_core ik_credit_fifo ik_fifo ik_axis", CORE["lean"]),
+    gates("fold", {"DATAPATH": 2}, f"ik_fold {CONTROL} ik_fold_results ik_fifo ik_axis"),
 )  # fmt: skip
 """All proofs by induction and about gates; a test compares the parameters with the model and the RTL."""

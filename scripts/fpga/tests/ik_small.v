@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Products, tiles in logic on ECP5, a shift register, a table and a memory that is written. test_netlists.py replaces FACTOR
+// Products, tiles in logic on ECP5, a shift register, a table and a memory that is written. test_fpga.py replaces FACTOR
 // by an operand, PRODUCT by 1 for a square, and PART by 1 for products, some of whose registers cannot be packed.
 
 module ik_small (

@@ -49,7 +49,7 @@ def test_regions_are_in_reach_and_where_they_claim(name, width):
         assert (z > 0).any() and (z < 0).any()
     if "stretch" in name:  # with short lengths, an LSB exceeds the intended gap
         assert ((d1 + d2 - distance) / (d1 + d2) <= 0.12 + 3 / (d1 + d2)).all()
-    if "fold" in name:
+    if "closed" in name:
         assert (distance - np.abs(d1 - d2) <= 0.12 * distance + 2).all()
     if name == "unequal lengths":
         big = np.minimum(d1, d2) > 20

@@ -7,7 +7,6 @@ import pytest
 
 from model.reference import cga
 from scripts.paper import __main__ as main
-from scripts.paper import derivation
 from scripts.paper.derivation import lean, paper, proofs
 from scripts.paper.derivation.proofs import PRINTED, Step, derive, failures
 
@@ -15,16 +14,16 @@ pytestmark = pytest.mark.cost(60)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", derivation.STEPS)
+@pytest.mark.parametrize("name", main.STEPS)
 def test_all_statements_hold_and_the_page_is_up_to_date(name):
-    steps = derive(derivation.STEPS[name])
+    steps = derive(main.STEPS[name])
     assert failures(steps) == []
     assert all(step.statements for step in steps.values())
     if name == "derivation":
         every_row = {proofs.name_tex(row) for rows in PRINTED.values() for row in rows}
         assert {row for step in steps.values() for row in step.printed} == every_row
-    text = (derivation.GENERATED / f"{name}.md").read_text(encoding="utf-8")
-    assert text == derivation.page(name, steps), "run `make paper ONLY=derivation`"
+    text = (main.GENERATED / f"{name}.md").read_text(encoding="utf-8")
+    assert text == main.derivation_page(name, steps), "run `make paper ONLY=derivation`"
 
 
 ROWS = [("pp_i", paper.point_pair), ("tmp1", paper.elbow_point), ("c4", lean.elbow_quaternion), ("qs_j", paper.product)]
@@ -92,7 +91,7 @@ def test_relations_and_roots_count_only_where_they_are_given():
 
 
 def test_a_false_statement_fails_the_command_and_leaves_the_pages(monkeypatch, command):
-    monkeypatch.setattr(derivation, "STEPS", {"lean": [lean.product]})
+    monkeypatch.setattr(main, "STEPS", {"lean": [lean.product]})
     monkeypatch.setattr(lean.NODES["k_1"], "op", doubled(lean.NODES["k_1"].op))
     monkeypatch.setattr(main, "update", lambda texts: pytest.fail("writes pages"))
     status, _, errors = command(main.main, "--only", "derivation")

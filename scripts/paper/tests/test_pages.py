@@ -11,11 +11,10 @@ from model.dataflow.nodes import Dataflow
 from model.io.words import RESULT_FIELDS
 from scripts.generate import flow
 from scripts.paper import __main__ as paper
-from scripts.paper import figures, operations
 
 
 def test_page_is_up_to_date():
-    ((path, text),) = operations.texts().items()
+    ((path, text),) = paper.operations().items()
     assert path.read_text() == text, "run `make paper ONLY=operations`"
 
 
@@ -28,12 +27,13 @@ def test_an_operand_with_too_few_fraction_bits_is_named(monkeypatch, command):
 
 def test_figures_and_page_are_up_to_date():
     """Compare texts; of a picture that graphviz draws, compare the digest of its graph."""
-    drawn = figures.figures()
+    drawn = paper.pictures()
     for name, text in drawn.items():
-        shown, digest = (figures.SHOWN / name).read_text("utf-8"), f"<!-- of the graph {figures.digest(text)} -->\n"
+        shown, digest = (paper.SHOWN / name).read_text("utf-8"), f"<!-- of the graph {paper.digest(text)} -->\n"
         assert shown == text or shown.startswith(digest), "run `make paper ONLY=figures`"
-    assert figures.PAGE.read_text("utf-8") == figures.render("figures"), "run `make paper ONLY=figures`"
-    assert sorted(path.name for path in figures.SHOWN.iterdir()) == sorted(drawn)
+    page = (paper.GENERATED / "figures.md").read_text("utf-8")
+    assert page == paper.render("figures"), "run `make paper ONLY=figures`"
+    assert sorted(path.name for path in paper.SHOWN.iterdir()) == sorted(drawn)
 
 
 @pytest.mark.parametrize(("datapath", "width"), [("lean", 32), ("lean", 18), ("paper", 32)])

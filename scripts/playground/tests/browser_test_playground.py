@@ -14,16 +14,15 @@ from model.io.words import FIELDS, Targets, from_words, to_words
 from model.reference.joints import wrap
 from model.reference.kinematics import conjugate, multiply, rotate
 from model.reference.lean_equations import solve_lean
+from scripts.conftest import FITS, NARROW, SET, STICKING_OUT, WIDE, Page
 from scripts.playground import __main__ as playground
-from scripts.playground import machines
-from scripts.playground.machines import Machine
-from scripts.report.tests.browser import FITS, NARROW, SET, STICKING_OUT, WIDE, Page
+from scripts.playground.__main__ import Machine
 from scripts.waves import read
 from tb.sim.env import ROOT
 from tb.sim.native_run import nodes_of
 
 BUILT = [Machine("lean", 32), Machine("fold", 32)]
-EVERY = [m if m in BUILT else pytest.param(m, marks=pytest.mark.slow) for m in machines.MACHINES]
+EVERY = [m if m in BUILT else pytest.param(m, marks=pytest.mark.slow) for m in playground.MACHINES]
 """All cores. Those outside of BUILT take minutes to compile: ``make test-browser ONLY=core``."""
 FLOW = "document.querySelector('button[data-flow={}]').click()"
 MACHINE = "playground.ui.machines[0]"
@@ -356,5 +355,5 @@ def test_page_is_one_file(written, page):
     assert page.requests == [written.as_uri()]
     assert str(ROOT) not in written.read_text(encoding="utf-8")
     for machine in BUILT:
-        packed = machines.wasm(machine)  # gzipped
+        packed = playground.wasm(machine)  # gzipped
         assert len(packed) < 2**20 and str(ROOT).encode() not in gzip.decompress(packed)

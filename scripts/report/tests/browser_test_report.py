@@ -12,9 +12,8 @@ import pytest
 from model.io import trajectories
 from model.io.files import format_csv
 from model.motion.tests import figure
-from scripts.conftest import LATENCY, without_rtl
+from scripts.conftest import FITS, LATENCY, NARROW, STICKING_OUT, WIDE, without_rtl
 from scripts.report import __main__ as report
-from scripts.report.tests.browser import FITS, NARROW, STICKING_OUT, WIDE
 from scripts.report.tests.test_page import data_in
 from tb.sim.env import simulator as simulator_name
 
