@@ -12,7 +12,7 @@ from vcd.writer import VCDWriter
 from model.dataflow.datapaths import MODELS
 from scripts import console, run, trajectory
 from scripts.waves import model_bits, place, variable
-from tb.core import random_targets
+from tb.core import worst_targets
 from tb.sim import native_run
 from tb.sim.job import Run, answer
 
@@ -39,7 +39,7 @@ class FakeSimulator:
     @property
     def words(self):
         """Words of the first job of each call."""
-        return [call["jobs"][0].words for call in self.calls]
+        return [call["jobs"][0] for call in self.calls]
 
     def __call__(self, jobs, *, datapath, width, waves=None, limits=None, **others):
         self.calls.append({"jobs": jobs, "datapath": datapath, "width": width, "limits": limits, **others})
@@ -48,16 +48,16 @@ class FakeSimulator:
             self.record(waves, jobs, datapath, width, limits)
         runs = []
         for job in jobs:
-            model = answer(job.words, width, datapath, limits)
-            runs.append(Run(model.results.copy(), model.flags.copy(), LATENCY, LATENCY + len(job.words), 0, None))
+            model = answer(job, width, datapath, limits)
+            runs.append(Run(model.results.copy(), model.flags.copy(), LATENCY, LATENCY + len(job), 0, None))
         self.spoil(*runs)
         return runs
 
     def record(self, path, jobs, datapath, width, limits=None):
         """Write a VCD of a single job; for several jobs, only the first target's words are shown."""
-        nodes, of = nodes_of(jobs[0].words, datapath, width, limits), MODELS[datapath]
+        nodes, of = nodes_of(jobs[0], datapath, width, limits), MODELS[datapath]
         top = (of.top,)
-        admitted = admissions(len(jobs[0].words)) if len(jobs) == 1 else [0]
+        admitted = admissions(len(jobs[0])) if len(jobs) == 1 else [0]
         core = (*top, f"g_{of.rtl}", "u_core")
         sizes = {(*top, name): 1 for name in ("clk", "rst")} | {(*core, name): 1 for name in ("in_valid", "out_valid")}
         for side, words in (("s", of.inputs), ("m", of.results)):
@@ -83,7 +83,7 @@ class FakeSimulator:
 def without_rtl(patch):
     """Replace the simulator by the bit-true model, and the predicted errors by a ramp; return the fake simulator."""
     fake = FakeSimulator()
-    for module in (trajectory, random_targets):
+    for module in (trajectory, worst_targets):
         patch.setattr(module, "simulate", fake)
     patch.setattr(native_run, "program", lambda datapath, width: None)
     patch.setattr(console, "installed", lambda need: False)

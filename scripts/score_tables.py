@@ -14,7 +14,7 @@ from model.dataflow.datapaths import MODELS
 from model.io import flags as flag_bits
 from model.io.scoring import Score
 from scripts.generate.render import error
-from tb.core.random_targets import Core, Found
+from tb.core.worst_targets import Core, Found
 
 LATENCY, CLOCKS, RATE = "latency (clocks)", "clocks for all targets", "results per clock while they flow"
 
@@ -132,7 +132,7 @@ def verdict(name: str, scores: Sequence[Score]) -> int:
 def table_of_soak(what: str, core: Core, totals: Found, rate: float) -> Table:
     """Return the table of a soak. `totals` contains passing targets only, so the number of differing bits is 0."""
     most, norm = tolerances.hand(core.width, core.datapath), tolerances.norm(core.width, core.datapath)
-    ratio = totals.by_hand[0].hand_error / totals.by_hand[0].tolerance if totals.by_hand else 0.0
+    ratio = totals.by_hand[0].hardness if totals.by_hand else 0.0
     table = empty_table(f"soak: {what}", ("figure", "measured", "tolerance"))
     table.add_row("targets", str(totals.targets))
     table.add_row("of them in reach", str(totals.reachable))

@@ -33,7 +33,7 @@ from scripts.console import InputError, Stopped, command, core_options, option, 
 from scripts.generate.render import error, read_table, render
 from scripts.score_tables import table_of_soak
 from tb.core import worst_targets
-from tb.core.random_targets import CHUNK, Core, Failure, Found, chunk, judge
+from tb.core.worst_targets import CHUNK, Core, Failure, Found, chunk, judge
 from tb.sim.env import GENERATED
 from tb.sim.sources import closure, digest
 

@@ -43,7 +43,7 @@ from model.motion.pose import elbow_jumps, hanging, soft_reach, swivel, to_z
 from model.reference import joints
 from scripts.console import InputError, choose_simulator, output, progress
 from scripts.robots import Speeds, planned, speeds, times
-from tb.sim.simulate import Job, Run, simulate
+from tb.sim.simulate import Run, simulate
 
 SCORES = "score.json"
 JUMPS = 5  # rows named in warnings
@@ -293,10 +293,10 @@ def simulated(
     total = sum(len(item.words) for item in prepared)
     with progress(f"{arguments.sim}, {datapath} datapath, {total} targets", total) as meter:
         meter(0, "compiling and starting")
-        jobs, chooses = [Job(item.targets.name, item.words) for item in prepared], prepared[0].references is not None
+        jobs, chooses = [item.words for item in prepared], prepared[0].references is not None
         if chooses:  # robots come alone
-            words = np.insert(prepared[0].words, [len(ARM_FIELDS)] * 7, prepared[0].references, axis=1)
-            jobs, datapath = [replace(jobs[0], words=words)], CHOOSING[datapath]
+            jobs = [np.insert(jobs[0], [len(ARM_FIELDS)] * 7, prepared[0].references, axis=1)]
+            datapath = CHOOSING[datapath]
         core = {"simulator": arguments.sim, "datapath": datapath, "width": arguments.width, "cores": arguments.cores}
         core |= {"limits": prepared[0].limits, "waves": waves}
         runs = simulate(jobs, progress=lambda done, _: meter(done), **core)

@@ -7,7 +7,7 @@ An aligned VCD shows all nodes of a target in one clock. Save files group signal
 
 This command writes a save file for a VCD that your own simulator recorded.
 
-Words are sampled at the falling edge of the clock, as in the scoreboard (:mod:`tb.core.monitor`). Signals are found by
+Words are sampled at the falling edge of the clock, as in the scoreboard (:mod:`tb.core.pipeline`). Signals are found by
 their path below the top, which is the same in all simulators. A node's label shows its equation and its clock: ``tmp1
 (13) +102`` holds a target's value 102 clocks after the target is admitted. GTKWave shows at most 64 bits as a decimal
 number, so a save file shows only the highest 64 bits of a longer word.
@@ -194,7 +194,7 @@ def differences(recording: Recording, nodes: Nodes) -> Iterator[Difference]:
         for node in nodes:
             rtl, model = recording.word(node, target), model_bits(node, target)
             if rtl != model:
-                yield Difference(node, target, clock + node.time, rtl, int(model, 2))
+                yield Difference(node, target, clock + node.time, rtl, model)
 
 
 def column(recording: Recording, nodes: Nodes, target: int) -> int:

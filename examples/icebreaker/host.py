@@ -57,17 +57,14 @@ class Board:
         """Return results (N, 6) and flags (N,) of target words (N, 6). After each answer, call ``done(n)``, n being the
         number of answers so far. Raises SimulationError if the board does not answer."""
         results, flags = np.zeros((len(words), 6), dtype=np.int64), np.zeros(len(words), dtype=np.int64)
-        answers, sent, tries = Answers(), deque(), [0] * len(words)
+        answers, waiting, sent, tries = Answers(), deque(range(len(words))), deque(), [0] * len(words)
         self.quiet()
-        following = answered = 0
-        heard = time.monotonic()
-        lost: deque[int] = deque()
+        answered, heard = 0, time.monotonic()
         while answered < len(words):
-            while len(sent) < WINDOW and (lost or following < len(words)):
-                target = lost.popleft() if lost else following
+            while len(sent) < WINDOW and waiting:
+                target = waiting.popleft()
                 if tries[target] == TRIES:
                     raise SimulationError(f"{self.name} does not answer target {target}, sent {TRIES} times")
-                following = max(following, target + 1)
                 self.again += tries[target] > 0
                 tries[target] += 1
                 if not sent:
@@ -78,14 +75,15 @@ class Board:
                 place = next((k for k, target in enumerate(sent) if target % 256 == tag), None)
                 if place is None:
                     continue  # late answer to a target already given up
-                lost += [sent.popleft() for _ in range(place)]  # answers are in order: earlier targets are lost
+                lost = [sent.popleft() for _ in range(place)]  # answers are in order: earlier targets are lost
+                waiting.extendleft(reversed(lost))
                 target = sent.popleft()
                 results[target], flags[target] = result, flag
                 answered += 1
                 heard = time.monotonic()
                 done(answered)
             if time.monotonic() - heard > self.timeout:
-                lost += sent
+                waiting.extendleft(reversed(sent))
                 sent.clear()
         return results, flags
 

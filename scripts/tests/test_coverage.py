@@ -107,8 +107,8 @@ def test_a_waiver_matches_its_points_only(judge, pattern, left):
 
 def test_a_bin_or_a_file_without_a_count_is_a_finding(judge, monkeypatch):
     monkeypatch.setattr(coverage, "sources", lambda: [*sources(), ROOT / "rtl" / "lib" / "ik_new.v"])
-    monkeypatch.setattr(coverage, "BINS", [*BINS, bin_of("new")])
-    assert judge({})[1] == ["rtl/lib/ik_new.v: no simulation has it", "cross not reached: new"]
+    monkeypatch.setattr(coverage, "BINS", [*BINS, bin_of(("new",), "lean", "none")])
+    assert judge({})[1] == ["rtl/lib/ik_new.v: no simulation has it", "cross not reached: new x lean x none"]
 
 
 def test_waivers_of_the_tree_can_be_parsed():

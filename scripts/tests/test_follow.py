@@ -15,7 +15,7 @@ from scripts import follow, waves
 from scripts.conftest import admissions, nodes_of
 from scripts.waves import TOPS, place
 from tb.sim.env import simulator as simulator_of_tests
-from tb.sim.simulate import Job, simulate
+from tb.sim.simulate import simulate
 from tb.sim.waves import Signals
 
 
@@ -117,7 +117,7 @@ def test_a_hand_pose(command, simulator):
     words = "--trajectory", "pick_and_place", "--target", "2", "--waves", "--out", "o"
     status, out, _ = command(follow.main, *words)
     (call,) = simulator.calls
-    words = np.delete(call["jobs"][0].words, np.s_[11:18], axis=1)  # without reference joints
+    words = np.delete(call["jobs"][0], np.s_[11:18], axis=1)  # without reference joints
     nodes = nodes_of(words, "arm", 32, call["limits"])
     assert status == 1 and call["limits"] != [(-(2**31), 2**31 - 1)] * 7
     assert [name_of(line) for line in out if line.startswith("!")] == ["w_1", "th6"]
@@ -138,7 +138,7 @@ def test_x_is_a_difference(tmp_path, simulator):
     words = np.stack([reach()[0]] * 3)
     nodes = nodes_of(words)
     vcd = tmp_path / "x.vcd"
-    simulator.record(vcd, [Job("x", words)], "lean", 32)
+    simulator.record(vcd, [words], "lean", 32)
     code = re.search(r"\$var wire 35 (\S+) w_1", vcd.read_text())[1]
     vcd.write_text(re.sub(rf"^b[01]+ {re.escape(code)}$", f"bx01 {code}", vcd.read_text(), flags=re.M))
     read = waves.read(vcd, "lean", nodes)
@@ -169,7 +169,7 @@ def test_a_recording_of_the_rtl(command, tmp_path, datapath):
     signals of the VCD and show words as numbers."""
     words, vcd = random_reachable(3, 32, seed=3), tmp_path / "waves.vcd"
     nodes = nodes_of(words, datapath)
-    (ran,) = simulate([Job("waves", words)], simulator=simulator_of_tests(), datapath=datapath, width=32, waves=vcd)
+    (ran,) = simulate([words], simulator=simulator_of_tests(), datapath=datapath, width=32, waves=vcd)
     assert ran.bit_mismatches == 0
     read = waves.read(vcd, datapath, nodes)
     assert len(read.admitted) == 3 and not list(waves.differences(read, nodes))

@@ -8,8 +8,7 @@ import pytest
 from scripts import mutants
 from tb.mutation import campaign
 from tb.mutation.benches import fault, unit_bench
-from tb.mutation.campaign import DESIGNS, KILLED, SURVIVED, Result, netlist
-from tb.mutation.equivalence import proof
+from tb.mutation.campaign import DESIGNS, KILLED, SURVIVED, Result, netlist, proof
 from tb.mutation.netlists import BUILD, Mutant, Netlist, source_name, unchanged
 
 FILE = "rtl/lib/ik_half.v"

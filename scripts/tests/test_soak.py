@@ -16,7 +16,7 @@ from model.io.words import FIELDS
 from scripts import check_proofs, soak, soak_memory
 from tb.axi.instances import CORE, named
 from tb.core import worst_targets
-from tb.core.random_targets import chunk
+from tb.core.worst_targets import chunk
 from tb.sim.job import answer
 from tb.sim.simulate import SimulationError
 

@@ -62,9 +62,12 @@ class Memory(SparseMemory):
 class Responder:
     """Mixin for both ports of the memory: delay responses by a latency, in order and pipelined; insert errors."""
 
-    fault: AxiResp | None = None
+    letter: str  # name of the response channel
 
-    def respond(self, channel, response: str, latency: int) -> None:
+    def __init__(self, bus, clock, reset, memory: Memory, latency: int) -> None:
+        super().__init__(bus, clock, reset, target=memory)
+        self.fault: AxiResp | None = None
+        channel = getattr(self, f"{self.letter}_channel")
         send, waiting = channel.send, Queue()
 
         async def forward():
@@ -76,7 +79,7 @@ class Responder:
 
         async def accept(item):
             if self.fault is not None:
-                setattr(item, response, self.fault)
+                setattr(item, f"{self.letter}resp", self.fault)
                 self.fault = None
             if latency:
                 waiting.put_nowait((item, get_sim_time("ns") + latency * PERIOD))
@@ -89,9 +92,7 @@ class Responder:
 
 
 class Reader(Responder, AxiSlaveRead):
-    def __init__(self, bus, clock, reset, memory: Memory, latency: int) -> None:
-        super().__init__(bus, clock, reset, target=memory)
-        self.respond(self.r_channel, "rresp", latency)
+    letter = "r"
 
     async def _read(self, address, length):
         self.fault = self.target.access("read", self.target.readable, address, length)
@@ -101,9 +102,7 @@ class Reader(Responder, AxiSlaveRead):
 class Writer(Responder, AxiSlaveWrite):
     """Write channels of the memory. A beat with a fault is not written; the other beats of its burst are written."""
 
-    def __init__(self, bus, clock, reset, memory: Memory, latency: int) -> None:
-        super().__init__(bus, clock, reset, target=memory)
-        self.respond(self.b_channel, "bresp", latency)
+    letter = "b"
 
     async def _write(self, address, data):
         fault = self.target.access("write", self.target.writable, address, len(data))
@@ -125,10 +124,8 @@ class Monitor:
         self.beats: dict[str, list[int]] = {"ar": [], "r": []}  # clocks of the handshakes
         self.bursts: dict[str, list[tuple[int, int]]] = {"ar": [], "aw": []}  # address, beats
         self.most = {"reads": 0, "writes": 0, "places": 0}
-        self.valid, self.ready = (
-            {name: getattr(dut, f"m_axi_{name}{part}") for name in ("ar", "r", "aw", "w", "b")}
-            for part in ("valid", "ready")
-        )
+        self.valid = {name: getattr(dut, f"m_axi_{name}valid") for name in CHANNELS[:-1]}
+        self.ready = {name: getattr(dut, f"m_axi_{name}ready") for name in CHANNELS[:-1]}
         parts = ("addr", "len", "size", "burst", "cache", "prot", "id")
         self.payload = {name: [getattr(dut, f"m_axi_{name}{part}") for part in parts] for name in self.bursts}
         self.kind = ((BYTES // record_beats).bit_length() - 1, 1, 0b0011, 0, 0)  # size, burst, cache, prot, id

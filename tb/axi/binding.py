@@ -44,49 +44,31 @@ def compiled(folder: Path, *options: str, text: str = "") -> Path:
     return library
 
 
-READ = ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_uint32)
-WRITE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)
-CACHE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t)
-WAIT = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p)
+POINTER, SIZE, WORD, LONG, BOOL = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_uint32, ctypes.c_uint64, ctypes.c_bool
+READ = ctypes.CFUNCTYPE(WORD, POINTER, WORD)
+WRITE = ctypes.CFUNCTYPE(None, POINTER, WORD, WORD)
+CACHE = ctypes.CFUNCTYPE(None, POINTER, POINTER, SIZE)
+WAIT = ctypes.CFUNCTYPE(BOOL, POINTER)
 
 
 class Area(ctypes.Structure):
-    _fields_ = [("at", ctypes.c_void_p), ("address", ctypes.c_uint64)]
+    _fields_ = [("at", POINTER), ("address", LONG)]
 
 
 class Bus(ctypes.Structure):
-    _fields_ = [
-        ("user", ctypes.c_void_p),
-        ("read", READ),
-        ("write", WRITE),
-        ("source", Area),
-        ("destination", Area),
-        ("records", ctypes.c_uint32),
-        ("flush", CACHE),
-        ("invalidate", CACHE),
-        ("wait", WAIT),
-        ("polls", ctypes.c_uint32),
-    ]
+    _fields_ = [("user", POINTER), ("read", READ), ("write", WRITE), ("source", Area), ("destination", Area)]
+    _fields_ += [("records", WORD), ("flush", CACHE), ("invalidate", CACHE), ("wait", WAIT), ("polls", WORD)]
 
 
 class Core(ctypes.Structure):
-    _fields_ = [
-        ("bus", Bus),
-        *((name, ctypes.c_uint32) for name in ("width", "data_width", "addr_width", "latency")),
-        ("lean", ctypes.c_bool),
-        ("arm", ctypes.c_bool),
-        ("fold", ctypes.c_bool),
-        ("written", ctypes.c_size_t),
-        ("bad", ctypes.c_size_t),
-        ("error_address", ctypes.c_uint64),
-        ("events", ctypes.c_uint32),
-        ("aborted", ctypes.c_bool),
-    ]
+    _fields_ = [("bus", Bus), *((name, WORD) for name in ("width", "data_width", "addr_width", "latency"))]
+    _fields_ += [*((name, BOOL) for name in ("lean", "arm", "fold")), ("written", SIZE), ("bad", SIZE)]
+    _fields_ += [("error_address", LONG), ("events", WORD), ("aborted", BOOL)]
 
 
 class Uio(ctypes.Structure):
     _fields_ = [("core", Core), ("bus", Bus), *((name, ctypes.c_int) for name in ("patience", "error", "file"))]
-    _fields_ += [("kept", ctypes.c_void_p * 5)]
+    _fields_ += [("kept", POINTER * 5)]
 
 
 def uio_device(folder: Path, page: int, size: int, offset: int, arm: bool = False) -> tuple[bytes, bytes]:
@@ -105,28 +87,20 @@ def uio_device(folder: Path, page: int, size: int, offset: int, arm: bool = Fals
 
 
 class Driver:
-    """C driver of one core. ``source`` and ``destination`` are buffers, each as (CPU pointer, bus address).
+    """C driver of one core. ``records`` is the capacity of each buffer; if ``arm``, targets are hand poses.
 
-    ``platform`` has the callbacks read and write, and if ``interrupt`` also wait, flush and invalidate. If ``arm``,
-    targets are hand poses.
+    ``platform`` has ``areas``, the source and destination buffers, each as (CPU pointer, bus address), and the
+    callbacks read and write, and if ``interrupt`` also wait, flush and invalidate.
     """
 
     def __init__(
-        self,
-        library: Path,
-        platform,
-        source: tuple[int, int],
-        destination: tuple[int, int],
-        records: int,
-        interrupt: bool = False,
-        polls: int = 0,
-        real: str = "double",
-        arm: bool = False,
+        self, library: Path, platform, records: int, *, interrupt=False, polls=0, real="double", arm=False
     ) -> None:
         self.linked = ctypes.CDLL(str(library))
         self.linked.ik_error_text.restype = ctypes.c_char_p
         self.raised: list[BaseException] = []
-        self.bus = Bus(source=Area(*source), destination=Area(*destination), records=records, polls=polls)
+        source, destination = (Area(*area) for area in platform.areas)
+        self.bus = Bus(source=source, destination=destination, records=records, polls=polls)
         self.bus.read, self.bus.write = READ(self._guarded(platform.read)), WRITE(self._guarded(platform.write))
         if interrupt:
             self.bus.flush = CACHE(self._guarded(platform.flush))

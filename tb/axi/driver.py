@@ -44,8 +44,8 @@ class Platform:
         self.second_faults: dict[int, AxiResp] = {}  # memory faults during the second job of a call
         base = (3 << 36) * (bench.addr_width > 37)
         self.source, self.destination = base + 0x41000 - 5 * BYTES, base + 0x82000 - 2 * BYTES
-        areas = [(self._buffer(address), address) for address in (self.source, self.destination)]
-        self.driver = Driver(LIBRARY, self, *areas, RECORDS, interrupt, polls, arm=ARM)
+        self.areas = [(self._buffer(address), address) for address in (self.source, self.destination)]
+        self.driver = Driver(LIBRARY, self, RECORDS, interrupt=interrupt, polls=polls, arm=ARM)
 
     def _buffer(self, address: int) -> int:
         """Create the buffer at a bus address and return the CPU's pointer to it."""
@@ -197,8 +197,7 @@ async def ik_init(bench):
     bench.place(0x10000, 0, 60)
     await bench.write("IRQ_ENABLE", 7)
     await bench.start(0x10000, 0x20000, 60)
-    platform = Platform(bench, interrupt=False)
-    assert await bridge(platform.driver.start_up)() == "none"
+    platform = await ready(bench, interrupt=False)
     core = platform.driver.core
     assert (core.width, core.data_width, core.addr_width) == (bench.width, bench.data_width, bench.addr_width)
     assert (core.latency, core.lean) == (int(bench.dut.LATENCY.value), bench.datapath != "paper")

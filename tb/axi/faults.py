@@ -47,10 +47,8 @@ async def refused_areas(bench):
         (BYTES, 0x2000, 0xFFFFFFFF, "source_beyond" if bench.addr_width < 38 else "overlap", 0),
     ]
     for bit in range(bench.addr_width, 64):
-        cases += [
-            ((1 << bit) + 0x1000, 0x2000, 1, "source_beyond", None),
-            (0x1000, (1 << bit) + 0x2000, 1, "destination_beyond", None),
-        ]
+        cases.append(((1 << bit) + 0x1000, 0x2000, 1, "source_beyond", None))
+        cases.append((0x1000, (1 << bit) + 0x2000, 1, "destination_beyond", None))
     for source, destination, count, code, address in cases:
         await bench.start(source, destination, count, accepted=False)
         status = await bench.ended(20)

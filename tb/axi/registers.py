@@ -22,17 +22,9 @@ def masks(register: str, access: str) -> int:
 
 def after_reset(bench: Bench) -> dict[str, int]:
     """Return register name -> value after a reset. Values that depend on parameters come from the instance."""
-    parameters = {
-        "width": bench.width,
-        "data_width": bench.data_width,
-        "addr_width": bench.addr_width,
-        "lean": int(bench.datapath != "paper"),
-        "digit": int(bench.dut.DIGIT.value),
-        "arm": int(ARM),
-        "fold": int(bench.datapath.startswith("fold")),
-        "latency": bench.latency,
-        "places": bench.places,
-    }
+    parameters = {name: getattr(bench, name) for name in ("width", "data_width", "addr_width", "latency", "places")}
+    parameters |= {"lean": int(bench.datapath != "paper"), "fold": int(bench.datapath.startswith("fold"))}
+    parameters |= {"digit": int(bench.dut.DIGIT.value), "arm": int(ARM)}
     return {
         register: sum((parameters[name] if f.reset is None else f.reset) << f.low for name, f in fields.items())
         for register, fields in FIELDS.items()

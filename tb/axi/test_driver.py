@@ -25,6 +25,7 @@ from tb.sim.shared import passes
 COUNT = 400  # capacity of each buffer in records of 32 bytes; the longest call has more targets
 
 BYTES = RECORDS.size
+TAGS = np.arange(9)
 
 pytestmark = pytest.mark.needs("cc")
 
@@ -159,7 +160,7 @@ def test_numbers(real, tmp_path, capfd):
     """Solve 120 sets of 1000 random targets, and for double the corners, without undefined behaviour."""
     core = RegisterModel()
     library = compiled(tmp_path, f"-DIK_REAL={real}", "-fsanitize=undefined")
-    driver = Driver(library, core, *core.areas, COUNT, real=real, polls=3)
+    driver = Driver(library, core, COUNT, real=real, polls=3)
     assert driver.start_up() == "none"
     random = np.random.default_rng(7)
     sets = corners() if real == "double" else []
@@ -173,62 +174,56 @@ def test_numbers(real, tmp_path, capfd):
     assert "runtime error" not in capfd.readouterr().err
 
 
-def test_bad_targets_are_refused(library):
-    """A bad target is refused before any job starts; ``bad`` is its index."""
-    core = RegisterModel(width=18)
-    driver = Driver(library, core, *core.areas, COUNT)
-    good = {name: np.full(9, 0.25) for name in FIELDS}
-    tags = np.arange(9)
-    assert driver.solve(driver.targets(good, tags))[0] == "no_core", "before ik_init"
+@pytest.mark.parametrize("arm", [False, True])
+def test_bad_targets_are_refused(library, arm):
+    """A bad target or hand pose is refused before any job starts; ``bad`` is its index."""
+    core = RegisterModel(width=18, arm=arm)
+    driver = Driver(library, core, COUNT // 2, arm=arm)
+    good = driver.targets(dict.fromkeys(FIELDS, 0.25) | ({"tool": 0.25, "hand": [1.0, 0, 0, 0]} if arm else {}), TAGS)
+    assert driver.solve(good)[0] == "no_core", "before ik_init"
     assert driver.start_up() == "none"
-    cases = [(name, value, "not_finite") for name in FIELDS for value in (np.nan, np.inf, -np.inf)]
-    cases += [(name, value, "not_an_arm") for name in ("d1", "d2") for value in (0.0, -0.25, -5e-324)]
-    cases += [(name, value, "too_far_out") for name in "xyz" for value in (16.0, -16.1)]
-    cases += [(name, 0.5 * 2.0**-18, "too_short") for name in ("d1", "d2")]  # at W = 18
-    for k, (name, value, code) in enumerate(cases):
-        bad = {**good, name: np.where(np.arange(9) == k % 9, value, good[name])}
-        assert driver.solve(driver.targets(bad, tags))[0] == code, f"{name} {value}"
-        assert driver.core.bad == k % 9
-    assert driver.solve(driver.targets(good, tags)[:0])[0] == "no_targets"
-    for arguments in ((None, tags.ctypes), (tags.ctypes, None)):
-        assert driver.call("ik_solve", *arguments, ctypes.c_size_t(9)) == CODES["null"]
-    assert driver.linked.ik_solve(None, tags.ctypes, tags.ctypes, ctypes.c_size_t(9)) == CODES["null"]
-    assert not core.jobs
-    bad = {**good, "d1": np.full(9, 2.0**-19)}  # half an ulp at W = 18; the core rounds it up
-    assert driver.solve(driver.targets(bad, tags))[0] == "none" and len(core.jobs) == 1
-
-
-def test_bad_hands_are_refused(library):
-    """Each wrong field of a hand pose returns its code; each solve function refuses the core of the other."""
-    core, wrists = RegisterModel(arm=1), RegisterModel()
-    driver, other = (Driver(library, one, *one.areas, COUNT // 2, arm=one is core) for one in (core, wrists))
-    good = dict.fromkeys((*FIELDS, "tool"), np.full(9, 0.25)) | {"hand": np.tile([1.0, 0, 0, 0], (9, 1))}
-    poses, reals = driver.targets(good, np.arange(9)), [(ctypes.c_double * 7)(*[k] * 7) for k in (0, 1)]
-    assert driver.solve(poses)[0] == "no_core" and driver.call("ik_limits", *reals) == CODES["no_core"]
-    assert driver.start_up() == other.start_up() == "none"
-    cases = [("tool", 0, value, "not_finite") for value in (np.nan, np.inf)]
-    cases += [("tool", 0, value, "too_far_out") for value in (16.0, -16.0)]
-    cases += [("hand", part, value, "not_a_hand") for part in range(4) for value in (np.nan, -np.inf, 2.0, -2.1)]
-    cases += [("x", 0, np.nan, "not_finite"), ("d2", 0, 0.0, "not_an_arm"), ("z", 0, 16.0, "too_far_out")]
+    reals, parts = (*FIELDS, *["tool"] * arm), range(4 * arm)
+    cases = [(name, 0, value, "not_finite") for name in reals for value in (np.nan, np.inf, -np.inf)]
+    cases += [(name, 0, value, "not_an_arm") for name in ("d1", "d2") for value in (0.0, -0.25, -5e-324)]
+    cases += [(name, 0, value, "too_far_out") for name in ("x", "y", "z", *reals[6:]) for value in (16.0, -16.1)]
+    cases += [(name, 0, 0.5 * 2.0**-18, "too_short") for name in ("d1", "d2")]  # at W = 18
+    cases += [("hand", part, value, "not_a_hand") for part in parts for value in (np.nan, -np.inf, 2.0, -2.1)]
     for k, (name, part, value, code) in enumerate(cases):
-        bad = poses.copy()
+        bad = good.copy()
         bad[name].reshape(9, -1)[k % 9, part] = value
         assert (driver.solve(bad)[0], driver.core.bad) == (code, k % 9), f"{name} {part} {value}"
-    assert driver.solve(poses[:0])[0] == "no_targets"
-    for call in (driver.linked.ik_solve_arm, driver.linked.ik_limits):
-        for null in range(3):
-            pointers = [None if k == null else one for k, one in enumerate((ctypes.byref(driver.core), *reals))]
-            assert call(*pointers, ctypes.c_size_t(9)) == CODES["null"]
+    assert driver.solve(good[:0])[0] == "no_targets"
+    check_null_pointers(driver, "ik_solve_arm" if arm else "ik_solve")
+    assert not core.jobs
+    good["d1"] = 2.0**-19  # half an ulp at W = 18; the core rounds it up
+    assert driver.solve(good)[0] == "none" and len(core.jobs) == 1
+
+
+def check_null_pointers(driver: Driver, name: str) -> None:
+    """Check that a function of the driver refuses a null pointer as any of its three arguments."""
+    some = (ctypes.c_double * 7)()
+    for null in range(3):
+        pointers = [None if k == null else one for k, one in enumerate((ctypes.byref(driver.core), some, some))]
+        assert getattr(driver.linked, name)(*pointers, ctypes.c_size_t(9)) == CODES["null"]
+
+
+def test_each_solve_function_refuses_the_core_of_the_other(library):
+    core, wrists, ends = RegisterModel(arm=1), RegisterModel(), [(ctypes.c_double * 7)(*[k] * 7) for k in (0, 1)]
+    driver, other = (Driver(library, one, COUNT // 2, arm=one is core) for one in (core, wrists))
+    poses = driver.targets(dict.fromkeys((*FIELDS, "tool"), 0.25) | {"hand": [1.0, 0, 0, 0]}, TAGS)
+    assert driver.call("ik_limits", *ends) == CODES["no_core"]
+    assert driver.start_up() == other.start_up() == "none"
+    check_null_pointers(driver, "ik_limits")
     driver.arm, other.arm = False, True
     assert driver.solve(poses)[0] == other.solve(poses)[0] == "other_core"
-    assert other.call("ik_limits", *reals) == CODES["other_core"] and not core.jobs + wrists.jobs
+    assert other.call("ik_limits", *ends) == CODES["other_core"] and not core.jobs + wrists.jobs
 
 
 @pytest.mark.parametrize("width", [18, 32])
 def test_joint_limits(library, width):
     """ik_limits rounds inward to core words, like `model.motion.hands.limit_words`. Bad limits change no register."""
     core, random = RegisterModel(width, arm=1), np.random.default_rng(3)
-    driver = Driver(library, core, *core.areas, COUNT, arm=True)
+    driver = Driver(library, core, COUNT, arm=True)
     assert driver.start_up() == "none"
     low = random.uniform(-4, 4, 7)
     high = low + random.uniform(0, 5, 7)
@@ -248,16 +243,16 @@ def test_start_up(library):
     codes = {0x494B0100: "none", 0x494B01FF: "none", 0x494B0200: "version"}
     for identity, code in (codes | dict.fromkeys((0x494A0100, 0, 0xFFFFFFFF), "no_core")).items():
         core = RegisterModel(identity=identity)
-        driver = Driver(library, core, *core.areas, COUNT)
+        driver = Driver(library, core, COUNT)
         assert driver.start_up() == code
         solved = driver.solve(driver.targets({name: np.ones(1) for name in FIELDS}, np.ones(1)))[0]
         assert solved == ("none" if code == "none" else "no_core")
     core = RegisterModel()
     core.registers["STATUS"] = 1  # never cleared
-    assert Driver(library, core, *core.areas, COUNT, polls=9).start_up() == "timeout"
+    assert Driver(library, core, COUNT, polls=9).start_up() == "timeout"
     core = RegisterModel()
     for name in ("read", "write", "source", "destination", "records"):
-        driver = Driver(library, core, *core.areas, COUNT)
+        driver = Driver(library, core, COUNT)
         setattr(driver.bus, name, type(getattr(driver.bus, name))())
         assert driver.start_up() == "null", name
     assert driver.call("ik_init", None) == CODES["null"]
@@ -269,7 +264,7 @@ def test_words_in_place(library, arm):
     """A call in words leaves the records as they are, starts one job, and refuses what the buffers do not hold, a busy
     core, the other kind of core and a core without ik_init."""
     core, other = RegisterModel(arm=arm), RegisterModel(arm=not arm)
-    driver, wrong = (Driver(library, one, *one.areas, COUNT >> arm, arm=arm) for one in (core, other))
+    driver, wrong = (Driver(library, one, COUNT >> arm, arm=arm) for one in (core, other))
     assert driver.solve_words(1) == "no_core" and driver.start_up() == wrong.start_up() == "none"
     records = np.random.default_rng(5).bytes(COUNT * BYTES)
     ctypes.memmove(core.areas[0][0], records, len(records))
@@ -288,7 +283,7 @@ def test_words_in_place(library, arm):
 
 def test_limits_in_words(library):
     core, words = RegisterModel(arm=1), np.arange(14, dtype="<u4") * 0x11111111
-    driver = Driver(library, core, *core.areas, COUNT, arm=True)
+    driver = Driver(library, core, COUNT, arm=True)
     pointers = words[:7].ctypes, words[7:].ctypes
     assert driver.call("ik_limits_words", *pointers) == CODES["no_core"] and driver.start_up() == "none"
     assert driver.call("ik_limits_words", None, pointers[1]) == CODES["null"]
@@ -300,8 +295,8 @@ def test_missing_result(library):
     """A job that reports done but has not written the result buffer returns the code ``lost``."""
     core = RegisterModel()
     elsewhere = ctypes.create_string_buffer(COUNT * BYTES)
-    source, (_, address) = core.areas
-    driver = Driver(library, core, source, (ctypes.addressof(elsewhere), address), COUNT)
+    driver = Driver(library, core, COUNT)
+    driver.bus.destination.at = ctypes.addressof(elsewhere)
     assert driver.start_up() == "none"
     code, results = driver.solve(driver.targets({name: np.ones(7) for name in FIELDS}, np.arange(7)))
     assert (code, len(results)) == ("lost", 0)
@@ -309,7 +304,7 @@ def test_missing_result(library):
 
 def test_texts(library):
     """Each code has its own text; all unknown codes have the same text."""
-    driver = Driver(library, RegisterModel(), *RegisterModel().areas, COUNT)
+    driver = Driver(library, RegisterModel(), COUNT)
     texts = [driver.linked.ik_error_text(code) for code in (*CODES.values(), -1, 10, 15, max(CODES.values()) + 1)]
     assert len(set(texts)) == len(CODES) + 1 and len(set(texts[-4:])) == 1
     assert all(text.endswith(b".") for text in texts[:-4])
@@ -363,7 +358,7 @@ def test_uio_wait_ends(library, tmp_path, error):
     core, uio = RegisterModel(), Uio()
     if error is not None:
         core.run = lambda count: None  # no job ends
-    driver = Driver(library, core, *core.areas, COUNT, polls=9)
+    driver = Driver(library, core, COUNT, polls=9)
     paths, patience = uio_device(tmp_path, *BUFFER), 9000 if error == errno.EINTR else 20
     assert driver.linked.ik_uio_open(ctypes.byref(uio), *paths, patience) == 0
     driver.core, driver.bus.user, driver.bus.wait = uio.core, uio.bus.user, uio.bus.wait

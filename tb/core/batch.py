@@ -10,7 +10,7 @@ import numpy as np
 from cocotb.triggers import ClockCycles, FallingEdge
 
 from tb.core.pipeline import Pipeline
-from tb.sim.job import Run
+from tb.sim.job import Run, report
 from tb.sim.timeout import timed_test
 
 
@@ -34,14 +34,14 @@ async def run_targets(dut):
     cocotb.start_soon(count())
     for words in jobs:
         await bench.reset()
-        first, bits, since = len(monitor.results), board.mismatching_bits, len(monitor.admitted)
+        first, since, board.mismatching_bits = len(monitor.results), len(monitor.admitted), 0
         board.differences.clear()
         bench.driver.send(words)
         await bench.drain()
         results, _, flags, clocks = zip(*monitor.results[first:], strict=True)
-        total, bits = clocks[-1] - monitor.admitted[-len(clocks)] + 1, board.mismatching_bits - bits
-        message = board.report(since=since) or None
-        runs.append(Run(np.array(results), np.array(flags), monitor.latencies[first], total, bits, message))
+        cycles = monitor.latencies[first], clocks[-1] - monitor.admitted[-len(clocks)] + 1
+        message = report(board.differences, board.nodes, since) or None
+        runs.append(Run(np.array(results), np.array(flags), *cycles, board.mismatching_bits, message))
     # A node mismatch is a result of the run; only a broken stream fails it.
     streams = [e for e in monitor.errors if ": RTL " not in e]
     assert not streams, f"{len(streams)} errors, the first: {streams[0]}"

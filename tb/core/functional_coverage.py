@@ -2,7 +2,7 @@
 """Functional coverage at the ports of ``ik_axis`` (flag x datapath x singular region x stall pattern) and of ``ik_arm``
 (property of a pose, or of the choice of its branch, x datapath x stall pattern).
 
-:class:`tb.core.monitor.Monitor` samples each result; the bench writes the samples after it has checked the results.
+:class:`tb.core.pipeline.Monitor` samples each result; the bench writes the samples after it has checked the results.
 """
 
 import functools
@@ -39,7 +39,7 @@ IMPOSSIBLE = {
 Kind = tuple[str, ...]
 """Flag and region of a wrist target, or one property of a pose of the whole arm."""
 
-LATE = "after a reset that dropped poses"
+LATE = ("after a reset that dropped poses",)
 POSES = [f"{name}={bit}" for name in (*ARM_FLAGS, *BRANCHES) for bit in (0, 1)]
 POSES += [f"{joint} near {angle}" for joint in ("th2", "th6") for angle in ("0", "pi")]
 POSES += [f"tool {length}" for length in ("least", "0", "greatest")]
@@ -51,22 +51,14 @@ CHOICES = [f"{name}={bit}" for name in CHOICE_BITS for bit in (0, 1)]
 """Properties of the choice of a branch."""
 
 
-def bin_of(*values: str, top: str = "ik_axis") -> Point:
-    return Point(top, 0, 0, "cross", " x ".join(values))
-
-
-def bin_of_kind(kind: Kind, datapath: str, stall: str) -> Point:
+def bin_of(kind: Kind, datapath: str, stall: str) -> Point:
     """Return the coverage point of a kind of target, a datapath and a stall pattern."""
     first, *region = kind
-    return bin_of(first, datapath, *region, stall, top="ik_axis" if region else "ik_arm")
+    return Point("ik_axis" if region else "ik_arm", 0, 0, "cross", " x ".join((first, datapath, *region, stall)))
 
 
 WRISTS = [kind for kind in itertools.product(("-", *CORE_FLAGS), REGIONS) if kind not in IMPOSSIBLE]
-KINDS: dict[str, list[Kind]] = {
-    "lean": WRISTS,
-    "arm": [(pose,) for pose in POSES],
-    "choose": [(choice,) for choice in CHOICES],
-}
+KINDS = {"lean": WRISTS, "arm": [(pose,) for pose in POSES], "choose": [(choice,) for choice in CHOICES]}
 """Kinds by the datapath that has examples of them; :func:`source` names it."""
 
 
@@ -77,11 +69,11 @@ def source(datapath: str) -> str:
 
 
 BINS = [
-    bin_of_kind(kind, datapath, stall)
+    bin_of(kind, datapath, stall)
     for datapath in ("lean", "paper", "fold", "arm", "fold_arm", "choose", "fold_choose")
     for kind, stall in itertools.product(KINDS[source(datapath)], STALLS)
 ]
-BINS += [bin_of(LATE, datapath, "any", top="ik_arm") for datapath in ("arm", "fold_arm")]
+BINS += [bin_of(LATE, datapath, "any") for datapath in ("arm", "fold_arm")]
 
 
 def kinds_of(target: Sequence[int], results: Sequence[int], flags: int, width: int) -> list[Kind]:
@@ -142,7 +134,7 @@ def every_kind(width: int, datapath: str = "lean", stall: str = "") -> np.ndarra
     wanted = [
         target
         for kind, target in examples(width, source(datapath)).items()
-        if not stall or not HITS[bin_of_kind(kind, name, stall)]
+        if not stall or not HITS[bin_of(kind, name, stall)]
     ]
     return np.array(list(dict.fromkeys(wanted))).reshape(-1, len(path.inputs) + bool(path.side))
 
@@ -153,9 +145,9 @@ HITS: Counter[Point] = Counter()  # samples of this simulation
 def sample(kinds: Sequence[Kind], datapath: str, gap: bool, held: bool, late: bool) -> None:
     """Count a result in the bins of its kinds. ``gap``: its target followed idle clocks. ``held``: the result had to
     wait. ``late``: it is the first result after a reset that dropped poses."""
-    HITS.update(bin_of_kind(kind, datapath, STALLS[gap + 2 * held]) for kind in kinds)
+    HITS.update(bin_of(kind, datapath, STALLS[gap + 2 * held]) for kind in kinds)
     if late:
-        HITS[bin_of(LATE, datapath, "any", top="ik_arm")] += 1
+        HITS[bin_of(LATE, datapath, "any")] += 1
 
 
 def keep() -> None:

@@ -15,9 +15,8 @@ from cocotb.triggers import ClockCycles, FallingEdge, Timer
 
 from model.dataflow import fixed
 from model.dataflow.fold.program import program
-from tb.core.driver import PATTERNS, pause
 from tb.core.functional_coverage import STALLS, every_kind
-from tb.core.pipeline import Pipeline
+from tb.core.pipeline import PATTERNS, Pipeline, pause
 from tb.sim.timeout import timed_test
 
 
@@ -180,9 +179,7 @@ async def not_ready_under_reset(dut):
             await FallingEdge(dut.clk)
             if dut.s_axis_tready.value == 1:
                 break
-        assert dut.s_axis_tready.value == 1, (
-            "s_axis_tready stays low for 1000 clocks after a reset, with a target waiting"
-        )
+        assert dut.s_axis_tready.value == 1, "tready stays low for 1000 clocks after a reset, with a target waiting"
         dut.rst.value = 1
         await Timer(1, unit="ns")
         assert dut.s_axis_tready.value == 0, "tready is high under reset"

@@ -2,7 +2,7 @@
 """Run each test of stream_tests.py as a pytest case. All cases of a parameter set share one build and simulation."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterator
 
 import pytest
 from cocotb import regression
@@ -36,12 +36,8 @@ pytestmark = [pytest.mark.sim, pytest.mark.cost(60)]
 def shared(key: str) -> Shared:
     """Return the simulation of a parameter set."""
     datapath, width, tag_width = (SETS | BYTES)[key]
-    options = {
-        "toplevel": MODELS[datapath].top + "_bytes" * (key in BYTES),
-        "module": "tb.core.stream_tests",
-        "parameters": {"W": width, "TAG_W": tag_width, **MODELS[datapath].parameters},
-        "seed": 1,
-    }
+    options = {"toplevel": MODELS[datapath].top + "_bytes" * (key in BYTES), "module": stream_tests.__name__}
+    options["parameters"] = {"W": width, "TAG_W": tag_width, **MODELS[datapath].parameters}
 
     def chosen(names: list[str]) -> dict:
         wanted = "|".join(re.escape(f"stream_tests.{name}") + "$" for name in names)
@@ -51,10 +47,10 @@ def shared(key: str) -> Shared:
 
 
 LARGE = ("paper-23", "arm-18", "choose-18", "fold_arm-24", "fold_choose-24") if simulator() == "icarus" else ()
-SOME = (*LARGE, "fold_arm16-18")
-"""Besides large sets, the one that differs from another only by its fetch of steps, which test_power_up resets."""
-WHOLE = [key for key in SETS if key not in SOME]
 FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out")
+PARTS = dict.fromkeys((*LARGE, "fold_arm16-18"), FEW) | dict.fromkeys(BYTES, ("idle=bursts/stall=bursts", "after=out"))
+"""Set -> parts of the names of its tests; other sets run all. fold_arm16 differs from fold_arm only by its fetch of
+steps, which test_power_up resets."""
 
 
 def around(key: str) -> pytest.MarkDecorator:
@@ -67,26 +63,17 @@ def around(key: str) -> pytest.MarkDecorator:
     return pytest.mark.bench(path.top + "_bytes" * (key in BYTES), without=others)
 
 
-def cases(keys: Iterable[str], parts: Iterable[str] = ("",)):
-    """Return a decorator: a case for each parameter set and each test whose name contains one of ``parts``."""
-    names = [name for name in TESTS if any(part in name for part in parts)]
-    sets = {key: shared(key) for key in keys}
-    rows = [pytest.param(sets[key], name, id=f"{key}-{name}", marks=around(key)) for key in sets for name in names]
-    return pytest.mark.parametrize(("simulation", "name"), rows)
+def cases() -> Iterator:
+    """Yield a case for each parameter set and each of its tests."""
+    for key in (*SETS, *BYTES):
+        simulation, marks = shared(key), [around(key), *[pytest.mark.slow] * (key in BYTES)]
+        for name in TESTS:
+            if any(part in name for part in PARTS.get(key, [""])):
+                yield pytest.param(simulation, name, id=f"{key}-{name}", marks=marks)
 
 
-@cases(WHOLE)
+@pytest.mark.parametrize(("simulation", "name"), cases())
 def test_streams(request, simulation, name):
-    simulation.check(request, name)
-
-
-@cases(SOME, FEW)
-def test_some_streams(request, simulation, name):
-    simulation.check(request, name)
-
-
-@pytest.mark.slow
-@cases(BYTES, ["idle=bursts/stall=bursts", "after=out"])
-def test_words_of_whole_bytes(request, simulation, name):
-    """Check that the padding of targets, which is random here, is ignored, and that results are sign-extended."""
+    """Run a test. With whole bytes, the padding of targets, which is random here, is ignored, and results are
+    sign-extended."""
     simulation.check(request, name)

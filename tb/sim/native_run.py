@@ -208,7 +208,7 @@ def _run(said: str, back: np.ndarray, sizes: list[int], nodes: list[Node], width
     for line in differs:
         node, target, clock, rtl, model = re.fullmatch(r"differs (\d+) (\d+) (\d+) (\w+) (\w+)", line).groups()
         of = nodes[int(node)]
-        bit = format(int(rtl, 16), f"0{of.format.width}b")
-        differences.append(Difference(of, int(target), int(clock), bit, int(model, 16)))
+        texts = (format(int(word, 16), f"0{of.format.width}b") for word in (rtl, model))
+        differences.append(Difference(of, int(target), int(clock), *texts))
     first = report(differences, nodes) or None
     return Run((rows[:, :-1] ^ half) - half, rows[:, -1].copy(), latency, clocks, bits, first)

@@ -20,7 +20,7 @@ from pathlib import Path
 import cocotb_test.simulator
 
 from tb.sim import coverage
-from tb.sim.env import ROOT, cores, simulator, use_environment
+from tb.sim.env import ROOT, cores, environment, simulator
 from tb.sim.sources import headers, includes, sources, with_rules
 
 BUILD = coverage.build("sim")
@@ -122,16 +122,16 @@ def simulate(
     another folder for builds. ``seconds`` limits each command. Raises ``SystemExit`` when a test or the build fails, as
     cocotb-test does, or at the limit.
     """
-    use_environment()
+    ready = environment()  # cocotb-test's commands inherit the environment of this process
+    os.environ.clear()
+    os.environ.update(ready)
     sim = simulator(sim)
     digit = cores(core) == "digit" and toplevel in WITH_DIGIT
     parameters = ({"DIGIT": 1} if digit else {}) | (parameters or {})
-    parts = [toplevel, *(f"{k}{v}" for k, v in parameters.items()), *([name] if name else [])]
-    if waves and sim == "verilator":
-        parts.append("waves")
-    folder = (build or BUILD) / sim / "-".join(parts)
-    if top:
-        folder = folder.with_name(f"{folder.name}-{hashlib.sha1(top.encode()).hexdigest()[:10]}")
+    parts = [toplevel, *(f"{k}{v}" for k, v in parameters.items()), name]
+    parts.append("waves" if waves and sim == "verilator" else "")
+    parts.append(hashlib.sha1(top.encode()).hexdigest()[:10] if top else "")
+    folder = (build or BUILD) / sim / "-".join(filter(None, parts))
     with alone(folder):
         files = with_rules(sources(root), folder)
         if top:

@@ -8,11 +8,13 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Limits
 from tb.sim import native_run, runner
 from tb.sim.env import ROOT
-from tb.sim.job import Job, Run, SimulationError
+from tb.sim.job import Run, SimulationError
 from tb.sim.subprocesses import full, started
 
 LONG = 2000
@@ -21,7 +23,7 @@ Icarus about as long."""
 
 
 def simulate(
-    jobs: list[Job],
+    jobs: list[np.ndarray],
     *,
     simulator: str,
     datapath: str,
@@ -34,7 +36,7 @@ def simulate(
     native: bool | None = None,
     limits: Limits | None = None,
 ) -> list[Run]:
-    """Run all jobs in one simulation and compare every node with the bit-true model.
+    """Run all jobs (:mod:`tb.sim.job`) in one simulation and compare every node with the bit-true model.
 
     ``waves`` is a VCD file to write. ``progress(done, total)`` is called about twice a second, or natively after each
     frame. ``root`` and ``name`` select another copy of the RTL, ``cores`` the kind of dividers and roots (see
@@ -42,7 +44,7 @@ def simulate(
     without Python in the loop (:mod:`tb.sim.native_run`), unless it writes waves; the results are the same. ``limits``
     are the joints' limits of the whole arm, in words. Raises :class:`SimulationError`.
     """
-    total = sum(len(job.words) for job in jobs)
+    total = sum(map(len, jobs))
     if native is None:
         native = total >= LONG
     if native and simulator == "verilator" and not waves:
@@ -50,13 +52,13 @@ def simulate(
         runs, before = [], 0
         for job in jobs:
             told = (lambda done, since=before: progress(since + done, total)) if progress else None
-            frames = native_run.answered(job.words, width, datapath, limits)
+            frames = native_run.answered(job, width, datapath, limits)
             runs.append(native_run.compare(program, frames, width, datapath, told, root))
-            before += len(job.words)
+            before += len(job)
         return runs
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)
-        (place / "jobs").write_bytes(pickle.dumps(([job.words for job in jobs], limits)))
+        (place / "jobs").write_bytes(pickle.dumps((jobs, limits)))
         log = place / "log"
         core = {"parameters": {"W": width, **MODELS[datapath].parameters}, "core": cores, "root": root, "name": name}
         command = runner.command(

@@ -8,7 +8,7 @@ from model.dataflow import fixed
 from model.io.stimuli import mixed
 from tb.sim import native_run
 from tb.sim.env import simulator
-from tb.sim.job import Job, SimulationError
+from tb.sim.job import SimulationError
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import simulate
 
@@ -34,7 +34,7 @@ if simulator() == "verilator":
 
     def broken(folder, bug, ways=(False, True)):
         """Return the runs of an RTL copy with a bug, one for each of ``ways``: with cocotb (False), natively (True)."""
-        jobs = [Job("some", np.random.default_rng(4).integers(-4, 4, (200, 6)))]
+        jobs = [np.random.default_rng(4).integers(-4, 4, (200, 6))]
         core = {"simulator": "verilator", "datapath": "lean", "width": QUICK, "name": f"native-{bug.what}"}
         core["root"] = copy_rtl(folder, bug)
         return [simulate(jobs, **core, native=native)[0] for native in ways]
@@ -42,7 +42,7 @@ if simulator() == "verilator":
     def test_both_ways_give_the_same(monkeypatch):
         """Run several jobs, one of them longer than a frame."""
         monkeypatch.setattr(native_run, "FRAME", 100)
-        jobs = [Job(f"job {n}", mixed(count, WIDTH, seed=n)) for n, count in enumerate((1, 60, 330))]
+        jobs = [mixed(count, WIDTH, seed=count) for count in (1, 60, 330)]
         core = {"simulator": "verilator", "datapath": "lean", "width": WIDTH}
         for cocotb, native in zip(*(simulate(jobs, **core, native=way) for way in (False, True)), strict=True):
             for ours, theirs in zip(vars(native).values(), vars(cocotb).values(), strict=True):
@@ -74,14 +74,9 @@ if simulator() == "verilator":
 
     def test_results_and_flags_at_the_port_count(program):
         """Check that wrong results or flags after right nodes, as from a broken FIFO, are reported."""
-
-        def result(answer):
-            answer.results[3, 5] ^= 1
-
-        def flags(answer):
-            answer.flags[3] ^= 32
-
-        for change in (result, flags):
+        changes = [lambda answer: np.bitwise_xor.at(answer.results, (3, 5), 1)]
+        changes += [lambda answer: np.bitwise_xor.at(answer.flags, 3, 32)]
+        for change in changes:
             with pytest.raises(SimulationError, match="target 3: its nodes are right, its result or flags are not"):
                 native_run.compare(program, spoiled(mixed(100, WIDTH, seed=2), change), WIDTH, "lean")
 

@@ -53,7 +53,7 @@ class Case(NamedTuple):
 
 def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
     """Return the arguments of :func:`tb.sim.runner.simulate` that simulate all pairs as instances in one top."""
-    from tb.sim.wrapper_top import TOP, top_of
+    from tb.sim.sources import TOP, top_of
 
     pairs = list(pairs)
     return {

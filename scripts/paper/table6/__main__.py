@@ -41,7 +41,7 @@ from scripts.paper import tables
 from scripts.paper.table6.compiled import FLAGS, compiler_version
 from scripts.paper.table6.contenders import Contender, contenders
 from tb.sim.env import GENERATED, SIMULATORS
-from tb.sim.simulate import Job, SimulationError, simulate
+from tb.sim.simulate import SimulationError, simulate
 
 FIGURES = GENERATED / "table6.json"
 PAGE = GENERATED / "table6.md"
@@ -124,7 +124,7 @@ def stream_to_stream() -> dict:
     """Run the 100 targets of `reach` through the RTL without stalls. Return the clocks to the first and to the last
     result, the clocks per result, and the largest hand error / reach."""
     words, _ = to_words(make("reach"), WIDTH)
-    (run,) = simulate([Job("reach", words)], simulator=SIMULATORS[0], datapath=DATAPATH, width=WIDTH)
+    (run,) = simulate([words], simulator=SIMULATORS[0], datapath=DATAPATH, width=WIDTH)
     if run.bit_mismatches:
         raise SimulationError(f"{DATAPATH}: the RTL differs from the model: {run.first_mismatch}")
     first, last = run.latency_cycles, run.total_cycles

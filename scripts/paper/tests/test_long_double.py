@@ -10,7 +10,7 @@ from model.io.flags import expected_flags
 from model.io.scoring import singular_distance
 from model.io.words import from_words, result_values
 from scripts.paper.table6.compiled import Solver
-from tb.core.random_targets import chunk
+from tb.core.worst_targets import chunk
 
 UNEQUAL = 2.0**-24
 """Ratio of the lengths below which the paper's equations, which add squares of lengths, lose too many of 64 bits."""

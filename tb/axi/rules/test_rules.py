@@ -13,8 +13,7 @@ from tb.axi.instances import echoing
 from tb.sim.env import simulator
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.shared import failures, passes
-from tb.sim.sources import RULES
-from tb.sim.wrapper_top import TOP, top_of
+from tb.sim.sources import TOP, top_of
 
 PORTS = {
     "stream": ("ik_rules_channel", {"N": 8, "STREAM": 1, "STOP": 0}),
@@ -121,8 +120,7 @@ def fails_with(finding: str, folder: Path, **options) -> None:
 @pytest.mark.sim
 def test_every_rule_fails_its_own_trace():
     env = {"COCOTB_TEST_FILTER": "legal_traces|each_rule"}
-    top = top_of(PORTS, [RULES / "ik_rules.v"])
-    passes("rules", toplevel=TOP, module="tb.axi.rules.rules", top=top, env=env)
+    passes("rules", toplevel=TOP, module="tb.axi.rules.rules", top=top_of(PORTS), env=env)
 
 
 only_icarus = pytest.mark.skipif(simulator() != "icarus", reason="the same monitors; Icarus builds them in a second")
