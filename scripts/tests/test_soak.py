@@ -14,7 +14,7 @@ from model.io import stimuli
 from model.io.flags import ARM_FLAGS, CORE_FLAGS, UNREACHABLE, expected_flags
 from model.io.words import FIELDS
 from scripts import check_proofs, soak, soak_memory
-from tb.axi.instances import CORE, named
+from tb.axi.instances import CORE, FOLDED, named
 from tb.core import worst_targets
 from tb.core.worst_targets import chunk
 from tb.sim.job import answer
@@ -221,11 +221,14 @@ def test_jobs_of_memory_are_counted_and_a_failing_piece_is_replayed(command, mon
 
     monkeypatch.setattr(soak_memory, "run_in_process", run_in_process)
     monkeypatch.setattr(soak_memory, "ECHO_PLACE", tmp_path)
-    pieces = len(CORE) + 1
+    pieces = len(CORE + FOLDED) + 1
     status, out, _ = command(soak_memory.main, "--jobs", f"{100 * pieces - 99}", "--seed", "3", "--processes", "1")
     assert status == 0 and f"{pieces}00 jobs, {2000 * pieces} targets, seed 3" in out[-1]
     assert len({seed for seed, *_ in ran}) == pieces
-    assert [(parameters, echo) for _, parameters, echo in ran] == [*((p, None) for p in CORE), (ran[-1][1], "echo")]
+    assert [(parameters, echo) for _, parameters, echo in ran] == [
+        *((p, None) for p in CORE + FOLDED),
+        (ran[-1][1], "echo"),
+    ]
     ran.clear()
     status, out, err = command(soak_memory.main, "--jobs", "1000", "--seed", "7", "--processes", "1")
     assert (status, out, len(ran)) == (1, [], 3)
