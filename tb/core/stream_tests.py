@@ -129,6 +129,37 @@ async def full(dut):
         await bench.finish()
 
 
+@timed_test()
+async def results_wait(dut):
+    """Check that a waiting result of a folded core delays the next one only by the clocks that it waits beyond the first
+    write of that one, or behind the choice of a branch by none. The other datapaths have a FIFO."""
+    async with started(dut) as bench:
+        if bench.period == 1:
+            return
+        _, made = program(bench.width, bench.path.entity.removeprefix("ik_"))
+        first, last = made.results
+        spare = bench.period - 2 - (last - first)
+        bench.sink.pause = True
+        bench.driver.send(bench.mixed(8, seed=9))
+        offered, waited = [], []
+        for clocks in (1, spare - 1, spare, spare + 1, 1, spare + 5, 1, 1):
+            while dut.m_axis_tvalid.value == 0:
+                await FallingEdge(dut.clk)
+            offered.append(bench.monitor.clock)
+            await ClockCycles(dut.clk, clocks, FallingEdge)
+            bench.sink.pause = False
+            while dut.m_axis_tready.value == 0:
+                await FallingEdge(dut.clk)
+            waited.append(bench.monitor.clock - offered[-1])
+            bench.sink.pause = True
+            await FallingEdge(dut.clk)
+        late = [0 if bench.path.chooses else max(0, clocks - spare) for clocks in waited]
+        assert {spare, spare + 1} <= {*waited}, f"results waited for {waited} clocks"
+        delays = [clocks - bench.period for clocks in np.diff(offered).tolist()]
+        assert delays == late[:-1], f"after waits of {waited} clocks results are {delays} late, expected {late[:-1]}"
+        await bench.finish()
+
+
 @cocotb.parametrize(after=["few", "many", "out", "full"])
 @timed_test()
 async def reset_in_traffic(dut, after):

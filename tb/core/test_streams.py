@@ -47,7 +47,7 @@ def shared(key: str) -> Shared:
 
 
 LARGE = ("paper-23", "arm-18", "choose-18", "fold_arm-24", "fold_choose-24") if simulator() == "icarus" else ()
-FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out")
+FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out", "results_wait")
 PARTS = dict.fromkeys((*LARGE, "fold_arm16-18"), FEW) | dict.fromkeys(BYTES, ("idle=bursts/stall=bursts", "after=out"))
 """Set -> parts of the names of its tests; other sets run all. fold_arm16 differs from fold_arm only by its fetch of
 steps, which test_power_up resets."""
@@ -72,7 +72,7 @@ def cases() -> Iterator:
                 yield pytest.param(simulation, name, id=f"{key}-{name}", marks=marks)
 
 
-@pytest.mark.parametrize(("simulation", "name"), cases())
+@pytest.mark.parametrize(("simulation", "name"), list(cases()))
 def test_streams(request, simulation, name):
     """Run a test. With whole bytes, the padding of targets, which is random here, is ignored, and results are
     sign-extended."""
