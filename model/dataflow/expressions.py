@@ -6,7 +6,7 @@ Python's operators build expressions: ``cc - ss``, ``(d1 <= 0) | (d2 <= 0)``.  A
 
 * ``words(values)`` is its value in units of 2^-frac.  ``values`` maps node names to integers, which give the RTL's
   words, or to real numbers, which are never rounded.
-* ``formula(domain)`` is SMT-LIB over the reals, in a domain of :mod:`tb.formal.lean_exact`; raises :class:`FreeError`.
+* ``formula(domain)`` is SMT-LIB over the reals, in a domain of :mod:`tb.formal.lean_proofs`; raises :class:`FreeError`.
 * ``text(level)`` is an equation's right side, in parentheses if the binding strength of its context, ``level``, is
   above its own.
 """

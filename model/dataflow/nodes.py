@@ -7,7 +7,7 @@ nodes.  Each node has an operation (:mod:`model.dataflow.expressions`), from whi
 * words, equal to the RTL in every bit: :class:`model.dataflow.fixed.Bits`;
 * double precision with any single node disturbed: :class:`model.bounds.predict.Real`;
 * intervals and error growth: :mod:`model.bounds.ranges`;
-* formulas over the reals: :class:`tb.formal.lean_exact.Exact`;
+* formulas over the reals: :class:`tb.formal.lean_proofs.Exact`;
 * the equation as text, for pages and for the comments of the RTL;
 * steps of the folded program: :class:`model.dataflow.fold.lowering.Lowering`;
 * formats and clocks, from which ``scripts/generate/headers.py`` writes the ``*_nodes.vh`` of the RTL.

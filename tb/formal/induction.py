@@ -15,8 +15,7 @@ from pathlib import Path
 
 from tb.formal.bugs import BUGS
 from tb.formal.task import Outcome, Say, digest_of, no_circle
-from tb.formal.tools import call, yosys
-from tb.formal.unrolled import TACTIC, Answer, Unrolled
+from tb.formal.tools import TACTIC, Answer, Unrolled, call, yosys
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.sources import code, headers, sources

@@ -1,8 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Definitions of the proofs about streams, dividers, roots and AXI engines: modules, parameters, dependencies."""
+"""All proofs: for those about RTL, modules, parameters and dependencies; for those about numbers, their questions."""
+
+from collections.abc import Callable, Iterable
+from functools import partial
 
 from model.dataflow.datapaths import MODELS, PAPER
+from tb.formal import induction, lean_proofs, task
+from tb.formal.bugs import BUGS
+from tb.formal.floors import DIV, ROOT_DIGIT, floors
 from tb.formal.induction import Proof
+from tb.formal.lean_proofs import Questions, Rounded, Rules
+from tb.formal.rsqrt_stages import QUADRATIC, RSQRT, TABLE, stages
+from tb.formal.task import Question, Task, digest_of
+from tb.sim.env import ROOT
+from tb.sim.sources import code
 
 WORDS = "IK_IN=6 IK_OUT=6 IK_FLAGS=8"
 CORE = {
@@ -130,3 +141,34 @@ PROOFS = (
           gates=("i:s_axi_* i:m_axi_*", "o:*", 22, 31)),  # not rst, which drives ready of the registers
 )  # fmt: skip
 """All proofs by induction and about gates; a test compares the parameters with the model and the RTL."""
+
+FLOORS = (DIV, ROOT_DIGIT, "tb/formal/floors.py", "tb/formal/smt.py")
+STAGES = (RSQRT, QUADRATIC, TABLE, "rtl/lib/ik_delay.v", "model/dataflow/quadratic.py")
+
+Asked = Callable[[], Iterable[Question]]
+
+
+def _numbers(name: str, what: str, digest: Callable[[], str], questions: Asked, wrong: Asked) -> Task:
+    return Task(name, what, "z3", digest, lambda pool, say: task.run(questions(), wrong(), pool, say))
+
+
+def _ranges(name: str, what: str, kind: type[Questions]) -> Task:
+    parts = (partial(part, kind) for part in (lean_proofs.digest, lean_proofs.questions, lean_proofs.too_narrow))
+    return _numbers(name, f"{what}, W = 16 to 32", *parts)
+
+
+def _seeded(name: str, what: str, files: Iterable[str], questions: Callable) -> Task:
+    def wrong() -> Iterable[Question]:
+        return (question for question in questions(BUGS[name]) if question.name == BUGS[name].fails)
+
+    return _numbers(name, what, lambda: digest_of(*(code(ROOT / file) for file in files)), questions, wrong)
+
+
+TASKS = (
+    *(Task(p.name, p.claim, p.engine, partial(induction.digest, p), partial(induction.run, p)) for p in PROOFS),
+    _ranges("rules", "exact ranges of the whole arm's dataflow", Rules),
+    _ranges("errors", "errors of the whole arm's words", Rounded),
+    _seeded("floors", "from rows to the floor, divider and root, all widths", FLOORS, floors),
+    _seeded("rsqrt", "`ik_rsqrt` equals its model, W = 16 to 32", STAGES, stages),
+)
+"""All proofs, in the order of docs/generated/proofs.md."""

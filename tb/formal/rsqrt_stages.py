@@ -17,10 +17,9 @@ from typing import NamedTuple
 from model.dataflow.formats import WIDTHS, root_frac
 from model.dataflow.mul3 import TILE
 from model.dataflow.quadratic import INVERSE_ROOT, Form, place, polynomial, rounding, table_rows
-from tb.formal.arithmetic import Question, inside, word
-from tb.formal.smt import formula
-from tb.formal.tools import yosys
-from tb.formal.unrolled import Answer, Unrolled, ask
+from tb.formal.smt import formula, inside, word
+from tb.formal.task import Question
+from tb.formal.tools import Answer, Unrolled, ask, yosys
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug, copy_rtl
 

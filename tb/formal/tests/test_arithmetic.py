@@ -12,15 +12,14 @@ from model.bounds.predict import Real
 from model.dataflow import fixed, quadratic
 from model.dataflow.quadratic import Form
 from model.io.stimuli import REGIONS, hand_poses, region
-from tb.formal import arithmetic, lean_proofs
-from tb.formal.arithmetic import Question
+from tb.formal import lean_proofs, task
 from tb.formal.bugs import BUGS
 from tb.formal.floors import ROOT_DIGIT, floors, integer
-from tb.formal.lean_exact import Exact
-from tb.formal.lean_proofs import BY_WORDS, CASES, Rounded, Rules
+from tb.formal.lean_proofs import BY_WORDS, CASES, Exact, Rounded, Rules
 from tb.formal.rsqrt_stages import Stages, forms, model
 from tb.formal.smt import smt
-from tb.formal.unrolled import Answer
+from tb.formal.task import Question
+from tb.formal.tools import Answer
 from tb.sim.env import ROOT
 
 FULL = 32
@@ -141,7 +140,7 @@ def test_rules_and_errors(kind):
     """Check that all claims at one word length are proved, and that a claim that is too narrow is not."""
     with ThreadPoolExecutor(2) as pool:
         asked = lean_proofs.questions(kind, (24,))
-        assert arithmetic.run(asked, lean_proofs.too_narrow(kind), pool, print).failed == []
+        assert task.run(asked, lean_proofs.too_narrow(kind), pool, print).failed == []
 
 
 @tools
@@ -149,14 +148,14 @@ def test_floors_fail_on_a_bug():
     bug = BUGS["floors"]
     with ThreadPoolExecutor(2) as pool:
         wrong = (question for question in floors(bug) if question.name == bug.fails)
-        assert arithmetic.run(floors(), wrong, pool, print).failed == []
+        assert task.run(floors(), wrong, pool, print).failed == []
 
 
 @tools
 def test_reciprocal_root_of_short_words():
     """Prove the short form of the table, which has one tile."""
     for question in Stages(22).questions():
-        assert arithmetic.answer(question)[1] == "", question.name
+        assert task.answer(question)[1] == "", question.name
 
 
 @pytest.mark.parametrize(("frac", "tile"), forms()[::3])
@@ -174,14 +173,14 @@ def test_terms_are_those_of_the_model(frac, tile):
 
 def test_problems_are_reported():
     def problem(answer, met="sat"):
-        return arithmetic.answer(Question("q", "", lambda: Answer(answer, 0.1), lambda: Answer(met, 0.1)))[1]
+        return task.answer(Question("q", "", lambda: Answer(answer, 0.1), lambda: Answer(met, 0.1)))[1]
 
     assert (problem("unsat"), problem("sat"), problem("timeout")) == ("", "counterexample", "timeout")
     assert problem("unsat", "unsat") == "its assumptions cannot be met: unsat"
     proved = Question("q", "", lambda: Answer("unsat", 0.1))
     with ThreadPoolExecutor(1) as pool:
-        assert arithmetic.run([proved], [proved], pool, print).failed == ["seeded bug: no counterexample: unsat"]
-        assert arithmetic.run([proved], [], pool, print).failed == ["seeded bug: no counterexample: no question"]
+        assert task.run([proved], [proved], pool, print).failed == ["seeded bug: no counterexample: unsat"]
+        assert task.run([proved], [], pool, print).failed == ["seeded bug: no counterexample: no question"]
 
 
 def test_expressions_are_read():
