@@ -28,7 +28,7 @@ from . import choices
 from .angles import Angle, Gained
 from .annotations import SAME, SUM, Growth, Limited, Within
 from .choices import Outside, OutsideFormat, WrappedSum, replaced, rounded_sum, twice
-from .expressions import HALF_UP, Constant, Sum, square
+from .expressions import HALF_UP, Sum, square
 from .formats import Format
 from .lean import SECTIONS as CORE_SECTIONS
 from .lean import Lean, equations, guard, norm
@@ -91,7 +91,7 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
     for c, name in (("j", "hij_sq"), ("k", "hijk_sq"), ("w", "hand_sq")):
         facts = {"ends": WRAP, "within": LENGTH, "grows": SUM, "proof": (*good, *sums)}
         total = d.node(name, WrappedSum(total, squares[c]), exact, "wide", **facts)
-    least, most = (Constant((1 + side / 256) ** 2) for side in (-1, 1))
+    least, most = ((1 + side / 256) ** 2 for side in (-1, 1))
     bad_hand = d.mask("bad_hand", (total < least) | (total >= most))
     for c in "wijk":
         facts = {"within": GOOD, "grows": SAME, "proof": ("=h_len", "|h|")}
@@ -114,7 +114,7 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
         return d.node(f"r_{axis}", total, f.inner, ends=WRAP, within=ROW, grows=SUM, proof=proof)
 
     rows = {"x": row("x", product("i", "k") + product("w", "j")), "y": row("y", product("j", "k") - product("w", "i"))}
-    rows["z"] = row("z", Constant(0.5) - product("i", "i") - product("j", "j"))
+    rows["z"] = row("z", 0.5 - product("i", "i") - product("j", "j"))
     wrist = []
     for axis, half in rows.items():
         off = d.node(f"off_{axis}", Mul3(half, tool_h), f.inner, "mul3_far", within=OFFSET)  # half the offset
@@ -190,8 +190,7 @@ def joints(d: Dataflow) -> None:
     _ball(d, "qs", JOINTS[:3])
     _twice(d, "th4", angle(d, "qe_e", Angle(d.nodes["qe_i"], d.nodes["qe_w"], -1)))
     _ball(d, "qw", JOINTS[4:])
-    free = -(1 << d.width - 1), (1 << d.width - 1) - 1
-    for k, (low, high) in enumerate(d.limits or [free] * 7, start=1):
+    for k, (low, high) in enumerate(d.limits, start=1):
         d.mask(f"over_{k}", Outside(d.nodes[f"th{k}"], low, high))
 
 

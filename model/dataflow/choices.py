@@ -7,9 +7,11 @@ The quaternion h(c, s) turns by the angle whose cosine is c and whose sine is s.
 """
 
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
-from .expressions import ANY, CHOICE, Constant, Floor, Logic, Operation, Scaled, Select, Sum, Term, Unary, number
+from .expressions import ANY, CHOICE, Floor, Function, Logic, Operation, Select, Sum, Term, Unary, number
+from .nodes import Node
 
 
 class Choice(Unary):
@@ -132,13 +134,13 @@ def rounded_sum(a: Term, b: Term, sign: int) -> Choice:
 
 def joint(s: Term, d: Term, sign: int, turned: tuple[Term, ...]) -> Free:
     """Return s + d or s - d, two angles, plus half a turn where an odd number of the masks ``turned`` is set."""
-    total = Sum((1, s), (sign, d), (1, Select(Logic("xor", ANY, *turned), Constant(-1), 0)))
+    total = Sum((1, s), (sign, d), (1, Select(Logic("xor", ANY, *turned), -1, 0)))
     return Free(total, "joint", s, d, sign, turned)
 
 
 def twice(half: Term, negated: Term) -> Free:
     """Return twice an angle, negated where the mask is set."""
-    term = Scaled(half, 1)
+    term = 2 * half
     return Free(Select(negated, -term, term), "twice", half, negated)
 
 
@@ -148,20 +150,12 @@ def outside(angle, low: int, high: int, width: int):
     return (angle - low & turn) > (high - low & turn)
 
 
-class Outside(Unary):
+class Outside(Function):
     """Mask of angles outside the arc from ``low`` to ``high``."""
 
-    free = True
-
-    def __init__(self, angle: Term, low: int, high: int) -> None:
-        super().__init__(angle)
-        self.frac, self.low, self.high = 0, low, high
-
-    def words(self, values):
-        return outside(self.term.words(values), self.low, self.high, self.term.format.width)
-
-    def text(self, level=0):
-        return f"{self.term.text()} outside its limits"
+    def __init__(self, angle: Node, low: int, high: int) -> None:
+        mask = partial(outside, low=low, high=high, width=angle.format.width)
+        super().__init__(mask, "{} outside its limits", angle, frac=0)
 
     def mask_registers(self, to, node):
         return {node.name}  # set after the joint's angle

@@ -117,9 +117,6 @@ class Term:
     def __le__(self, other) -> Compared:
         return Compared("<=", self, as_term(other))
 
-    def __gt__(self, other) -> Compared:
-        return Compared("<", as_term(other), self)
-
     def __ge__(self, other) -> Compared:
         return Compared("<=", as_term(other), self)
 
@@ -336,23 +333,6 @@ class Magnitude(Unary):
         return f"|{self.term.text()}|"
 
 
-class Absolute(Magnitude):
-    """|c|, exactly."""
-
-    def words(self, values):
-        return np.abs(self.term.words(values))
-
-
-class Clipped(Unary):
-    """Term limited to [0, 1]."""
-
-    def words(self, values):
-        return np.clip(self.term.words(values), 0, 1 << self.frac)
-
-    def text(self, level=0):
-        return f"min(max({self.term.text()}, 0), 1)"
-
-
 class Floor(Unary):
     """Term truncated to ``frac`` fraction bits."""
 
@@ -363,6 +343,26 @@ class Floor(Unary):
     def words(self, values):
         words = self.term.words(values)
         return words >> self.drop if integral(words) else words / (1 << self.drop)
+
+
+class Function(Operation):
+    """Any function of the words of terms; proofs have no formula for it.  In ``pattern``, braces are the terms' texts.
+
+    The fraction bits are ``frac`` or, by default, those of the term with most.
+    """
+
+    free = True
+
+    def __init__(self, function: Callable, pattern: str, *parts: Term, frac: int | None = None) -> None:
+        super().__init__(*parts)
+        self.function, self.pattern = function, pattern
+        self.frac = max(part.frac for part in parts) if frac is None else frac
+
+    def words(self, values):
+        return self.function(*(part.words(values) for part in self.parts))
+
+    def text(self, level=0):
+        return self.pattern.format(*(part.text() for part in self.parts))
 
 
 class Select(Operation):

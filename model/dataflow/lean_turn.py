@@ -3,7 +3,7 @@
 
 from .annotations import SUM, Limited, Within
 from .choices import add_sub, mantissa, signed
-from .expressions import HALF_UP, Constant
+from .expressions import HALF_UP
 from .lean import CIRCLE, FOURFOLD, PAIR, UPPER_HALF, Lean, direction, equations, guard, norm, triangle
 from .mul3 import Mul3
 from .nodes import SATURATE, Dataflow, Node, Record
@@ -63,7 +63,7 @@ def turn(d: Dataflow, f: Lean, phi: Node) -> None:
     az_tilt_sq = d.node("az_tilt_sq", Mul3(n["az_sq"], n["tilt_sq"]), f.inner, within=within)
     within = Within(0.125, 1.0, "a product of such")
     length_sq = d.node("length_sq", Mul3(az_tilt_sq, n["bend_sq"]), f.inner, within=within)
-    low = d.mask("low", length_sq < Constant(0.25), None)
+    low = d.mask("low", length_sq < 0.25, None)
     # Below 1/4, the mantissa is four times the squared length, and the root is doubled.
     facts: Record = {"within": Within(0.25, 1.0, "mantissa"), "grows": FOURFOLD, "limited": MOST}
     m_q = d.node("m_q", mantissa(length_sq, low), f.mantissa, ends=SATURATE, **facts)

@@ -3,8 +3,10 @@
 
 import math
 
+import numpy as np
+
 from .annotations import COSINE, SAME, SQRT2, SQRT3, SUM, Case, Given, Growth, Limited, Rule, not_negative, upto, used
-from .expressions import HALF_UP, Absolute, Clipped, Constant, Select, Sum
+from .expressions import HALF_UP, Constant, Function, Select, Sum
 from .formats import Format
 from .nodes import SATURATE, Dataflow
 from .paper_operations import Div, Mul, Root, Total, normalize
@@ -55,7 +57,9 @@ def elbow_quaternion(d: Dataflow) -> None:
 def _half(d: Dataflow, name: str, twice: Sum) -> None:
     """Build (1 + c) / 2 or (1 - c) / 2 of (6) and (7), limited to [0, 1].  The word is unsigned, so that 1 fits."""
     fmt = Format(d.width, d.width - 1, "W - 1", signed=False)
-    d.node(name, Clipped(twice / 2), fmt, grows=Growth((0.5,), exact=True))
+    half = twice / 2
+    limited = Function(lambda words: np.clip(words, 0, 1 << half.frac), "min(max({}, 0), 1)", half)
+    d.node(name, limited, fmt, grows=Growth((0.5,), exact=True))
 
 
 MANTISSA = Given("unit mantissa", upto(lambda c: 1.0))
@@ -84,7 +88,7 @@ def rotate_to_elbow(d: Dataflow) -> None:
     p_x, p_y = n["p_e_x"], n["p_e_y"]
     normalize(d, ("u_x", "u_y"), (p_x, p_y), "lz_u", MANTISSA)
     facts = {"ends": SATURATE, "grows": SUM, "limited": ALL_UPPER_ARM}
-    h = d.node("h", n["d_e"] + Absolute(n["p_e_z"]), d.word(1), "sum2", **facts)
+    h = d.node("h", n["d_e"] + Function(np.abs, "|{}|", n["p_e_z"]), d.word(1), "sum2", **facts)
     d.node("uh_x", Mul(n["u_x"], h), d.word(1))
     d.node("uh_y", Mul(n["u_y"], h), d.word(1))
     d.node("uu_x", Mul(n["u_x"], p_x), d.wide(1), within=ELBOW_SAME)
