@@ -29,10 +29,9 @@ from .angles import Angle, Gained
 from .annotations import SAME, SUM, Growth, Limited, Within
 from .choices import Outside, OutsideFormat, WrappedSum, replaced, rounded_sum, twice
 from .expressions import HALF_UP, Sum, square
-from .formats import Format
+from .formats import Format, LeanFormats
 from .lean import SECTIONS as CORE_SECTIONS
-from .lean import Lean, equations, guard, norm
-from .lean_turn import sections
+from .lean import equations, lean, norm
 from .mul3 import Mul3
 from .nodes import SATURATE, WRAP, Dataflow, Node, Record
 
@@ -61,8 +60,7 @@ WORST_ERROR = {"qs": 0.004, "qe": 0.0001, "qw": 0.0001}
 def arm(d: Dataflow, target: dict[str, Node]) -> None:
     """Build the whole datapath, from the input words to results and flags."""
     hand(d, target)
-    guard(d, d.nodes)
-    sections(d, target["phi"])
+    lean(d, d.nodes)
     d.words(*RESULT_FIELDS)
     frame(d)
     d.words("qw_w", "qw_i", "qw_j", "qw_k")
@@ -76,7 +74,7 @@ def parts(before: str, after: str = "", of: str = "wijk") -> tuple[str, ...]:
 
 def hand(d: Dataflow, target: dict[str, Node]) -> None:
     """Build the wrist point (x, y, z), the quaternion h, which is Qh or, for a bad hand, 1, and the flags of both."""
-    f = Lean(d.width)
+    f = LeanFormats(d.width)
     d.at("hand")
     good = ("=qh_len", "good hand", "|Qh|")
     # Four squares add up to at most 16; the sum wraps at 8. A wrapped sum is far from 1, so the hand is still bad.
@@ -131,7 +129,7 @@ PRODUCTS = {"w": "ww+ ii+ jj+ kk+", "i": "wi+ iw- jk- kj+", "j": "wj+ jw- ki- ik
 
 def frame(d: Dataflow) -> None:
     """Build the wrist's quaternion Qw."""
-    f, n = Lean(d.width), d.nodes
+    f, n = LeanFormats(d.width), d.nodes
     d.at("frame")
     for c, row in PRODUCTS.items():
         terms = []

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ...io.words import ARM_FIELDS, ARM_RESULT_FIELDS, ARMS, BRANCHES, FIELDS, RESULT_FIELDS
-from .. import arm, lean, lean_turn
+from .. import arm, lean
 from ..expressions import EXACT, FLOOR, HALF_UP, Constant, Term
 from ..formats import inner_frac, root_frac
 from ..nodes import Dataflow, Node
@@ -116,7 +116,7 @@ class Lowering:
             raise NotImplementedError(f"{node.name}: the folded program lacks its rounding; implement it in {where}")
 
     def make(self, inputs: dict[str, Node]) -> None:
-        lean_turn.lean(self.flow, inputs)
+        lean.lean(self.flow, inputs)
 
     # ---- masks ---------------------------------------------------------------------------------------------------
 
