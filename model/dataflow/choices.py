@@ -31,21 +31,19 @@ class Free(Choice):
     free = True
 
 
-class AtMost(Choice):
-    """Term that the node limits to the largest word of the format; only ``text`` shows the limit."""
-
-    def text(self, level=0):
-        return f"min({self.term.text(CHOICE + 1)}, most)"
+def _at_most(term: Term) -> Function:
+    """Return a term that the node limits to the largest word of its format; only ``text`` shows the limit."""
+    return Function(lambda words: words, "min({}, most)", term, formula="{}", level=CHOICE + 1)
 
 
-def limited(raw: Term) -> AtMost:
+def limited(raw: Term) -> Choice:
     """Return a word limited to the format of its node."""
-    return AtMost(raw, "limit", raw)
+    return Choice(_at_most(raw), "limit", raw)
 
 
-def mantissa(value: Term, low: Term) -> AtMost:
+def mantissa(value: Term, low: Term) -> Choice:
     """Return a word, times 4 where the mask ``low`` is set, limited to the format of its node."""
-    return AtMost(Select(low, 4 * value, value), "mantissa", value, low)
+    return Choice(_at_most(Select(low, 4 * value, value)), "mantissa", value, low)
 
 
 def signed(value: Term, negative: Term) -> Choice:

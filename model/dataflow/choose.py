@@ -18,7 +18,7 @@ import numpy as np
 from ..io.words import BRANCHES, REFERENCES
 from ..reference.joints import NEGATED, TURNED
 from .arm import arm
-from .expressions import ANY, Constant, Function, Logic, Not, Operation, Select, Sum, Term, magnitude
+from .expressions import ANY, Constant, Function, Logic, Operation, Select, Sum, Term, magnitude
 from .formats import Format
 from .nodes import WRAP, Dataflow, Node
 
@@ -151,7 +151,7 @@ def _turns(d: Dataflow, steps: dict[int, list[Node]]) -> dict[str, Node]:
         s, e, w = (branch >> bit & 1 for bit in range(3))
         parts = n[f"shoulder_{e}{s}"], n[f"wrist_{e}{w}"], steps[4][e]
         outside = [part >= Constant(2) for part in parts]
-        d.mask(f"feasible_{branch}", Not(outside[0] | outside[1] | outside[2]))
+        d.mask(f"feasible_{branch}", ~(outside[0] | outside[1] | outside[2]))
     elbow = d.mask("turn_elbow", n["arm_1"] < n["arm_0"])
     extreme("least", "min", n["arm_0"], n["arm_1"])
     turns = {"branch_elbow": elbow}

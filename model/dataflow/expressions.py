@@ -108,8 +108,9 @@ class Term:
     def __truediv__(self, divisor: int) -> Scaled:
         return Scaled(self, -_power(divisor))
 
-    def __abs__(self) -> Magnitude:
-        return Magnitude(self)
+    def __abs__(self) -> Function:
+        """Return |c|; for a negative word c, its one's complement, which is one ulp less than |c|."""
+        return Function(magnitude, "|{}|", self, formula="(ite (< {0} 0.0) (- {0}) {0})")
 
     def __lt__(self, other) -> Compared:
         return Compared("<", self, as_term(other))
@@ -126,8 +127,8 @@ class Term:
     def __and__(self, other: Term) -> Logic:
         return Logic("and", ALL, self, other)
 
-    def __invert__(self) -> Term:
-        return Not(self)
+    def __invert__(self) -> Function:
+        return Function(lambda mask: ~truth(mask), "not {}", self, formula="(not {})", level=COMPARED)
 
 
 def as_term(value) -> Term:
@@ -319,20 +320,6 @@ class Scaled(Unary):
         return self.enclosed(f"{2**self.power} * {term}" if self.power > 0 else f"{term} / {2**-self.power}", level)
 
 
-class Magnitude(Unary):
-    """|c|; for a negative word c, its one's complement, which is one ulp less than |c|."""
-
-    def words(self, values):
-        return magnitude(self.term.words(values))
-
-    def formula(self, domain):
-        term = self.term.formula(domain)
-        return f"(ite (< {term} 0.0) (- {term}) {term})"
-
-    def text(self, level=0):
-        return f"|{self.term.text()}|"
-
-
 class Floor(Unary):
     """Term truncated to ``frac`` fraction bits."""
 
@@ -346,23 +333,28 @@ class Floor(Unary):
 
 
 class Function(Operation):
-    """Any function of the words of terms; proofs have no formula for it.  In ``pattern``, braces are the terms' texts.
+    """Any function of the words of ``parts``.
 
-    The fraction bits are ``frac`` or, by default, those of the term with most.
+    * ``pattern``: text with braces for the parts' texts, in a context of binding strength ``level``
+    * ``formula``: the same for the formula; without it, proofs have none
+    * ``frac``: fraction bits, by default those of the part with most
     """
 
-    free = True
-
-    def __init__(self, function: Callable, pattern: str, *parts: Term, frac: int | None = None) -> None:
+    def __init__(
+        self, function: Callable, pattern: str, *parts: Term, frac: int | None = None, formula: str = "", level: int = 0
+    ) -> None:
         super().__init__(*parts)
-        self.function, self.pattern = function, pattern
+        self.function, self.patterns, self.inner, self.free = function, (pattern, formula), level, not formula
         self.frac = max(part.frac for part in parts) if frac is None else frac
 
     def words(self, values):
         return self.function(*(part.words(values) for part in self.parts))
 
+    def formula(self, domain):
+        return self.patterns[1].format(*(part.formula(domain) for part in self.parts))
+
     def text(self, level=0):
-        return self.pattern.format(*(part.text() for part in self.parts))
+        return self.patterns[0].format(*(part.text(self.inner) for part in self.parts))
 
 
 class Select(Operation):
@@ -428,14 +420,3 @@ class Logic(Operation):
 
     def text(self, level=0):
         return self.enclosed(f" {self.word} ".join(part.text(self.level) for part in self.parts), level)
-
-
-class Not(Unary):
-    def words(self, values):
-        return ~truth(self.term.words(values))
-
-    def formula(self, domain):
-        return f"(not {self.term.formula(domain)})"
-
-    def text(self, level=0):
-        return f"not {self.term.text(COMPARED)}"

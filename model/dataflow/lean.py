@@ -29,7 +29,7 @@ stated after their nodes.  A range without ``proof`` follows from the node's equ
 from . import choices
 from .annotations import SUM, Growth, Limited, Within
 from .choices import add_sub, half_length, half_part, half_sum, mantissa, signed
-from .expressions import FLOOR, HALF_UP, Not, Product, Select, square, zero
+from .expressions import FLOOR, HALF_UP, Product, Select, square, zero
 from .formats import Format, LeanFormats
 from .mul3 import Mul3
 from .nodes import SATURATE, Dataflow, Node, Record
@@ -296,10 +296,10 @@ def triangle(d: Dataflow, f: LeanFormats) -> None:
     # The last rotation turns by -a.  A clamped upper arm points to the target, (1, 0), or away from it, (0, 1).
     proof = ("case", "=bend_sq", "cos_a")
     bend_sq = d.node("bend_sq", half_length(cos_a, clamp), f.inner, **SQUARED_LENGTH, proof=proof)
-    toward = Select(clamp, Not(away), cos_a >= 0)
+    toward = Select(clamp, ~away, cos_a >= 0)
     facts = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("bend", "bend_sq")}
     d.node("bend_c", half_part(cos_a, sin_a, toward, bend_sq, clamp), f.inner, **facts)
-    d.node("bend_s", half_part(cos_a, sin_a, Not(toward), bend_sq, clamp), f.inner, **facts)
+    d.node("bend_s", half_part(cos_a, sin_a, ~toward, bend_sq, clamp), f.inner, **facts)
     # These operands permit three products instead of four: c + s, and the larger part minus the smaller.
     d.mask("bend_swap", Select(clamp, away, cos_a < 0))
     for name, sign in (("bend_dif", -1), ("bend_sum", 1)):
