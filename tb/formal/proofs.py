@@ -2,6 +2,7 @@
 """All proofs: for those about RTL, modules, parameters and dependencies; for those about numbers, their questions."""
 
 from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
 from functools import partial
 
 from model.dataflow.datapaths import MODELS, PAPER
@@ -11,7 +12,7 @@ from tb.formal.floors import DIV, ROOT_DIGIT, floors
 from tb.formal.induction import Proof
 from tb.formal.lean_proofs import Questions, Rounded, Rules
 from tb.formal.rsqrt_stages import QUADRATIC, RSQRT, TABLE, stages
-from tb.formal.task import Question, Task, digest_of
+from tb.formal.task import Task, digest_of
 from tb.sim.env import ROOT
 from tb.sim.sources import code
 
@@ -145,23 +146,20 @@ PROOFS = (
 FLOORS = (DIV, ROOT_DIGIT, "tb/formal/floors.py", "tb/formal/smt.py")
 STAGES = (RSQRT, QUADRATIC, TABLE, "rtl/lib/ik_delay.v", "model/dataflow/quadratic.py")
 
-Asked = Callable[[], Iterable[Question]]
-
-
-def _numbers(name: str, what: str, digest: Callable[[], str], questions: Asked, wrong: Asked) -> Task:
-    return Task(name, what, "z3", digest, lambda pool, say: task.run(questions(), wrong(), pool, say))
-
 
 def _ranges(name: str, what: str, kind: type[Questions]) -> Task:
-    parts = (partial(part, kind) for part in (lean_proofs.digest, lean_proofs.questions, lean_proofs.too_narrow))
-    return _numbers(name, f"{what}, W = 16 to 32", *parts)
+    def run(pool: Executor, say: task.Say) -> task.Outcome:
+        return task.run(lean_proofs.questions(kind), lean_proofs.too_narrow(kind), pool, say)
+
+    return Task(name, f"{what}, W = 16 to 32", "z3", partial(lean_proofs.digest, kind), run)
 
 
 def _seeded(name: str, what: str, files: Iterable[str], questions: Callable) -> Task:
-    def wrong() -> Iterable[Question]:
-        return (question for question in questions(BUGS[name]) if question.name == BUGS[name].fails)
+    def run(pool: Executor, say: task.Say) -> task.Outcome:
+        bug = BUGS[name]
+        return task.run(questions(), (asked for asked in questions(bug) if asked.name == bug.fails), pool, say)
 
-    return _numbers(name, what, lambda: digest_of(*(code(ROOT / file) for file in files)), questions, wrong)
+    return Task(name, what, "z3", lambda: digest_of(*(code(ROOT / file) for file in files)), run)
 
 
 TASKS = (

@@ -77,7 +77,7 @@ def test_every_number_of_places_is_proved():
 def test_slices_that_a_property_rests_on(monkeypatch):
     monkeypatch.setattr(Steps, "__init__", lambda self: None)
     design = Steps()
-    design.names = [f"g_slice[{k}].u.row" for k in (0, 16, 32, 48)] + ["alone"]
+    design.number = dict.fromkeys([*(f"g_slice[{k}].u.row" for k in (0, 16, 32, 48)), "alone"])
     assert design.named("row", "g_slice[32].u.row") == [f"g_slice[{k}].u.row" for k in (16, 32, 48)]
     assert design.named("row$", "g_slice[0].u.row") == ["g_slice[48].u.row"]
     assert len(design.named("row*", "g_slice[0].u.row")) == len(design.named("row", "alone")) == 4
