@@ -64,7 +64,11 @@ class Ranges(Intervals):
         for number, node in enumerate(self.flow.nodes.values()):
             if fact := self.flow.learned.get(number):
                 self.case = fact(self.case, self.flow.nodes, self.bounds)
-            self._restart(self.flow.restarts.get(number, ()))
+            if names := self.flow.restarts.get(number, ()):
+                self.case = self.case.tilted(reduce(math.hypot, (self.bounds[name].error for name in names)))
+                for name in names:
+                    low, high = self.bounds[name].word
+                    self.bounds[name] = replace(self.bounds[name], low=low, high=high, error=0.0)
             self.bounds[node.name] = self._bound(node)
 
     def __call__(self, term: Term) -> Bound:
@@ -77,13 +81,6 @@ class Ranges(Intervals):
     def limit(self, node: Node) -> float:
         """Return the largest magnitude that the node's rule permits; inf without a rule."""
         return max(map(abs, node.within.limit(self.case))) if isinstance(node.within, Rule) else math.inf
-
-    def _restart(self, names: tuple[str, ...]) -> None:
-        if names:
-            self.case = self.case.tilted(reduce(math.hypot, (self.bounds[name].error for name in names)))
-        for name in names:
-            low, high = self.bounds[name].word
-            self.bounds[name] = replace(self.bounds[name], low=low, high=high, error=0.0)
 
     def _bound(self, node: Node) -> Bound:
         fmt = node.format

@@ -22,16 +22,17 @@ K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  The 
 negate them, as in :mod:`model.reference.joints`.  The flag over_k is set if and only if th_k is outside its limits.
 """
 
+from functools import partial
+
 from ..io.words import JOINTS, RESULT_FIELDS
 from ..reference.joints import NEGATED, TURNED
-from . import choices
 from .angles import Angle, Gained
 from .annotations import SAME, SUM, Growth, Limited, Within
-from .choices import Outside, OutsideFormat, WrappedSum, replaced, rounded_sum, twice
-from .expressions import HALF_UP, Sum, square
+from .expressions import ANY, HALF_UP, Function, Logic, Operation, Select, Sum, Term, number, square
 from .formats import Format, LeanFormats
 from .lean import SECTIONS as CORE_SECTIONS
 from .lean import equations, lean, norm
+from .lean_operations import Choice, Free
 from .mul3 import Mul3
 from .nodes import SATURATE, WRAP, Dataflow, Node, Record
 
@@ -65,6 +66,67 @@ def arm(d: Dataflow, target: dict[str, Node]) -> None:
     frame(d)
     d.words("qw_w", "qw_i", "qw_j", "qw_k")
     joints(d)
+
+
+class WrappedSum(Sum):
+    """a + b without the bits above the format."""
+
+    def __init__(self, a: Term, b: Term) -> None:
+        super().__init__((1, a), (1, b))
+
+    def facts(self, node, domain):
+        total = self.formula(domain)
+        end, turn = (number(turns * -node.format.low * node.format.ulp) for turns in (1, 2))
+        wrapped = f"(ite (< {total} (- {end})) (+ {total} {turn}) {total})"
+        return [f"(= {node.name} (ite (<= {end} {total}) (- {total} {turn}) {wrapped}))"]
+
+    def lower(self, to, node):
+        to.plus(node, *self.parts)
+
+
+def replaced(word: Term, mask: Term, constant: int) -> Choice:
+    """Return a word, or the constant 0 or 1 where the mask is set."""
+    return Choice(Select(mask, constant, word), "replaced", word, mask, constant)
+
+
+def outside(angle, low: int, high: int, width: int):
+    """Return a mask of the angles, words with one turn = 2^width, that lie outside the arc from ``low`` to ``high``."""
+    turn = (1 << width) - 1
+    return (angle - low & turn) > (high - low & turn)
+
+
+class Outside(Function):
+    """Mask of angles outside the arc from ``low`` to ``high``."""
+
+    def __init__(self, angle: Node, low: int, high: int) -> None:
+        mask = partial(outside, low=low, high=high, width=angle.format.width)
+        super().__init__(mask, "{} outside its limits", angle, frac=0)
+
+    def mask_registers(self, to, node):
+        return {node.name}  # set after the joint's angle
+
+
+class OutsideFormat(Operation):
+    """Mask of wrists that have a coordinate outside the format of its node."""
+
+    free = True
+
+    def __init__(self, *wrists) -> None:
+        super().__init__(*(operand for node in wrists for operand in node.operands))
+        self.wrists = wrists
+
+    def words(self, values):
+        out = False
+        for node in self.wrists:
+            word = node.rounded(node.op.words(values))
+            out = out | (word > node.format.high) | (word < node.format.low)
+        return out
+
+    def text(self, level=0):
+        return f"{', '.join(node.name for node in self.wrists)} outside the format"
+
+    def mask_registers(self, to, node):
+        return to.wrist_registers()
 
 
 def parts(before: str, after: str = "", of: str = "wijk") -> tuple[str, ...]:
@@ -117,8 +179,9 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
     for axis, half in rows.items():
         off = d.node(f"off_{axis}", Mul3(half, tool_h), f.inner, "mul3_far", within=OFFSET)  # half the offset
         facts = {"ends": SATURATE, "within": POINT, "grows": Growth((1.0, 2.0)), "limited": WRIST}
-        point = choices.wrist(target[f"hand_{axis}"], off)
-        wrist.append(d.node(axis, point, f.result, "sum2", rounding=HALF_UP, **facts))
+        point = target[f"hand_{axis}"]
+        moved = Free(point - 2 * off, "wrist", point, off)
+        wrist.append(d.node(axis, moved, f.result, "sum2", rounding=HALF_UP, **facts))
     d.mask("saturated", OutsideFormat(*wrist), "sum2")
     d.words("x", "y", "z")
 
@@ -148,7 +211,9 @@ def frame(d: Dataflow) -> None:
             products.append(d.node(name, product, f.inner, "mul3_far", **facts))
             turned.append(name)
         facts = {"rounding": HALF_UP, "within": PART, "grows": ROUNDED_SUM, "proof": ("=qw_len", "|Qw|")}
-        d.node(f"qw_{c}", rounded_sum(products[0], products[1], direction), f.result, "sum2", **facts)
+        difference = Sum((direction, products[1]), (-1, products[0]))
+        total = Choice(difference, "rounded_sum", *products, direction, operands=tuple(products))
+        d.node(f"qw_{c}", total, f.result, "sum2", **facts)
     frame_lemmas(d, turned)
 
 
@@ -207,10 +272,11 @@ def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
         angle(d, f"{q}_{name}", both[name])
     between = angle(d, f"{q}_b", Angle(n[f"{q}_wk"], n[f"{q}_ij"]))
     facts = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": ROUNDED_SUM}
-    pair = n[f"{q}_s"], n[f"{q}_d"]
+    one, other = n[f"{q}_s"], n[f"{q}_d"]
     for name, sign in ((names[0], 1), (names[2], -1)):
-        joint = choices.joint(*pair, sign, tuple(n[bit] for bit in TURNED[name]))
-        d.node(name, joint, d.word(0), "sum2", **facts)
+        turned = tuple(n[bit] for bit in TURNED[name])
+        total = Sum((1, one), (sign, other), (1, Select(Logic("xor", ANY, *turned), -1, 0)))
+        d.node(name, Free(total, "joint", one, other, sign, turned), d.word(0), "sum2", **facts)
     _twice(d, names[1], between)
 
 
@@ -223,4 +289,5 @@ def angle(d: Dataflow, name: str, of: Angle) -> Node:
 
 def _twice(d: Dataflow, name: str, half: Node) -> None:
     facts: Record = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": Growth((2.0,))}
-    d.node(name, twice(half, d.nodes[NEGATED[name]]), d.word(0), **facts)
+    term, negated = 2 * half, d.nodes[NEGATED[name]]
+    d.node(name, Free(Select(negated, -term, term), "twice", half, negated), d.word(0), **facts)

@@ -61,14 +61,9 @@ def step(gap: Node, out: Node, whole: bool) -> Function:
     return Function(size, "{1} ? most : |{0}|", gap, out, frac=STEP_BITS - 1)
 
 
-def arm_and_choice(d: Dataflow, target: dict[str, Node]) -> None:
-    """Build the whole arm and the choice behind it."""
+def choose(d: Dataflow, target: dict[str, Node]) -> None:
+    """Build the whole arm and the choice behind its joints."""
     arm(d, target)
-    choose(d)
-
-
-def choose(d: Dataflow) -> None:
-    """Build the choice behind the joints of the whole arm."""
     n = d.nodes
     d.at("choose")
     d.words("over_2")  # all joints are ready

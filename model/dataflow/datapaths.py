@@ -132,7 +132,7 @@ ARM25, ARM16 = replace(ARM, name="arm25", tile=25), replace(ARM, name="arm16", t
 
 def choosing(path: Datapath, name: str) -> Datapath:
     """Return the version of the whole arm that chooses the branch of a hand pose."""
-    path = replace(path, name=name, flow=choose.arm_and_choice, sections=path.sections | choose.SECTION)
+    path = replace(path, name=name, flow=choose.choose, sections=path.sections | choose.SECTION)
     path = replace(path, inputs=(*path.inputs, *REFERENCES), results=CHOICE_FIELDS)
     return replace(path, flags=CHOICE_FLAGS, flag_bits=CHOICE_FLAG_BITS)
 

@@ -26,15 +26,14 @@ Proofs.  Each range has its reason and, as ``proof``, the facts from which z3 de
 stated after their nodes.  A range without ``proof`` follows from the node's equation and its operands' ranges.
 """
 
-from . import choices
+from . import lean_operations as ops
 from .annotations import SUM, Growth, Limited, Within
-from .choices import add_sub, half_length, half_part, half_sum, mantissa, signed
 from .expressions import FLOOR, HALF_UP, Product, Select, square, zero
 from .formats import Format, LeanFormats
+from .lean_operations import Count, Even, EvenCount, ShiftDown, ShiftUp
 from .mul3 import Mul3
 from .nodes import SATURATE, Dataflow, Node, Record
 from .quadratic import HalfAngle, Rsqrt
-from .shifts import Count, Even, EvenCount, ShiftDown, ShiftUp
 
 SECTIONS = {
     "guard": "exact squares and flags",
@@ -196,17 +195,17 @@ def direction(d: Dataflow, f: LeanFormats) -> None:
 
     # The first rotation turns by the azimuth plus 90 degrees: cosine -u_y, sine u_x.  On the z axis both are 0, and the
     # azimuth counts as 0: the parts are (1, 1)/2.  The parts do not wait for the squared length.
-    d.node("az_sq", half_length(u_y), f.inner, **SQUARED_LENGTH)
+    d.node("az_sq", ops.half_length(u_y), f.inner, **SQUARED_LENGTH)
     az: Record = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("az", "az_sq")}
-    d.node("az_c", half_part(u_y, u_x, (u_y < 0) | n["on_axis"]), f.inner, **az)
-    d.node("az_s", half_part(u_y, u_x, u_y >= 0), f.inner, **az)
+    d.node("az_c", ops.half_part(u_y, u_x, (u_y < 0) | n["on_axis"]), f.inner, **az)
+    d.node("az_s", ops.half_part(u_y, u_x, u_y >= 0), f.inner, **az)
     # The second rotation turns by the angle between p and the z axis.  A target at the shoulder, where cosine and sine
     # are 0, counts as one on the +z axis: the parts are (1, 0).
     proof = (*CASE, "=tilt_sq", "sin_el")
-    tilt_sq = d.node("tilt_sq", half_length(sin_el, n["at_shoulder"]), f.inner, **SQUARED_LENGTH, proof=proof)
+    tilt_sq = d.node("tilt_sq", ops.half_length(sin_el, n["at_shoulder"]), f.inner, **SQUARED_LENGTH, proof=proof)
     tilt: Record = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("tilt", "tilt_sq")}
-    d.node("tilt_c", half_part(sin_el, cos_el, sin_el >= 0, tilt_sq), f.inner, **tilt)
-    d.node("tilt_s", half_part(sin_el, cos_el, sin_el < 0, tilt_sq), f.inner, **tilt)
+    d.node("tilt_c", ops.half_part(sin_el, cos_el, sin_el >= 0, tilt_sq), f.inner, **tilt)
+    d.node("tilt_s", ops.half_part(sin_el, cos_el, sin_el < 0, tilt_sq), f.inner, **tilt)
     uses = equations("az_c", "az_s", "az_sq")
     d.lemma("az", f"{norm('az_c', 'az_s')} <= az_sq", *uses, "|u| <= 1", "=on_axis", "=u_y", "=y_n")
     uses = (*CASE, "=tilt_c", "=tilt_s", "=tilt_sq", "|el| = 1")
@@ -261,7 +260,7 @@ def triangle(d: Dataflow, f: LeanFormats) -> None:
     d.at(equation="(14)")
     for half, sign, ends, within in (("w", 1, (1, 0), ELBOW_W), ("i", -1, (0, -1), ELBOW_I)):
         facts = {"rounding": HALF_UP, "within": within, "proof": ("case", f"=qe_{half}", f"elbow_{half}")}
-        d.node(f"qe_{half}", choices.elbow(elbow[half], sign, clamp, closed, ends), f.result, **facts)
+        d.node(f"qe_{half}", ops.elbow(elbow[half], sign, clamp, closed, ends), f.result, **facts)
     d.at()
 
     # inv_law = 1/(4 m_1 sqrt(m_s)), which is 1/(4 d1 |p|) in the units of d1 and |p|
@@ -295,16 +294,16 @@ def triangle(d: Dataflow, f: LeanFormats) -> None:
 
     # The last rotation turns by -a.  A clamped upper arm points to the target, (1, 0), or away from it, (0, 1).
     proof = ("case", "=bend_sq", "cos_a")
-    bend_sq = d.node("bend_sq", half_length(cos_a, clamp), f.inner, **SQUARED_LENGTH, proof=proof)
+    bend_sq = d.node("bend_sq", ops.half_length(cos_a, clamp), f.inner, **SQUARED_LENGTH, proof=proof)
     toward = Select(clamp, ~away, cos_a >= 0)
     facts = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("bend", "bend_sq")}
-    d.node("bend_c", half_part(cos_a, sin_a, toward, bend_sq, clamp), f.inner, **facts)
-    d.node("bend_s", half_part(cos_a, sin_a, ~toward, bend_sq, clamp), f.inner, **facts)
+    d.node("bend_c", ops.half_part(cos_a, sin_a, toward, bend_sq, clamp), f.inner, **facts)
+    d.node("bend_s", ops.half_part(cos_a, sin_a, ~toward, bend_sq, clamp), f.inner, **facts)
     # These operands permit three products instead of four: c + s, and the larger part minus the smaller.
     d.mask("bend_swap", Select(clamp, away, cos_a < 0))
     for name, sign in (("bend_dif", -1), ("bend_sum", 1)):
         facts = {"rounding": FLOOR, "within": PAIR, "grows": SUM, "proof": ("case", f"={name}", "bend_sq", "sin_a")}
-        d.node(name, half_sum(bend_sq, sin_a, clamp, sign), f.inner, **facts)
+        d.node(name, ops.half_sum(bend_sq, sin_a, clamp, sign), f.inner, **facts)
     uses = ("case", "=bend_c", "=bend_s", "=bend_sq", "|a| = 1")
     d.lemma("bend", f"{norm('bend_c', 'bend_s')} <= bend_sq", *uses)
     swapped = "bend_sum == bend_c + bend_s and bend_dif == (bend_s - bend_c if bend_swap else bend_c - bend_s)"
@@ -369,7 +368,7 @@ def turn(d: Dataflow, f: LeanFormats, phi: Node) -> None:
     low = d.mask("low", length_sq < 0.25, None)
     # Below 1/4, the mantissa is four times the squared length, and the root is doubled.
     facts = {"within": Within(0.25, 1.0, "mantissa"), "grows": FOURFOLD, "limited": MOST}
-    m_q = d.node("m_q", mantissa(length_sq, low), f.mantissa, ends=SATURATE, **facts)
+    m_q = d.node("m_q", ops.mantissa(length_sq, low), f.mantissa, ends=SATURATE, **facts)
     proof: tuple[str, ...] = ("1/|q|", "length_sq", "=inv_q")
     inv_q = d.node("inv_q", Rsqrt(m_q, twice=low), f.inner, within=LENGTH_INVERSE, proof=proof)
     uses = equations("w_0", "i_0", "j_0", "k_0", "az_tilt_sq")
@@ -385,7 +384,7 @@ def turn(d: Dataflow, f: LeanFormats, phi: Node) -> None:
         product = Mul3(n[f"{unit}_1"], inv_q, scale=1)
         unrounded = d.node(f"{unit}_q", product, f.inner, "mul3_far", within=PART, proof=proof)
         d.at(equation="(18)")
-        d.node(f"qs_{unit}", signed(unrounded, k_minus), f.result, rounding=HALF_UP, within=PART)
+        d.node(f"qs_{unit}", ops.signed(unrounded, k_minus), f.result, rounding=HALF_UP, within=PART)
         d.at()
 
 
@@ -402,7 +401,7 @@ def last_rotation(d: Dataflow, f: LeanFormats, *pairs: tuple[str, str]) -> None:
         whole = d.node(f"{both}_c", Mul3(total, n["bend_c"]), f.inner, **far)
         dif = d.node(f"{two}_dif", Mul3(second, n["bend_dif"]), f.inner, after=total, **far)
         # bend_dif, the larger part minus the smaller, is s - c where bend_swap is set.
-        d.node(f"{one}_1", add_sub(whole, dif, n["bend_swap"]), f.inner, **part)
+        d.node(f"{one}_1", ops.add_sub(whole, dif, n["bend_swap"]), f.inner, **part)
         plus = d.node(f"{one}_sum", Mul3(first, n["bend_sum"]), f.inner, after=total, **far)
         d.node(f"{two}_1", whole - plus, f.inner, **part)
         for unit, other, sign, uses in ((one, two, "+", f"{two}_dif"), (two, one, "-", f"{one}_sum")):
@@ -447,4 +446,4 @@ def root(d: Dataflow, f: LeanFormats, name: str, value: Node, width: int) -> tup
 def limited(d: Dataflow, name: str, within: Within, fmt: Format, why: Limited = TWO) -> Node:
     """Build ``name``: ``name``_raw, limited to the largest word of ``fmt``. Lengths that are powers of two may give a
     value one ulp above it: 2, or 1 for inv_12."""
-    return d.node(name, choices.limited(d.nodes[f"{name}_raw"]), fmt, ends=SATURATE, within=within, limited=why)
+    return d.node(name, ops.limited(d.nodes[f"{name}_raw"]), fmt, ends=SATURATE, within=within, limited=why)

@@ -14,9 +14,9 @@ import numpy as np
 from .annotations import SAME, SQRT3, SUM, Given, Growth, Limited, Rule, leading, not_negative, off_length, upto, used
 from .expressions import FLOOR, HALF_UP, JAM, Constant, Floor, Function, Select, Sum, square, zero
 from .formats import Format
+from .lean_operations import ShiftDown, ShiftUp
 from .nodes import SATURATE, Dataflow, Node
 from .paper_operations import Div, LeadingBits, Mul, Root, SineCosine, Total, normalize
-from .shifts import ShiftDown, ShiftUp
 
 SECTIONS = {
     "guard": "domain and scale",

@@ -14,9 +14,9 @@ from .angles import TABLE_BITS, atan_table
 from .annotations import Given, RangeError, leading
 from .expressions import EXACT, FLOOR, HALF_UP, SCALED, Operation, Product, Sum, Term, Unary, round_shift
 from .formats import Format
+from .lean_operations import room
 from .nodes import Dataflow, Node
 from .quadratic import HalfAngle
-from .shifts import room
 
 SINCOS_GUARD = 6
 """Guard bits of the CORDIC below a result's LSB; each of its W iterations drops less than one guarded ulp."""
