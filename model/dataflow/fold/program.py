@@ -40,15 +40,6 @@ class Schedule:
 WIDTH = 24  # any word length: the steps are the same at each
 PLACES = 64  # read/write words of the memory; 64 powers of two follow
 
-WINDOWS = ("plain", "double", "low")
-LASTS = ("inner", "root", "slope", "sine")
-SOURCES = ("none", "sum", "normal", "input")
-MORE_SOURCES = ("result", "wrist")  # of the whole arm
-FUNCTIONS = ("root", "sine", "cosine")
-PLACED_AS = ("", "root", "angle")
-CARRIES = ("", "minus")
-BASES = ("count", "1", "2", "4", "-2")
-
 
 @cache
 def codes(name: str = "fold") -> dict[str, tuple]:
@@ -74,14 +65,16 @@ def codes(name: str = "fold") -> dict[str, tuple]:
     made: dict[str, tuple] = {"a_by": picked(step.a for step in steps), "b_by": picked(step.b for step in steps)}
     made |= {"w_by": picked(step.write and step.write.to for step in steps)}
     made |= {"s_by": selectors({step.addend_by for step in steps})}
-    made |= {"minus_by": selectors({step.minus for step in steps}, ALWAYS, NO_COUNT), "r_function": FUNCTIONS}
-    made |= {"b_place": PLACED_AS, "cut": CUTS, "s": ADDENDS, "carry": CARRIES, "window": WINDOWS, "last": LASTS}
-    made |= {"sign": ("", *signs), "norm": ("", *NORMS), "source": SOURCES, "input": lowering.INPUTS}
-    made |= {"result": ("", *lowering.RESULTS), "e_set": counts, "n_base": BASES, "n_e": counts}
+    made |= {"minus_by": selectors({step.minus for step in steps}, ALWAYS, NO_COUNT)}
+    made |= {"r_function": ("root", "sine", "cosine"), "b_place": ("", "root", "angle"), "cut": CUTS, "s": ADDENDS}
+    made |= {"carry": ("", "minus"), "window": ("plain", "double", "low"), "last": ("inner", "root", "slope", "sine")}
+    made |= {"sign": ("", *signs), "norm": ("", *NORMS), "source": ("none", "sum", "normal", "input")}
+    made |= {"input": lowering.INPUTS, "result": ("", *lowering.RESULTS)}
+    made |= {"e_set": counts, "n_base": ("count", "1", "2", "4", "-2"), "n_e": counts}
     if joints:
         shared = {field: (*of, *(code for code in made[field] if code not in of)) for field, of in codes().items()}
         made |= {field: of for field, of in shared.items() if field not in ("input", "result")}
-        made["source"] += MORE_SOURCES
+        made["source"] += "result", "wrist"
         made["result"] += timing.ELBOW
         by = {joint.angle: joint.by for joint in joints}
         made["again_by"] = "", *(by[angle] for angle, vector in lowering.vectors.items() if vector.lengths)
