@@ -14,7 +14,7 @@ from model.dataflow import fixed
 from model.dataflow.annotations import Within
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.formats import WIDTHS as ALL_WIDTHS
-from model.dataflow.paper_operations import Div, Rounded
+from model.dataflow.paper_operations import Saturating
 from model.io.flags import UNREACHABLE, expected_flags
 from model.io.scoring import singular_distance
 from model.io.stimuli import REGIONS, corners, edges, extremes, hand_poses, random_reachable, region, unreachable
@@ -67,7 +67,7 @@ def test_random_targets_stay_inside_the_proved_ranges(width):
     for name, proof in ranges.proved(width).items():
         node, fmt = proof.node, proof.node.format
         out = (value[name] < fmt.low) | (value[name] > fmt.high)
-        if isinstance(node.op, Rounded | Div):
+        if isinstance(node.op, Saturating):
             out = out | node.op.overflow(node, value)
         if node.limited:
             out = out & ~clamped & node.limited.clamped

@@ -91,11 +91,10 @@ NEAR_QUOTIENTS = st.tuples(st.integers(1, (1 << 31) - 1), signed(32), st.integer
 @example(((1 << 39) - 1, 1))
 @example((-1, (1 << 31) - 1))
 def test_floor_div_is_the_floor_of_a_fraction(operands):
-    """Check the saturated floor; where d <= 0, the sign of n decides."""
+    """Check the floor; where d <= 0, the sign of n decides beyond which end of the format the quotient is."""
     (n, d), fmt = operands, Format(32, 30, "")
     q = math.floor(Fraction(n << 22, d)) if d > 0 else fmt.low - 1 if n < 0 else fmt.high + 1
-    expected = min(max(q, fmt.low), fmt.high)
-    assert [int(v[0]) for v in floor_div(np.array([n]), np.array([d]), 22, fmt)] == [expected, q != expected]
+    assert floor_div(np.array([n]), np.array([d]), 22, fmt)[0] == q
 
 
 NEAR_SQUARES = st.tuples(st.integers(1, math.isqrt(ROOT_LIMIT)), st.integers(-1, 1)).map(
