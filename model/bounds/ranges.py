@@ -199,11 +199,6 @@ def analyse(width: int) -> tuple[dict[str, Proved], dict[str, str]]:
     return table, failed
 
 
-def proved(width: int) -> dict[str, Proved]:
-    """Return node -> proved range of the paper dataflow."""
-    return analyse(width)[0]
-
-
 # -- lean dataflow -----------------------------------------------------------------------------------------------------
 
 

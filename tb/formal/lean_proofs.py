@@ -147,22 +147,16 @@ class Exact:
         error = self.errors[name]
         return between(-error, f"(- {name}_w {name})", error) if error else f"(= {name}_w {name})"
 
-    def within(self, name: str) -> Within:
-        """Return the range that the dataflow claims for a node. Raises LookupError if it claims none."""
-        if not isinstance(within := self.nodes[name].within, Within):
-            raise LookupError(name)
-        return within
-
     def claim(self, name: str) -> str:
         """Return the claim that a node's exact value is in its range; for a count, that it is above -1 and below 64."""
-        within = self.within(name)
+        within = self.nodes[name].within
         if not self.nodes[name].frac:  # a count e, stated as 2^e: -1 < e < 64
             return f"(and (< 0.5 {name}) (< {name} {number(2.0 ** (within.high + 1))}))"
         return between(within.low, name, within.high, within.below)
 
     def known(self, name: str) -> str:
         """Return the fact that a proved :meth:`claim` provides: as an integer, a count above -1 is at least 0."""
-        return self.claim(name) if self.nodes[name].frac else between(1.0, name, 2.0 ** self.within(name).high)
+        return self.claim(name) if self.nodes[name].frac else between(1.0, name, 2.0 ** self.nodes[name].within.high)
 
     def places(self, name: str) -> str:
         """Return the fact that |word| is 0, one ulp, or at least two. Raises LookupError if the word is rounded."""
@@ -240,7 +234,7 @@ class Rules(Questions):
 
     def says(self, name: str) -> str:
         """Return a sentence on what question ``name`` proves, for the table in build/proofs."""
-        return self.exact.lemmas[name][0] if name in self.lemmas else self.exact.within(name).why
+        return self.exact.lemmas[name][0] if name in self.lemmas else self.exact.nodes[name].within.why
 
     def claim(self, name: str) -> str:
         return self.exact.lemmas[name][0] if name in self.lemmas else self.exact.claim(name)
@@ -355,9 +349,8 @@ def too_narrow(kind: type[Questions]) -> Iterator[Question]:
     """Yield a question with a false claim: 5/6 of the range and half the error of :data:`SEEDED`."""
     asked = kind(Exact(max(WIDTHS)))
     exact = asked.exact
-    node = exact.nodes[SEEDED]
-    within = exact.within(SEEDED)
+    within = exact.nodes[SEEDED].within
     narrow = replace(within, low=within.low * 5 / 6, high=within.high * 5 / 6)
-    exact.nodes[SEEDED] = replace(node, within=narrow)
+    exact.nodes[SEEDED] = replace(exact.nodes[SEEDED], within=narrow)
     exact.errors[SEEDED] /= 2
     yield _question(asked, SEEDED)

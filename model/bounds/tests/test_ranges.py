@@ -64,7 +64,7 @@ def test_random_targets_stay_inside_the_proved_ranges(width):
         real = Real(bits, {}).values
     regular = ~clamped
     regular[regular] = singular_distance(from_words(words[regular], 0, width, "random")) >= REGULAR_DISTANCE
-    for name, proof in ranges.proved(width).items():
+    for name, proof in ranges.analyse(width)[0].items():
         node, fmt = proof.node, proof.node.format
         out = (value[name] < fmt.low) | (value[name] > fmt.high)
         if isinstance(node.op, Saturating):

@@ -75,7 +75,7 @@ class Run:
     def check_accuracy(self) -> None:
         """Assert the tolerances of the lean datapath."""
         for name in ("hand", "elbow"):
-            self.below(getattr(self, name), tolerances.lean(self.width), f"{name} error / reach")
+            self.below(getattr(self, name), tolerances.LEAN[self.width], f"{name} error / reach")
         for name in ("shoulder_angle", "elbow_angle"):
             self.below(getattr(self, name), ANGLE_ULPS[self.width] * ulp(self.width), f"{name} error (rad)")
 
