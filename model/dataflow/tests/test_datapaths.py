@@ -101,16 +101,12 @@ def walks(width: int) -> np.ndarray:
 
 
 @every_width
-def test_lean_is_accurate_in_each_region(width):
+def test_lean_is_accurate_in_each_region_and_across_each_limit(width):
     for name in REGIONS:
         run = Run(region(name, 9000, width, seed=1), width)
         assert not (run.answer.flags & UNREACHABLE).any(), name
         run.check_accuracy()
         run.check_words(tolerances.LEAN_NORMS[width], f" in {name}")
-
-
-@every_width
-def test_lean_is_accurate_across_each_limit(width):
     run = Run(walks(width), width)
     run.check_accuracy()
     for bit in CORE_FLAGS.values():

@@ -11,16 +11,17 @@ import numpy as np
 import pytest
 
 from model.bounds.predict import Real
+from model.bounds.tests.test_ranges import usual_targets
 from model.dataflow import fixed, quadratic
 from model.dataflow.formats import WIDTHS, Latency
 from model.dataflow.quadratic import Form
 from model.io.stimuli import REGIONS, hand_poses, region
 from tb.formal import induction, lean_proofs, task
-from tb.formal.bugs import BUGS, CREDITS
-from tb.formal.floors import ROOT_DIGIT, floors, integer
+from tb.formal.bugs import CREDITS
+from tb.formal.floors import ROOT_DIGIT, integer
 from tb.formal.induction import FORMAL, Proof, Steps
 from tb.formal.lean_proofs import BY_WORDS, CASES, Exact, Rounded, Rules
-from tb.formal.proofs import PROOFS
+from tb.formal.proofs import PROOFS, TASKS
 from tb.formal.rsqrt_stages import Stages, forms, model
 from tb.formal.smt import smt
 from tb.formal.task import Question
@@ -199,7 +200,7 @@ def test_formulas_hold_for_real_numbers():
     exact, words = Exact(24), np.concatenate([region(name, 100, 24, 3) for name in REGIONS])
     bits = fixed.run(hand_poses(words, 24, 3), 24, "arm").bits
     real = Real(bits, {})
-    usual = ~np.any([np.asarray(bits.nodes[name].value, bool) for name in ("clamp", "bad_hand", "saturated")], axis=0)
+    usual = usual_targets(bits)
     values = {"true": True, "false": False}
     for name, node in exact.nodes.items():
         value = np.broadcast_to(np.asarray(real.values[name]), usual.shape)[usual]
@@ -220,12 +221,12 @@ def test_rounding_is_within_its_bounds(width):
     """Check that words differ from their exact operation by no more than the rounding that questions assume."""
     rounded, off = Rounded(Exact(width)), {}
     words = np.concatenate([region(name, 1000, width, 3) for name in REGIONS])
-    nodes = fixed.run(words, width, "lean").bits.nodes
-    usual = ~np.asarray(nodes["clamp"].value).astype(bool)
-    for name, node in nodes.items():
+    bits = fixed.run(words, width, "lean").bits
+    usual = usual_targets(bits)
+    for name, node in bits.nodes.items():
         if node.decision or node.kind != "choose":
             continue
-        operands = (nodes[operand.name] for operand in node.operands)
+        operands = (bits.nodes[operand.name] for operand in node.operands)
         values = {o.name: np.asarray(o.value, dtype=np.float64) if o.frac else o.value for o in operands}
         exact = node.op.real_result(node, values)
         exact = np.minimum(exact, node.format.high) if node.limited else exact
@@ -247,10 +248,8 @@ def test_rules_and_errors(kind):
 
 @tools
 def test_floors_fail_on_a_bug():
-    bug = BUGS["floors"]
     with ThreadPoolExecutor(2) as pool:
-        wrong = (question for question in floors(bug) if question.name == bug.fails)
-        assert task.run(floors(), wrong, pool, print).failed == []
+        assert next(task for task in TASKS if task.name == "floors").run(pool, print).failed == []
 
 
 @tools
