@@ -260,18 +260,14 @@ def joints(d: Dataflow) -> None:
 def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
     """Build the three angles of a ball joint with the quaternion ``q``."""
     n = d.nodes
-    both = {}
+    fmt = Format(d.width + 3, d.width + 1, "W + 1", signed=False)
     for name, x, y in (("d", "i", "j"), ("s", "w", "k")):
-        both[name] = Angle(n[f"{q}_{x}"], n[f"{q}_{y}"])
-        fmt = Format(d.width + 3, d.width + 1, "W + 1", signed=False)
-        facts: Record = {
-            "within": GAINED,
-            "proof": (f"={q}_{x}{y}", *(("=qs_len",) if q == "qs" else ()), f"words of Q{q[1]}"),
-        }
-        both[name].length = d.node(f"{q}_{x}{y}", Gained(both[name]), fmt, **facts)
-        angle(d, f"{q}_{name}", both[name])
+        of = Angle(n[f"{q}_{x}"], n[f"{q}_{y}"])
+        proof = (f"={q}_{x}{y}", *["=qs_len"] * (q == "qs"), f"words of Q{q[1]}")
+        of.length = d.node(f"{q}_{x}{y}", Gained(of), fmt, within=GAINED, proof=proof)
+        angle(d, f"{q}_{name}", of)
     between = angle(d, f"{q}_b", Angle(n[f"{q}_wk"], n[f"{q}_ij"]))
-    facts = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": ROUNDED_SUM}
+    facts: Record = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": ROUNDED_SUM}
     one, other = n[f"{q}_s"], n[f"{q}_d"]
     for name, sign in ((names[0], 1), (names[2], -1)):
         turned = tuple(n[bit] for bit in TURNED[name])

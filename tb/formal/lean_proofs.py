@@ -234,7 +234,7 @@ class Rules(Questions):
 
     def says(self, name: str) -> str:
         """Return a sentence on what question ``name`` proves, for the table in build/proofs."""
-        return self.exact.lemmas[name][0] if name in self.lemmas else self.exact.nodes[name].within.why
+        return self.claim(name) if name in self.lemmas else self.exact.nodes[name].within.why
 
     def claim(self, name: str) -> str:
         return self.exact.lemmas[name][0] if name in self.lemmas else self.exact.claim(name)
@@ -243,10 +243,8 @@ class Rules(Questions):
         return [fact for used in self.uses(name) for fact in self._fact(used)]
 
     def _fact(self, name: str) -> list[str]:
-        if name[0] == "#":
-            return [self.exact.places(name[1:])]
-        if name[0] == "~":
-            return [self.exact.near(name[1:])]
+        if name[0] in "#~":
+            return [(self.exact.places if name[0] == "#" else self.exact.near)(name[1:])]
         if name[0] == "=":
             return self.exact.equations[name[1:]]
         if name == "case":
