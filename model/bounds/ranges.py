@@ -45,7 +45,7 @@ def unfit(node: Node, low: float, high: float, where: str = "") -> str:
 
 
 class Ranges:
-    """Bounds of the paper dataflow in one :class:`Case`, by node name; ``proved``: before they are limited to the format.
+    """Bounds of the paper dataflow in one :class:`Case`, by node name; ``proved``: before they are limited to a format.
     ``saturated`` names the nodes that saturate by design, ``failed`` has a message for other nodes that do not fit."""
 
     def __init__(self, width: int, case: Case) -> None:
