@@ -21,18 +21,17 @@ if TYPE_CHECKING:
     from .nodes import Node
 
 
-def room(words, width: int):
-    """Return the left shift that ``width``-bit words allow without overflow; ``width - 1`` for 0 and -1."""
-    # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
-    return width - 1 - np.frexp(magnitude(words).astype(np.float64))[1].astype(np.int64)
-
-
 def bit_length(words):
     """Return the number of significant bits of uint64 words; 0 for 0."""
     high = words >> np.uint64(32)
     # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
     _, bits = np.frexp(np.where(high, high, words).astype(np.float64))
     return bits + 32 * (high > 0)
+
+
+def room(words, width: int):
+    """Return the left shift that ``width``-bit words allow without overflow; ``width - 1`` for 0 and -1."""
+    return width - 1 - bit_length(magnitude(words).astype(np.uint64))
 
 
 def even(value, width: int, mantissa_bits: int):

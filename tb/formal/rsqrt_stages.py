@@ -17,7 +17,7 @@ from typing import NamedTuple
 from model.dataflow.formats import WIDTHS, root_frac
 from model.dataflow.mul3 import TILE
 from model.dataflow.quadratic import INVERSE_ROOT, Form, place, polynomial, rounding, table_rows
-from tb.formal.smt import formula, inside, word
+from tb.formal.smt import formula, word
 from tb.formal.task import Question
 from tb.formal.tools import Answer, Unrolled, ask, yosys
 from tb.sim.env import ROOT
@@ -184,7 +184,7 @@ class Stages:
         widths = self.unrolled.widths
         for product in self.products:
             a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)
-            facts = [inside("a", 0, (1 << a - 1) - 1), word("b", b)]
+            facts = ["(<= 0 a)", word("a", a), word("b", b)]
             answer = ask(formula(facts, word("(* a b)", widths[f"u_quadratic.{product.register}"])))
             if answer.said != "unsat":
                 return answer

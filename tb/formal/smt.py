@@ -70,14 +70,6 @@ def _operands(tree: ast.AST, kind: type) -> list[ast.AST]:
     return [tree]
 
 
-def _integer(value: int) -> str:
-    return str(value) if value >= 0 else f"(- {-value})"
-
-
-def inside(name: str, low: int, high: int) -> str:
-    return f"(<= {_integer(low)} {name} {_integer(high)})"
-
-
 def word(name: str, width: int) -> str:
     """Return the SMT-LIB condition that the integer ``name`` fits a signed word of ``width`` bits."""
-    return inside(name, -(1 << (width - 1)), (1 << (width - 1)) - 1)
+    return f"(<= (- {1 << width - 1}) {name} {(1 << width - 1) - 1})"
