@@ -233,12 +233,11 @@ def prove(proof: Proof, design: Design, pool: Executor, outcome: Outcome, progre
     no_circle({name: others.replace("*", "").replace("$", "").split() for name, others in proof.after.items()})
     steps = design.formula()
 
-    def one(name: str) -> tuple[str, Answer]:
-        return name, steps.step(name, proof) if name else steps.first()
-
+    names = ["", *steps.number]
+    answers = pool.map(lambda name: steps.step(name, proof) if name else steps.first(), names)
     outcome.result = f"{len(steps.number)} assertions"
     outcome.table.append(["property", "seconds"])
-    for count, (name, answer) in enumerate(pool.map(one, ["", *steps.number])):
+    for count, (name, answer) in enumerate(zip(names, answers, strict=True)):
         progress(f"{count} of {len(steps.number)} assertions")
         outcome.table.append([name or "first clock", f"{answer.seconds:.1f}"])
         if answer.said != "unsat":

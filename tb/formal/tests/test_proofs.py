@@ -89,9 +89,8 @@ def test_every_number_of_places_is_proved():
     assert {1 << proof.sets["LOG2"] for proof in PROOFS if proof.top == "ik_fifo"} <= set(places.values())
 
 
-def test_slices_that_a_property_rests_on(monkeypatch):
-    monkeypatch.setattr(Steps, "__init__", lambda self: None)
-    design = Steps()
+def test_slices_that_a_property_rests_on():
+    design = Steps.__new__(Steps)
     design.number = dict.fromkeys([*(f"g_slice[{k}].u.row" for k in (0, 16, 32, 48)), "alone"])
     assert design.named("row", "g_slice[32].u.row") == [f"g_slice[{k}].u.row" for k in (16, 32, 48)]
     assert design.named("row$", "g_slice[0].u.row") == ["g_slice[48].u.row"]
