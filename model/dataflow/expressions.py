@@ -337,7 +337,7 @@ class Function(Operation):
 
     * ``pattern``: text with braces for the parts' texts, in a context of binding strength ``level``
     * ``formula``: the same for the formula; without it, proofs have none
-    * ``frac``: fraction bits, by default those of the part with most
+    * ``frac``: fraction bits, by default the largest number of the parts
     """
 
     def __init__(

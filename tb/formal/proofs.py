@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All proofs: for those about RTL, modules, parameters and dependencies; for those about numbers, their questions."""
+"""All proofs. A proof about RTL has modules, parameters and dependencies; a proof about numbers has questions."""
 
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor

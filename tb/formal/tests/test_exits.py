@@ -30,15 +30,15 @@ Origin = tuple[str, int, int]
 
 def delays(modules: dict, top: str) -> dict[int, tuple[int, int]]:
     """Return a dict of the bits that a register or ring delays: bit -> (bit at its input, clocks)."""
-    found = {}
+    sources = {}
     for cell in modules[top]["cells"].values():
         module = modules.get(cell["type"], {})
         is_ring = module.get("attributes", {}).get("hdlname", cell["type"]).endswith(RING)
         if is_ring or cell["type"] == "$dff":
             clocks = int(module["parameter_default_values"]["N"], 2) if is_ring else 1
-            source, delayed = (cell["connections"][port] for port in ("dq" if is_ring else "DQ"))
-            found |= {bit: (before, clocks) for bit, before in zip(delayed, source, strict=True)}
-    return found
+            before, after = (cell["connections"][port] for port in ("dq" if is_ring else "DQ"))
+            sources |= {bit: (at_input, clocks) for bit, at_input in zip(after, before, strict=True)}
+    return sources
 
 
 def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
