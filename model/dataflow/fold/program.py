@@ -126,14 +126,12 @@ class ConflictError(ValueError):
 
 def lives(steps: list[Placed], loads: dict[str, int]) -> dict[str, tuple[int, int]]:
     """Return a dict: variable -> (first clock in which it is written, last clock in which it is written or read)."""
-    first: dict[str, int] = dict(loads)
-    last: dict[str, int] = {}
-    for placed in steps:
-        for use in timing.word_writes(placed):
-            first[use.of] = min(first.get(use.of, use.at), use.at)
-            last[use.of] = max(last.get(use.of, use.at), use.at)
-        for use in timing.word_reads(placed):
-            last[use.of] = max(last.get(use.of, use.at), use.at)
+    first, last = dict(loads), dict[str, int]()
+    writes = [use for placed in steps for use in timing.word_writes(placed)]
+    for use in writes:
+        first[use.of] = min(first.get(use.of, use.at), use.at)
+    for use in (*writes, *(use for placed in steps for use in timing.word_reads(placed))):
+        last[use.of] = max(last.get(use.of, use.at), use.at)
     return {name: (clock, last.get(name, clock)) for name, clock in first.items()}
 
 
@@ -154,18 +152,17 @@ def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[st
         first, last = life[name]
         if last - first >= period:
             raise ConflictError(f"{name} lives {last - first} clocks, too long for a lap of {period}")
-        wanted = {clock % period for clock in range(first, last + 1)}
-        if name in doubles:
-            wanted = set(range(period))  # its second word may be a constant
-        size = 2 if name in doubles else 1
-        for place in CONSTANTS.get(picks.get(name, ""), range(0, PLACES, size)):
-            if not any(taken[place + k] & wanted for k in range(size)):
-                for k in range(size):
-                    taken[place + k] |= wanted
-                places[name] = place
+        double = name in doubles  # its second word may be a constant: it takes two places for the whole lap
+        wanted = {clock % period for clock in (range(period) if double else range(first, last + 1))}
+        for place in CONSTANTS.get(picks.get(name, ""), range(0, PLACES, 1 + double)):
+            both = taken[place : place + 1 + double]
+            if not any(words & wanted for words in both):
                 break
         else:
             raise ConflictError(f"no place for {name}")
+        places[name] = place
+        for words in both:
+            words |= wanted
     return places
 
 
