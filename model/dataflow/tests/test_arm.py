@@ -34,21 +34,16 @@ KNOWN = {
 """Word length -> the 11 words of a pose and the 17 words that an independent program of the same nodes gives for it."""
 
 
-def assert_accurate(words: np.ndarray, width: int, branch=0) -> None:
-    answer = fixed.run(words, width, "arm", branch)
-    found = np.nan_to_num(tolerances.pose_errors(words, answer.results, answer.flags, width))
-    for name, error in zip(("point", "orientation"), found, strict=True):
-        n = int(error.argmax())
-        assert error[n] <= 1, f"{name} is off by {error[n]:.3g} of the tolerance at {words[n].tolist()}"
-
-
 @every_width
 def test_the_arm_is_accurate_in_each_region(width):
     for name in REGIONS:
         words = hand_poses(region(name, 900, width, seed=1), width, 1)
-        flags = fixed.run(words, width, "arm").flags
+        answer = fixed.run(words, width, "arm", np.arange(len(words)) % 8)
+        flags, errors = answer.flags, tolerances.pose_errors(words, answer.results, answer.flags, width)
         assert not (flags & (SATURATED | BAD_HAND)).any() and (flags & UNREACHABLE == 0).mean() > 0.5, name
-        assert_accurate(words, width, np.arange(len(words)) % 8)
+        for what, error in zip(("point", "orientation"), np.nan_to_num(errors), strict=True):
+            n = int(error.argmax())
+            assert error[n] <= 1, f"{what} is off by {error[n]:.3g} of the tolerance at {words[n].tolist()}"
 
 
 @pytest.mark.parametrize("width", KNOWN)
