@@ -63,11 +63,6 @@ def magnitude(words):
     return np.where(words < 0, ~words, words) if integral(words) else np.abs(words)
 
 
-def truth(mask):
-    """Return a mask as Booleans, which ``~`` negates."""
-    return np.asarray(mask).astype(bool)
-
-
 def number(value: float | Fraction) -> str:
     """Return the exact number as SMT-LIB text."""
     exact = Fraction(value)
@@ -128,7 +123,7 @@ class Term:
         return Logic("and", ALL, self, other)
 
     def __invert__(self) -> Function:
-        return Function(lambda mask: ~truth(mask), "not {}", self, formula="(not {})", level=COMPARED)
+        return Function(np.logical_not, "not {}", self, formula="(not {})", level=COMPARED)
 
 
 def as_term(value) -> Term:
@@ -368,7 +363,7 @@ class Select(Operation):
         self.frac = max(self.yes.frac, self.no.frac)
 
     def words(self, values):
-        return np.where(truth(self.mask.words(values)), *_aligned(values, self.yes, self.no))
+        return np.where(self.mask.words(values), *_aligned(values, self.yes, self.no))
 
     def formula(self, domain):
         return f"(ite {' '.join(part.formula(domain) for part in (self.mask, self.yes, self.no))})"
@@ -391,7 +386,7 @@ class Compared(Operation):
         self.relation = relation
 
     def words(self, values):
-        return truth(self.RELATIONS[self.relation](*_aligned(values, *self.parts)))
+        return np.asarray(self.RELATIONS[self.relation](*_aligned(values, *self.parts))).astype(bool)
 
     def formula(self, domain):
         return domain.compared(self)
@@ -412,8 +407,7 @@ class Logic(Operation):
         self.word, self.level = word, level
 
     def words(self, values):
-        masks = [truth(part.words(values)) for part in self.parts]
-        return getattr(np, f"logical_{self.word}").reduce(masks)
+        return getattr(np, f"logical_{self.word}").reduce([part.words(values) for part in self.parts])
 
     def formula(self, domain):
         return f"({self.word} {' '.join(part.formula(domain) for part in self.parts)})"
