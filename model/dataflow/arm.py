@@ -69,10 +69,7 @@ def arm(d: Dataflow, target: dict[str, Node]) -> None:
 
 
 class WrappedSum(Sum):
-    """a + b without the bits above the format."""
-
-    def __init__(self, a: Term, b: Term) -> None:
-        super().__init__((1, a), (1, b))
+    """Sum of two terms without the bits above the format."""
 
     def facts(self, node, domain):
         total = self.formula(domain)
@@ -150,7 +147,7 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
     total = squares["i"]
     for c, name in (("j", "hij_sq"), ("k", "hijk_sq"), ("w", "hand_sq")):
         facts = {"ends": WRAP, "within": LENGTH, "grows": SUM, "proof": (*good, *sums)}
-        total = d.node(name, WrappedSum(total, squares[c]), exact, "wide", **facts)
+        total = d.node(name, WrappedSum((1, total), (1, squares[c])), exact, "wide", **facts)
     least, most = ((1 + side / 256) ** 2 for side in (-1, 1))
     bad_hand = d.mask("bad_hand", (total < least) | (total >= most))
     for c in "wijk":
