@@ -32,7 +32,7 @@ from .expressions import ANY, HALF_UP, Function, Logic, Operation, Select, Sum, 
 from .formats import Format, LeanFormats
 from .lean import SECTIONS as CORE_SECTIONS
 from .lean import equations, lean, norm
-from .lean_operations import Choice, Free
+from .lean_operations import Choice
 from .mul3 import Mul3
 from .nodes import SATURATE, WRAP, Dataflow, Node, Record
 
@@ -177,7 +177,7 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
         off = d.node(f"off_{axis}", Mul3(half, tool_h), f.inner, "mul3_far", within=OFFSET)  # half the offset
         facts = {"ends": SATURATE, "within": POINT, "grows": Growth((1.0, 2.0)), "limited": WRIST}
         point = target[f"hand_{axis}"]
-        moved = Free(point - 2 * off, "wrist", point, off)
+        moved = Choice(point - 2 * off, "wrist", point, off, free=True)
         wrist.append(d.node(axis, moved, f.result, "sum2", rounding=HALF_UP, **facts))
     d.mask("saturated", OutsideFormat(*wrist), "sum2")
     d.words("x", "y", "z")
@@ -269,7 +269,8 @@ def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
     for name, sign in ((names[0], 1), (names[2], -1)):
         turned = tuple(n[bit] for bit in TURNED[name])
         total = Sum((1, one), (sign, other), (1, Select(Logic("xor", ANY, *turned), -1, 0)))
-        d.node(name, Free(total, "joint", one, other, sign, turned), d.word(0), "sum2", **facts)
+        joint = Choice(total, "joint", one, other, sign, turned, free=True)
+        d.node(name, joint, d.word(0), "sum2", **facts)
     _twice(d, names[1], between)
 
 
@@ -283,4 +284,5 @@ def angle(d: Dataflow, name: str, of: Angle) -> Node:
 def _twice(d: Dataflow, name: str, half: Node) -> None:
     facts: Record = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": Growth((2.0,))}
     term, negated = 2 * half, d.nodes[NEGATED[name]]
-    d.node(name, Free(Select(negated, -term, term), "twice", half, negated), d.word(0), **facts)
+    joint = Choice(Select(negated, -term, term), "twice", half, negated, free=True)
+    d.node(name, joint, d.word(0), **facts)

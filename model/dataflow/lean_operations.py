@@ -205,20 +205,17 @@ def _power(count: Node, sign: int, constant: int) -> str:
 
 
 class Choice(Unary):
-    """Expression for which the lowering's ``method``, with the node and ``given``, adds special folded steps."""
+    """Expression for which the lowering's ``method``, with the node and ``given``, adds special folded steps.
 
-    def __init__(self, expression: Term, method: str, *given: Any, operands: tuple = ()) -> None:
+    ``free``: True if it saturates or wraps by design, so that proofs have no formula for it.
+    """
+
+    def __init__(self, expression: Term, method: str, *given: Any, operands: tuple = (), free: bool = False) -> None:
         super().__init__(expression)
-        self.operands, self.method, self._given = operands or self.operands, method, given
+        self.operands, self.method, self._given, self.free = operands or self.operands, method, given, free
 
     def lower(self, to, node):
         getattr(to, self.method)(node, *self._given)
-
-
-class Free(Choice):
-    """Choice that saturates or wraps by design, so proofs have no formula for it."""
-
-    free = True
 
 
 def _at_most(term: Term) -> Function:
