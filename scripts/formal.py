@@ -18,8 +18,8 @@ from types import SimpleNamespace
 from model.io.files import write_atomically
 from scripts.console import InputError, command, option, switch
 from scripts.generate.render import read_table, render
+from tb.formal.proofs import TASKS
 from tb.formal.task import Outcome, Task, digest_of
-from tb.formal.tasks import TASKS
 from tb.formal.tools import missing, stop, versions
 from tb.sim.env import GENERATED, ROOT
 

@@ -34,37 +34,33 @@ SLACK = 2.0**-48
 UP = 1 + 2.0**-50  # factor by which LeanRanges rounds its errors upwards
 
 
-class Intervals:
-    """Bounds of a dataflow's nodes (``bounds``), by node name.  ``failed`` has a one-line message for each node that
-    does not fit its format."""
-
-    def __init__(self, datapath: str, width: int) -> None:
-        self.flow, self.width = dataflow(datapath, width), width
-        self.failed: dict[str, str] = {}
-        self.bounds: dict[str, Bound] = {}
-
-    def _fail(self, node: Node, low: float, high: float, where: str = "") -> None:
-        label, fmt = f"{node.name} {node.equation}".strip(), node.format
-        self.failed[node.name] = (
-            f"{label}: proved range [{low:.9g}, {high:.9g}] does not fit its format "
-            f"[{fmt.low * fmt.ulp:.9g}, {fmt.high * fmt.ulp:.9g}], {fmt.width} bits, {fmt.frac} of them fraction "
-            f"(W = {self.width}{where})"
-        )
+def unfit(node: Node, low: float, high: float, where: str = "") -> str:
+    """Return the message that a proved range does not fit the node's format."""
+    label, fmt = f"{node.name} {node.equation}".strip(), node.format
+    return (
+        f"{label}: proved range [{low:.9g}, {high:.9g}] does not fit its format "
+        f"[{fmt.low * fmt.ulp:.9g}, {fmt.high * fmt.ulp:.9g}], {fmt.width} bits, {fmt.frac} of them fraction "
+        f"(W = {node.flow.width}{where})"
+    )
 
 
-class Ranges(Intervals):
-    """Bounds of the paper dataflow in one :class:`Case`.  ``proved`` has the bounds before they are limited to the
-    format; ``saturated`` names the nodes that saturate by design."""
+class Ranges:
+    """Bounds of the paper dataflow in one :class:`Case`, by node name; ``proved``: before they are limited to a format.
+    ``saturated`` names the nodes that saturate by design, ``failed`` has a message for other nodes that do not fit."""
 
     def __init__(self, width: int, case: Case) -> None:
-        super().__init__("paper", width)
+        self.flow, self.bounds, self.failed = dataflow("paper", width), dict[str, Bound](), dict[str, str]()
         self.case = replace(case, elbow=self.flow.word(1).ulp)
         self.saturated: set[str] = set()
         self.proved: dict[str, Bound] = {}
         for number, node in enumerate(self.flow.nodes.values()):
             if fact := self.flow.learned.get(number):
                 self.case = fact(self.case, self.flow.nodes, self.bounds)
-            self._restart(self.flow.restarts.get(number, ()))
+            if names := self.flow.restarts.get(number, ()):
+                self.case = self.case.tilted(reduce(math.hypot, (self.bounds[name].error for name in names)))
+                for name in names:
+                    low, high = self.bounds[name].word
+                    self.bounds[name] = replace(self.bounds[name], low=low, high=high, error=0.0)
             self.bounds[node.name] = self._bound(node)
 
     def __call__(self, term: Term) -> Bound:
@@ -77,13 +73,6 @@ class Ranges(Intervals):
     def limit(self, node: Node) -> float:
         """Return the largest magnitude that the node's rule permits; inf without a rule."""
         return max(map(abs, node.within.limit(self.case))) if isinstance(node.within, Rule) else math.inf
-
-    def _restart(self, names: tuple[str, ...]) -> None:
-        if names:
-            self.case = self.case.tilted(reduce(math.hypot, (self.bounds[name].error for name in names)))
-        for name in names:
-            low, high = self.bounds[name].word
-            self.bounds[name] = replace(self.bounds[name], low=low, high=high, error=0.0)
 
     def _bound(self, node: Node) -> Bound:
         fmt = node.format
@@ -108,7 +97,7 @@ class Ranges(Intervals):
         # Words are multiples of the ulp: a bound less than an ulp beyond the last word still fits.
         if math.ceil((low + slack) / fmt.ulp) < fmt.low or math.floor((high - slack) / fmt.ulp) > fmt.high:
             if node.limited is None or node.limited.clamped and not self.case.clamped:
-                self._fail(node, low, high, f", case {self.case.name}")
+                self.failed[node.name] = unfit(node, low, high, f", case {self.case.name}")
             else:
                 self.saturated.add(node.name)
                 bound = replace(bound, floor=floor, ceiling=ceiling)
@@ -202,19 +191,15 @@ def analyse(width: int) -> tuple[dict[str, Proved], dict[str, str]]:
     return table, failed
 
 
-def proved(width: int) -> dict[str, Proved]:
-    """Return node -> proved range of the paper dataflow."""
-    return analyse(width)[0]
-
-
 # -- lean dataflow -----------------------------------------------------------------------------------------------------
 
 
-class LeanRanges(Intervals):
-    """Bounds of the lean dataflow or of the whole arm; ``errors`` has the error bound of each node's word by name."""
+class LeanRanges:
+    """Bounds of the lean dataflow or of the whole arm, by node name.  ``errors`` has the error bound of each word,
+    ``failed`` a message for each node that does not fit its format."""
 
     def __init__(self, width: int, datapath: str = "lean") -> None:
-        super().__init__(datapath, width)
+        self.flow, self.bounds, self.failed = dataflow(datapath, width), dict[str, Bound](), dict[str, str]()
         self.errors: dict[str, float] = {}
         for node in self.flow.nodes.values():
             taken = (self.flow.nodes[name] for name in node.as_words)
@@ -243,4 +228,4 @@ class LeanRanges(Intervals):
         if isinstance(node.within, Within) and node.within.below:
             least, most = bound.low, bound.high - fmt.ulp
         if node.frac and (least < fmt.low * fmt.ulp or most >= (fmt.high + 1) * fmt.ulp and not node.limited):
-            self._fail(node, least, most)
+            self.failed[node.name] = unfit(node, least, most)

@@ -92,15 +92,10 @@ def pose(words: np.ndarray, width: int, across: np.ndarray) -> tuple[np.ndarray,
     return point + ROUNDED_POSE_ULPS[0] + orientation * across, orientation
 
 
-def lean(width: int) -> float:
-    """Return the largest permitted hand error / reach of the lean datapath at a word length."""
-    return LEAN[width]
-
-
 def sought(width: int) -> float:
     """Return the largest permitted hand error / reach of the lean datapath for targets from a search for large errors:
-    the larger of :func:`lean` and the error that rounding exact results can cause."""
-    return max(lean(width), ROUNDED_ULPS * 2.0 ** (2 - width))
+    the larger of :data:`LEAN` and the error that rounding exact results can cause."""
+    return max(LEAN[width], ROUNDED_ULPS * 2.0 ** (2 - width))
 
 
 def hand(width: int, datapath: str, *, regular: bool = False) -> float | None:
@@ -109,7 +104,7 @@ def hand(width: int, datapath: str, *, regular: bool = False) -> float | None:
     if MODELS[datapath].side:
         return 1.0
     if MODELS[datapath].equations == "lean":
-        return lean(width)
+        return LEAN[width]
     return REGULAR if regular and width == REGULAR_WIDTH else None
 
 

@@ -11,8 +11,9 @@
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 SQRT2, SQRT3 = math.sqrt(2), math.sqrt(3)
 
@@ -57,7 +58,7 @@ class Case:
     ulp: float = 0.0  # ulp of d1 and d2
     elbow: float = 0.0  # ulp of p_e
     tilt: float = 0.0  # sine of the angle between p_w and the plane that the words pi_swivel define
-    straight: float = 0.0  # error of the vector p_e relative to a + t m (model.dataflow.paper.off_length)
+    straight: float = 0.0  # error of the vector p_e relative to a + t m (:func:`off_length`)
     square: float = 0.0  # error of |p_e|^2 computed from the words p_e
 
     def tilted(self, error: float) -> "Case":
@@ -106,9 +107,34 @@ class Case:
         return -most, most
 
     @property
+    def forearm(self) -> float:
+        """Upper bound of |p_e - p_w|, which is d2 unless rounded lengths do not reach the target."""
+        return math.sqrt((self.p_e + self.elbow) ** 2 + self.square) + 2 * self.ulp
+
+    @property
     def p_e_words(self) -> float:
         """Upper bound of |p_e| computed from the rounded words p_e."""
         return math.sqrt(self.p_e**2 + self.square)
+
+
+def off_length(c: Case, nodes: Mapping[str, Any], bounds: Mapping[str, Bound]) -> Case:
+    """Return the case with bounds of the errors of p_e (``straight``) and |p_e|^2 (``square``).
+
+    The root t = tmp_sqr in (13) may lose half of its digits, and so may p_e.  But |p_e|^2 = |a|^2 + t^2 |m|^2 contains
+    only t^2, which is precise; a is along p_w, and m = PP^- / |PP^-|^2 is perpendicular to p_w.
+    """
+    root, inf, worst = bounds["tmp_sqr"], bounds["inf_pp"], 0.0
+    if min(inf.low, inf.word[0]) <= 0:
+        return c  # the division then raises RangeError
+    for axis, m in zip("xyz", "123", strict=True):
+        if f"e_{axis}_pp" not in bounds:  # not yet evaluated: use the first axis's bound
+            axis, m = "x", max("123", key=lambda k: bounds[f"pp_{k}_m"].error)
+        along = bounds[f"e_{axis}_pp"].error + root.word[1] * bounds[f"pp_{m}_m"].error
+        num = along + nodes[f"e_{axis}_pp"].format.ulp
+        worst = max(worst, (num + c.p_e * 1.1 * inf.error) / inf.word[0] + c.elbow)
+    straight = SQRT3 * worst
+    square = bounds["tmp1"].error + 2 * root.word[1] * nodes["tmp_sqr"].format.ulp
+    return replace(c, straight=straight, square=square / inf.low + 2 * straight * c.p_e * 1.1 + straight**2)
 
 
 EDGES_P = (0.5, math.sqrt(0.5), 1.0, SQRT2, SQRT3)
@@ -186,8 +212,6 @@ class Limited:
     why: str
     clamped: bool = False
 
-
-COSINE = Rule("a sine or cosine", lambda c: (-1.0, 1.0))
 
 SAME = Growth(exact=True)  # growth of a selection: the result is one of the operands
 

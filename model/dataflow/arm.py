@@ -22,17 +22,17 @@ K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  The 
 negate them, as in :mod:`model.reference.joints`.  The flag over_k is set if and only if th_k is outside its limits.
 """
 
+from functools import partial
+
 from ..io.words import JOINTS, RESULT_FIELDS
 from ..reference.joints import NEGATED, TURNED
-from . import choices
 from .angles import Angle, Gained
 from .annotations import SAME, SUM, Growth, Limited, Within
-from .choices import Outside, OutsideFormat, WrappedSum, replaced, rounded_sum, twice
-from .expressions import HALF_UP, Constant, Sum, square
-from .formats import Format
+from .expressions import ANY, HALF_UP, Function, Logic, Operation, Select, Sum, Term, number, square
+from .formats import Format, LeanFormats
 from .lean import SECTIONS as CORE_SECTIONS
-from .lean import Lean, equations, guard, norm
-from .lean_turn import sections
+from .lean import equations, lean, norm
+from .lean_operations import Choice
 from .mul3 import Mul3
 from .nodes import SATURATE, WRAP, Dataflow, Node, Record
 
@@ -61,12 +61,69 @@ WORST_ERROR = {"qs": 0.004, "qe": 0.0001, "qw": 0.0001}
 def arm(d: Dataflow, target: dict[str, Node]) -> None:
     """Build the whole datapath, from the input words to results and flags."""
     hand(d, target)
-    guard(d, d.nodes)
-    sections(d, target["phi"])
+    lean(d, d.nodes)
     d.words(*RESULT_FIELDS)
     frame(d)
     d.words("qw_w", "qw_i", "qw_j", "qw_k")
     joints(d)
+
+
+class WrappedSum(Sum):
+    """Sum of two terms without the bits above the format."""
+
+    def facts(self, node, domain):
+        total = self.formula(domain)
+        end, turn = (number(turns * -node.format.low * node.format.ulp) for turns in (1, 2))
+        wrapped = f"(ite (< {total} (- {end})) (+ {total} {turn}) {total})"
+        return [f"(= {node.name} (ite (<= {end} {total}) (- {total} {turn}) {wrapped}))"]
+
+    def lower(self, to, node):
+        to.plus(node, *self.parts)
+
+
+def replaced(word: Term, mask: Term, constant: int) -> Choice:
+    """Return a word, or the constant 0 or 1 where the mask is set."""
+    return Choice(Select(mask, constant, word), "replaced", word, mask, constant)
+
+
+def outside(angle, low: int, high: int, width: int):
+    """Return a mask of the angles, words with one turn = 2^width, that lie outside the arc from ``low`` to ``high``."""
+    turn = (1 << width) - 1
+    return (angle - low & turn) > (high - low & turn)
+
+
+class Outside(Function):
+    """Mask of angles outside the arc from ``low`` to ``high``."""
+
+    def __init__(self, angle: Node, low: int, high: int) -> None:
+        mask = partial(outside, low=low, high=high, width=angle.format.width)
+        super().__init__(mask, "{} outside its limits", angle, frac=0)
+
+    def mask_registers(self, to, node):
+        return {node.name}  # set after the joint's angle
+
+
+class OutsideFormat(Operation):
+    """Mask of wrists that have a coordinate outside the format of its node."""
+
+    free = True
+
+    def __init__(self, *wrists) -> None:
+        super().__init__(*(operand for node in wrists for operand in node.operands))
+        self.wrists = wrists
+
+    def words(self, values):
+        out = False
+        for node in self.wrists:
+            word = node.rounded(node.op.words(values))
+            out = out | (word > node.format.high) | (word < node.format.low)
+        return out
+
+    def text(self, level=0):
+        return f"{', '.join(node.name for node in self.wrists)} outside the format"
+
+    def mask_registers(self, to, node):
+        return to.wrist_registers()
 
 
 def parts(before: str, after: str = "", of: str = "wijk") -> tuple[str, ...]:
@@ -76,7 +133,7 @@ def parts(before: str, after: str = "", of: str = "wijk") -> tuple[str, ...]:
 
 def hand(d: Dataflow, target: dict[str, Node]) -> None:
     """Build the wrist point (x, y, z), the quaternion h, which is Qh or, for a bad hand, 1, and the flags of both."""
-    f = Lean(d.width)
+    f = LeanFormats(d.width)
     d.at("hand")
     good = ("=qh_len", "good hand", "|Qh|")
     # Four squares add up to at most 16; the sum wraps at 8. A wrapped sum is far from 1, so the hand is still bad.
@@ -90,8 +147,8 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
     total = squares["i"]
     for c, name in (("j", "hij_sq"), ("k", "hijk_sq"), ("w", "hand_sq")):
         facts = {"ends": WRAP, "within": LENGTH, "grows": SUM, "proof": (*good, *sums)}
-        total = d.node(name, WrappedSum(total, squares[c]), exact, "wide", **facts)
-    least, most = (Constant((1 + side / 256) ** 2) for side in (-1, 1))
+        total = d.node(name, WrappedSum((1, total), (1, squares[c])), exact, "wide", **facts)
+    least, most = ((1 + side / 256) ** 2 for side in (-1, 1))
     bad_hand = d.mask("bad_hand", (total < least) | (total >= most))
     for c in "wijk":
         facts = {"within": GOOD, "grows": SAME, "proof": ("=h_len", "|h|")}
@@ -114,13 +171,14 @@ def hand(d: Dataflow, target: dict[str, Node]) -> None:
         return d.node(f"r_{axis}", total, f.inner, ends=WRAP, within=ROW, grows=SUM, proof=proof)
 
     rows = {"x": row("x", product("i", "k") + product("w", "j")), "y": row("y", product("j", "k") - product("w", "i"))}
-    rows["z"] = row("z", Constant(0.5) - product("i", "i") - product("j", "j"))
+    rows["z"] = row("z", 0.5 - product("i", "i") - product("j", "j"))
     wrist = []
     for axis, half in rows.items():
         off = d.node(f"off_{axis}", Mul3(half, tool_h), f.inner, "mul3_far", within=OFFSET)  # half the offset
         facts = {"ends": SATURATE, "within": POINT, "grows": Growth((1.0, 2.0)), "limited": WRIST}
-        point = choices.wrist(target[f"hand_{axis}"], off)
-        wrist.append(d.node(axis, point, f.result, "sum2", rounding=HALF_UP, **facts))
+        point = target[f"hand_{axis}"]
+        moved = Choice(point - 2 * off, "wrist", point, off, free=True)
+        wrist.append(d.node(axis, moved, f.result, "sum2", rounding=HALF_UP, **facts))
     d.mask("saturated", OutsideFormat(*wrist), "sum2")
     d.words("x", "y", "z")
 
@@ -131,7 +189,7 @@ PRODUCTS = {"w": "ww+ ii+ jj+ kk+", "i": "wi+ iw- jk- kj+", "j": "wj+ jw- ki- ik
 
 def frame(d: Dataflow) -> None:
     """Build the wrist's quaternion Qw."""
-    f, n = Lean(d.width), d.nodes
+    f, n = LeanFormats(d.width), d.nodes
     d.at("frame")
     for c, row in PRODUCTS.items():
         terms = []
@@ -150,7 +208,9 @@ def frame(d: Dataflow) -> None:
             products.append(d.node(name, product, f.inner, "mul3_far", **facts))
             turned.append(name)
         facts = {"rounding": HALF_UP, "within": PART, "grows": ROUNDED_SUM, "proof": ("=qw_len", "|Qw|")}
-        d.node(f"qw_{c}", rounded_sum(products[0], products[1], direction), f.result, "sum2", **facts)
+        difference = Sum((direction, products[1]), (-1, products[0]))
+        total = Choice(difference, "rounded_sum", *products, direction, operands=tuple(products))
+        d.node(f"qw_{c}", total, f.result, "sum2", **facts)
     frame_lemmas(d, turned)
 
 
@@ -190,29 +250,26 @@ def joints(d: Dataflow) -> None:
     _ball(d, "qs", JOINTS[:3])
     _twice(d, "th4", angle(d, "qe_e", Angle(d.nodes["qe_i"], d.nodes["qe_w"], -1)))
     _ball(d, "qw", JOINTS[4:])
-    free = -(1 << d.width - 1), (1 << d.width - 1) - 1
-    for k, (low, high) in enumerate(d.limits or [free] * 7, start=1):
+    for k, (low, high) in enumerate(d.limits, start=1):
         d.mask(f"over_{k}", Outside(d.nodes[f"th{k}"], low, high))
 
 
 def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
     """Build the three angles of a ball joint with the quaternion ``q``."""
     n = d.nodes
-    both = {}
+    fmt = Format(d.width + 3, d.width + 1, "W + 1", signed=False)
     for name, x, y in (("d", "i", "j"), ("s", "w", "k")):
-        both[name] = Angle(n[f"{q}_{x}"], n[f"{q}_{y}"])
-        fmt = Format(d.width + 3, d.width + 1, "W + 1", signed=False)
-        facts: Record = {
-            "within": GAINED,
-            "proof": (f"={q}_{x}{y}", *(("=qs_len",) if q == "qs" else ()), f"words of Q{q[1]}"),
-        }
-        both[name].length = d.node(f"{q}_{x}{y}", Gained(both[name]), fmt, **facts)
-        angle(d, f"{q}_{name}", both[name])
+        of = Angle(n[f"{q}_{x}"], n[f"{q}_{y}"])
+        proof = (f"={q}_{x}{y}", *["=qs_len"] * (q == "qs"), f"words of Q{q[1]}")
+        of.length = d.node(f"{q}_{x}{y}", Gained(of), fmt, within=GAINED, proof=proof)
+        angle(d, f"{q}_{name}", of)
     between = angle(d, f"{q}_b", Angle(n[f"{q}_wk"], n[f"{q}_ij"]))
-    facts = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": ROUNDED_SUM}
-    pair = n[f"{q}_s"], n[f"{q}_d"]
+    facts: Record = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": ROUNDED_SUM}
+    one, other = n[f"{q}_s"], n[f"{q}_d"]
     for name, sign in ((names[0], 1), (names[2], -1)):
-        joint = choices.joint(*pair, sign, tuple(n[bit] for bit in TURNED[name]))
+        turned = tuple(n[bit] for bit in TURNED[name])
+        total = Sum((1, one), (sign, other), (1, Select(Logic("xor", ANY, *turned), -1, 0)))
+        joint = Choice(total, "joint", one, other, sign, turned, free=True)
         d.node(name, joint, d.word(0), "sum2", **facts)
     _twice(d, names[1], between)
 
@@ -226,4 +283,6 @@ def angle(d: Dataflow, name: str, of: Angle) -> Node:
 
 def _twice(d: Dataflow, name: str, half: Node) -> None:
     facts: Record = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": Growth((2.0,))}
-    d.node(name, twice(half, d.nodes[NEGATED[name]]), d.word(0), **facts)
+    term, negated = 2 * half, d.nodes[NEGATED[name]]
+    joint = Choice(Select(negated, -term, term), "twice", half, negated, free=True)
+    d.node(name, joint, d.word(0), **facts)

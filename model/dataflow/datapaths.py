@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..io.flags import ARM_FLAG_BITS, ARM_FLAGS, CHOICE_FLAG_BITS, CHOICE_FLAGS, CORE_FLAGS, FLAG_BITS
 from ..io.words import ARM_FIELDS, ARM_RESULT_FIELDS, BRANCHES, CHOICE_FIELDS, FIELDS, REFERENCES, RESULT_FIELDS
-from . import arm, choose, lean, lean_turn, paper
+from . import arm, choose, lean, paper
 from .fold import program, shown
 from .formats import WIDTHS
 from .mul3 import TILE
@@ -100,7 +100,7 @@ class Datapath:
         return f"ik_{section}" if self.rtl == "paper" else f"ik_{self.rtl}_{section}"
 
 
-LEAN = Datapath("lean", 1, lean_turn.lean, lean.SECTIONS, lean.WIDTHS)
+LEAN = Datapath("lean", 1, lean.lean, lean.SECTIONS, lean.WIDTHS)
 PAPER = Datapath("paper", 0, paper.paper, paper.SECTIONS)
 
 
@@ -132,7 +132,7 @@ ARM25, ARM16 = replace(ARM, name="arm25", tile=25), replace(ARM, name="arm16", t
 
 def choosing(path: Datapath, name: str) -> Datapath:
     """Return the version of the whole arm that chooses the branch of a hand pose."""
-    path = replace(path, name=name, flow=choose.arm_and_choice, sections=path.sections | choose.SECTION)
+    path = replace(path, name=name, flow=choose.choose, sections=path.sections | choose.SECTION)
     path = replace(path, inputs=(*path.inputs, *REFERENCES), results=CHOICE_FIELDS)
     return replace(path, flags=CHOICE_FLAGS, flag_bits=CHOICE_FLAG_BITS)
 

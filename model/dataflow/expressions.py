@@ -6,7 +6,7 @@ Python's operators build expressions: ``cc - ss``, ``(d1 <= 0) | (d2 <= 0)``.  A
 
 * ``words(values)`` is its value in units of 2^-frac.  ``values`` maps node names to integers, which give the RTL's
   words, or to real numbers, which are never rounded.
-* ``formula(domain)`` is SMT-LIB over the reals, in a domain of :mod:`tb.formal.lean_exact`; raises :class:`FreeError`.
+* ``formula(domain)`` is SMT-LIB over the reals, in a domain of :mod:`tb.formal.lean_proofs`; raises :class:`FreeError`.
 * ``text(level)`` is an equation's right side, in parentheses if the binding strength of its context, ``level``, is
   above its own.
 """
@@ -63,11 +63,6 @@ def magnitude(words):
     return np.where(words < 0, ~words, words) if integral(words) else np.abs(words)
 
 
-def truth(mask):
-    """Return a mask as Booleans, which ``~`` negates."""
-    return np.asarray(mask).astype(bool)
-
-
 def number(value: float | Fraction) -> str:
     """Return the exact number as SMT-LIB text."""
     exact = Fraction(value)
@@ -108,17 +103,15 @@ class Term:
     def __truediv__(self, divisor: int) -> Scaled:
         return Scaled(self, -_power(divisor))
 
-    def __abs__(self) -> Magnitude:
-        return Magnitude(self)
+    def __abs__(self) -> Function:
+        """Return |c|; for a negative word c, its one's complement, which is one ulp less than |c|."""
+        return Function(magnitude, "|{}|", self, formula="(ite (< {0} 0.0) (- {0}) {0})")
 
     def __lt__(self, other) -> Compared:
         return Compared("<", self, as_term(other))
 
     def __le__(self, other) -> Compared:
         return Compared("<=", self, as_term(other))
-
-    def __gt__(self, other) -> Compared:
-        return Compared("<", as_term(other), self)
 
     def __ge__(self, other) -> Compared:
         return Compared("<=", as_term(other), self)
@@ -129,8 +122,8 @@ class Term:
     def __and__(self, other: Term) -> Logic:
         return Logic("and", ALL, self, other)
 
-    def __invert__(self) -> Term:
-        return Not(self)
+    def __invert__(self) -> Function:
+        return Function(np.logical_not, "not {}", self, formula="(not {})", level=COMPARED)
 
 
 def as_term(value) -> Term:
@@ -322,37 +315,6 @@ class Scaled(Unary):
         return self.enclosed(f"{2**self.power} * {term}" if self.power > 0 else f"{term} / {2**-self.power}", level)
 
 
-class Magnitude(Unary):
-    """|c|; for a negative word c, its one's complement, which is one ulp less than |c|."""
-
-    def words(self, values):
-        return magnitude(self.term.words(values))
-
-    def formula(self, domain):
-        term = self.term.formula(domain)
-        return f"(ite (< {term} 0.0) (- {term}) {term})"
-
-    def text(self, level=0):
-        return f"|{self.term.text()}|"
-
-
-class Absolute(Magnitude):
-    """|c|, exactly."""
-
-    def words(self, values):
-        return np.abs(self.term.words(values))
-
-
-class Clipped(Unary):
-    """Term limited to [0, 1]."""
-
-    def words(self, values):
-        return np.clip(self.term.words(values), 0, 1 << self.frac)
-
-    def text(self, level=0):
-        return f"min(max({self.term.text()}, 0), 1)"
-
-
 class Floor(Unary):
     """Term truncated to ``frac`` fraction bits."""
 
@@ -363,6 +325,31 @@ class Floor(Unary):
     def words(self, values):
         words = self.term.words(values)
         return words >> self.drop if integral(words) else words / (1 << self.drop)
+
+
+class Function(Operation):
+    """Any function of the words of ``parts``.
+
+    * ``pattern``: text with braces for the parts' texts, in a context of binding strength ``level``
+    * ``formula``: the same for the formula; without it, proofs have none
+    * ``frac``: fraction bits, by default the largest number of the parts
+    """
+
+    def __init__(
+        self, function: Callable, pattern: str, *parts: Term, frac: int | None = None, formula: str = "", level: int = 0
+    ) -> None:
+        super().__init__(*parts)
+        self.function, self.patterns, self.inner, self.free = function, (pattern, formula), level, not formula
+        self.frac = max(part.frac for part in parts) if frac is None else frac
+
+    def words(self, values):
+        return self.function(*(part.words(values) for part in self.parts))
+
+    def formula(self, domain):
+        return self.patterns[1].format(*(part.formula(domain) for part in self.parts))
+
+    def text(self, level=0):
+        return self.patterns[0].format(*(part.text(self.inner) for part in self.parts))
 
 
 class Select(Operation):
@@ -376,7 +363,7 @@ class Select(Operation):
         self.frac = max(self.yes.frac, self.no.frac)
 
     def words(self, values):
-        return np.where(truth(self.mask.words(values)), *_aligned(values, self.yes, self.no))
+        return np.where(self.mask.words(values), *_aligned(values, self.yes, self.no))
 
     def formula(self, domain):
         return f"(ite {' '.join(part.formula(domain) for part in (self.mask, self.yes, self.no))})"
@@ -399,7 +386,7 @@ class Compared(Operation):
         self.relation = relation
 
     def words(self, values):
-        return truth(self.RELATIONS[self.relation](*_aligned(values, *self.parts)))
+        return np.asarray(self.RELATIONS[self.relation](*_aligned(values, *self.parts))).astype(bool)
 
     def formula(self, domain):
         return domain.compared(self)
@@ -420,22 +407,10 @@ class Logic(Operation):
         self.word, self.level = word, level
 
     def words(self, values):
-        masks = [truth(part.words(values)) for part in self.parts]
-        return getattr(np, f"logical_{self.word}").reduce(masks)
+        return getattr(np, f"logical_{self.word}").reduce([part.words(values) for part in self.parts])
 
     def formula(self, domain):
         return f"({self.word} {' '.join(part.formula(domain) for part in self.parts)})"
 
     def text(self, level=0):
         return self.enclosed(f" {self.word} ".join(part.text(self.level) for part in self.parts), level)
-
-
-class Not(Unary):
-    def words(self, values):
-        return ~truth(self.term.words(values))
-
-    def formula(self, domain):
-        return f"(not {self.term.formula(domain)})"
-
-    def text(self, level=0):
-        return f"not {self.term.text(COMPARED)}"

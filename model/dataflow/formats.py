@@ -137,3 +137,23 @@ class Format:
     def ulp(self) -> float:
         """Value of the LSB."""
         return 2.0**-self.frac
+
+
+class LeanFormats:
+    """Formats of the lean dataflow at one word length."""
+
+    def __init__(self, width: int) -> None:
+        frac = inner_frac(width)
+        self.frac = frac
+        self.even_width = width + width % 2  # width of a length rounded up to even, as its shifts are even
+        self.odd = width % 2
+        self.inner = Format(frac + 2, frac, "FRAC")
+        root = root_frac(width)
+        self.mantissa = Format(root + 3, root + 3, "ROOT_FRAC + 3", signed=False)
+        self.exact = Format(2 * width + 2, 2 * width - 4, "2*W - 4")
+        self.length = Format(width + 1, width - 2, "W - 2")
+        self.doubled = Format(frac + 3, frac, "FRAC")  # fits slightly more than 2
+        self.raised = Format(frac + 5, frac, "FRAC")  # shifted left by 2
+        effective = effective_width(width)
+        self.shifted = Format(effective + 1, effective, "WX")
+        self.result = Format(width, width - 2, "W - 2")

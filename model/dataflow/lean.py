@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dataflow of ``rtl/lean``: the paper's results, computed from two levels of reciprocal square roots.
 
-docs/generated/lean.md derives the equations from (10)-(18).  Section "turn" is in :mod:`model.dataflow.lean_turn`.  For
-a target in reach, with s = |p|^2 and rho^2 = x^2 + y^2:
+docs/generated/lean.md derives the equations from (10)-(18).  In reach, with s = |p|^2 and rho^2 = x^2 + y^2:
 
     A = (d1 + d2)^2 - s    B = s - (d1 - d2)^2    K = s + d1^2 - d2^2              a_far, b_near, k_law
     Qe = sqrt(A)/(2 sqrt(d1 d2)) - sqrt(B)/(2 sqrt(d1 d2)) i                       the paper's (14)
@@ -27,15 +26,14 @@ Proofs.  Each range has its reason and, as ``proof``, the facts from which z3 de
 stated after their nodes.  A range without ``proof`` follows from the node's equation and its operands' ranges.
 """
 
-from . import choices
+from . import lean_operations as ops
 from .annotations import SUM, Growth, Limited, Within
-from .choices import Choice, half_length, half_part, half_sum
-from .expressions import FLOOR, HALF_UP, Not, Product, Select, square, zero
-from .formats import Format, effective_width, inner_frac, root_frac
+from .expressions import FLOOR, HALF_UP, Product, Select, square, zero
+from .formats import Format, LeanFormats
+from .lean_operations import Count, Even, EvenCount, ShiftDown, ShiftUp
 from .mul3 import Mul3
 from .nodes import SATURATE, Dataflow, Node, Record
-from .quadratic import Rsqrt
-from .shifts import Count, Even, EvenCount, ShiftDown, ShiftUp
+from .quadratic import HalfAngle, Rsqrt
 
 SECTIONS = {
     "guard": "exact squares and flags",
@@ -49,6 +47,7 @@ SECTIONS = {
 # Exact ranges of the nodes from geometry, with the reason.
 
 SQUARES = "squares of words in [-2, 2)"
+MOST_COUNT = 63.0  # largest shift count of six bits
 MANTISSA = Within(0.0, 1.0, "mantissa", below=True)
 INVERSE = Within(0.0, 1.0, "1/(2 sqrt m) with m >= 1/4")
 INVERSES = Within(0.0, 1.0, "products of inverses")
@@ -56,9 +55,11 @@ COORDINATE = Within(-1.0, 1.0, "coordinates are no longer than the vector", belo
 CIRCLE = Within(-1.0, 1.0, "a sine or cosine")
 UPPER_HALF = Within(0.0, 1.0, "a sine or cosine")
 ROOT = Within(0.0, 1.0, "the root of a mantissa")
-HALF_LENGTH = Within(0.5, 1.0, "(1 + |c|)/2")
+SQUARED_LENGTH: Record = {"rounding": FLOOR, "within": Within(0.5, 1.0, "(1 + |c|)/2")}
 HALF_ANGLE = Within(-1.0, 1.0, "half angles: squared length (1 + |c|)/2")
 PAIR = Within(-1.5, 1.5, "sums of two parts of such, at most the root of 2, and products of them")
+PART = Within(-1.0, 1.0, "parts of quaternions no longer than 1")
+LENGTH_INVERSE = Within(0.0, 1.5, "1/(2 sqrt L) with L >= 1/8")
 ELBOW_W, ELBOW_I = Within(0.0, 1.0, "a component of Qe"), Within(-1.0, 0.0, "a component of Qe")
 RISES = "e_rho >= e_s, because rho <= |p|"
 ARMS_UNIT = Within(0.0, 2.0, "sqrt A <= 2 sqrt(d1 d2), and root_far >= 1/2")
@@ -70,38 +71,12 @@ K_UNIT = Within(-2.0, 2.0, "|K| <= 2 d1 |p|, and inv_law > 1/4", below=True)
 
 TWO = Limited("2, which powers of two can give, becomes the largest word")
 ONE = Limited("1, which powers of two can give, becomes the largest word")
+MOST = Limited("1 and more becomes the largest mantissa")
 
 FOURFOLD, EIGHTFOLD = Growth((4.0,)), Growth((8.0,))
 
-
-def not_negative(why: str) -> Within:
-    """Return the range of a 6-bit shift count."""
-    return Within(0.0, 63.0, why)
-
-
 WIDTHS = range(3, 33)
 """Word lengths supported by the lean datapath; those below 16 serve only exhaustive tests."""
-
-
-class Lean:
-    """Formats of the lean dataflow at one word length."""
-
-    def __init__(self, width: int) -> None:
-        frac = inner_frac(width)
-        self.frac = frac
-        self.even_width = width + width % 2  # width of a length rounded up to even, as its shifts are even
-        self.odd = width % 2
-        self.inner = Format(frac + 2, frac, "FRAC")
-        root = root_frac(width)
-        self.mantissa = Format(root + 3, root + 3, "ROOT_FRAC + 3", signed=False)
-        self.exact = Format(2 * width + 2, 2 * width - 4, "2*W - 4")
-        self.length = Format(width + 1, width - 2, "W - 2")
-        self.doubled = Format(frac + 3, frac, "FRAC")  # fits slightly more than 2
-        self.raised = Format(frac + 5, frac, "FRAC")  # shifted left by 2
-        effective = effective_width(width)
-        self.shifted = Format(effective + 1, effective, "WX")
-        self.result = Format(width, width - 2, "W - 2")
-
 
 # Facts that several proofs use.
 
@@ -125,9 +100,18 @@ def mantissas(*names: str) -> tuple[str, ...]:
     return tuple(f"={kind}_{name}" for name in names for kind in "me")
 
 
-def guard(d: Dataflow, target: dict[str, Node]) -> None:
+def lean(d: Dataflow, target: dict[str, Node]) -> None:
+    """Build all nodes of the datapath, from the input words ``target`` (keys ``FIELDS`` of :mod:`model.io.words`) to
+    the results.  A node and its signal in the RTL have the same name."""
+    formats = LeanFormats(d.width)
+    guard(d, formats, target)
+    direction(d, formats)
+    triangle(d, formats)
+    turn(d, formats, target["phi"])
+
+
+def guard(d: Dataflow, f: LeanFormats, target: dict[str, Node]) -> None:
     """Build the exact integers, computed from the input words, and the flags that they decide."""
-    f = Lean(d.width)
     x, y, z, d1, d2 = (target[k] for k in ("x", "y", "z", "d1", "d2"))
     d.at("guard")
     bad_length = d.mask("bad_length", (d1 <= 0) | (d2 <= 0))
@@ -173,7 +157,7 @@ def guard(d: Dataflow, target: dict[str, Node]) -> None:
     d.mask("away", too_near & (d_dif < 0))
 
 
-def direction(d: Dataflow, f: Lean) -> None:
+def direction(d: Dataflow, f: LeanFormats) -> None:
     """Build (u_x, u_y) = (x, y)/rho, sin_el = z/|p|, cos_el = rho/|p|, and the half angles of azimuth and tilt."""
     n = d.nodes
     x, y, z, rho_sq, s = (n[name] for name in ("x", "y", "z", "rho_sq", "s"))
@@ -195,7 +179,7 @@ def direction(d: Dataflow, f: Lean) -> None:
     proof: tuple[str, ...] = ("=root_rho", "inv_rho", "root of m_rho", "m_rho")
     root_rho = d.node("root_rho", Mul3(inv_rho, m_rho, scale=1), f.inner, within=ROOT, proof=proof)  # sqrt(m)
     proof = ("=n_el", "rho <= |p|", "s > 0", "rho_sq", *mantissas("rho", "s"))
-    n_el = d.node("n_el", Count((1, e_rho), (-1, e_s)), d.count, within=not_negative(RISES), proof=proof)
+    n_el = d.node("n_el", Count((1, e_rho), (-1, e_s)), d.count, within=Within(0.0, MOST_COUNT, RISES), proof=proof)
     risen: Record = {"rounding": FLOOR, "within": Within(0.0, 1.0, RISES)}
     inv_s_el = d.node("inv_s_el", ShiftDown(inv_s, n_el), f.inner, "shift", **risen)
     proof = ("=cos_el", "root_rho", "inv_s_el", "|el| = 1")
@@ -211,23 +195,24 @@ def direction(d: Dataflow, f: Lean) -> None:
 
     # The first rotation turns by the azimuth plus 90 degrees: cosine -u_y, sine u_x.  On the z axis both are 0, and the
     # azimuth counts as 0: the parts are (1, 1)/2.  The parts do not wait for the squared length.
-    squared_length(d, f, "az_sq", half_length(u_y))
+    d.node("az_sq", ops.half_length(u_y), f.inner, **SQUARED_LENGTH)
     az: Record = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("az", "az_sq")}
-    d.node("az_c", half_part(u_y, u_x, (u_y < 0) | n["on_axis"]), f.inner, **az)
-    d.node("az_s", half_part(u_y, u_x, u_y >= 0), f.inner, **az)
+    d.node("az_c", ops.half_part(u_y, u_x, (u_y < 0) | n["on_axis"]), f.inner, **az)
+    d.node("az_s", ops.half_part(u_y, u_x, u_y >= 0), f.inner, **az)
     # The second rotation turns by the angle between p and the z axis.  A target at the shoulder, where cosine and sine
     # are 0, counts as one on the +z axis: the parts are (1, 0).
-    tilt_sq = squared_length(d, f, "tilt_sq", half_length(sin_el, n["at_shoulder"]), (*CASE, "=tilt_sq", "sin_el"))
+    proof = (*CASE, "=tilt_sq", "sin_el")
+    tilt_sq = d.node("tilt_sq", ops.half_length(sin_el, n["at_shoulder"]), f.inner, **SQUARED_LENGTH, proof=proof)
     tilt: Record = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("tilt", "tilt_sq")}
-    d.node("tilt_c", half_part(sin_el, cos_el, sin_el >= 0, tilt_sq), f.inner, **tilt)
-    d.node("tilt_s", half_part(sin_el, cos_el, sin_el < 0, tilt_sq), f.inner, **tilt)
+    d.node("tilt_c", ops.half_part(sin_el, cos_el, sin_el >= 0, tilt_sq), f.inner, **tilt)
+    d.node("tilt_s", ops.half_part(sin_el, cos_el, sin_el < 0, tilt_sq), f.inner, **tilt)
     uses = equations("az_c", "az_s", "az_sq")
     d.lemma("az", f"{norm('az_c', 'az_s')} <= az_sq", *uses, "|u| <= 1", "=on_axis", "=u_y", "=y_n")
     uses = (*CASE, "=tilt_c", "=tilt_s", "=tilt_sq", "|el| = 1")
     d.lemma("tilt", f"{norm('tilt_c', 'tilt_s')} <= tilt_sq", *uses)
 
 
-def triangle(d: Dataflow, f: Lean) -> None:
+def triangle(d: Dataflow, f: LeanFormats) -> None:
     """Build Qe (14) and half the angle a at the shoulder: cos a = K/(2 d1 |p|), sin a = sqrt(A B)/(2 d1 |p|)."""
     n = d.nodes
     e_s, inv_s, clamp, closed, away = (n[name] for name in ("e_s", "inv_s", "clamp", "closed", "away"))
@@ -237,10 +222,9 @@ def triangle(d: Dataflow, f: Lean) -> None:
     e_1, _, inv_1 = root(d, f, "1", n["d1"], f.even_width)
     e_2, _, inv_2 = root(d, f, "2", n["d2"], f.even_width)
     roots = {}
-    for side, inverse, mantissa in (("far", inv_far, m_far), ("near", inv_near, m_near)):
+    for side, inverse, m in (("far", inv_far, m_far), ("near", inv_near, m_near)):
         proof: tuple[str, ...] = (f"=root_{side}", f"inv_{side}", f"root of m_{side}", f"m_{side}")
-        product = Mul3(inverse, mantissa, scale=1)
-        roots[side] = d.node(f"root_{side}", product, f.inner, within=ROOT, proof=proof)
+        roots[side] = d.node(f"root_{side}", Mul3(inverse, m, scale=1), f.inner, within=ROOT, proof=proof)
         d.lemma(f"root of m_{side}", f"root_{side}*root_{side} == m_{side}", f"=root_{side}", f"=inv_{side}")
     # inv_12 = 1/(4 sqrt(m_1 m_2)) is shifted to the units of sqrt A and sqrt B below
     fine = Format(f.frac + 2, f.frac + 1, "FRAC + 1")
@@ -255,7 +239,7 @@ def triangle(d: Dataflow, f: Lean) -> None:
     for side, count, exact, root_of, half in (("far", e_far, "a_far", "A", "w"), ("near", e_near, "b_near", "B", "i")):
         sizes = mantissas(side, "1", "2")
         shorter, total = f"{root_of} <= 4 d1 d2", Count((1, count), (-1, e_1), (-1, e_2), constant=2 + f.odd)
-        within = not_negative(f"sqrt {root_of} <= 2 sqrt(d1 d2)")
+        within = Within(0.0, MOST_COUNT, f"sqrt {root_of} <= 2 sqrt(d1 d2)")
         proof = (f"=n_{side}", shorter, exact, *LENGTHS, *sizes)
         steps = d.node(f"n_{side}", total, d.count, within=within, proof=proof)
         raw, name = f"inv_12_{side}_raw", f"inv_12_{side}"
@@ -276,7 +260,7 @@ def triangle(d: Dataflow, f: Lean) -> None:
     d.at(equation="(14)")
     for half, sign, ends, within in (("w", 1, (1, 0), ELBOW_W), ("i", -1, (0, -1), ELBOW_I)):
         facts = {"rounding": HALF_UP, "within": within, "proof": ("case", f"=qe_{half}", f"elbow_{half}")}
-        d.node(f"qe_{half}", choices.elbow(elbow[half], sign, clamp, closed, ends), f.result, **facts)
+        d.node(f"qe_{half}", ops.elbow(elbow[half], sign, clamp, closed, ends), f.result, **facts)
     d.at()
 
     # inv_law = 1/(4 m_1 sqrt(m_s)), which is 1/(4 d1 |p|) in the units of d1 and |p|
@@ -298,7 +282,7 @@ def triangle(d: Dataflow, f: Lean) -> None:
 
     total = Count((1, e_far), (1, e_near), (-2, e_1), (-1, e_s), constant=2 + f.odd)
     proof = ("=n_ab", "law", "A + B", "a_far", "b_near", *mantissas("far", "near", "1", "s"), "=ulp", *LENGTHS)
-    n_ab = d.node("n_ab", total, d.count, "sum2", within=not_negative("sin a <= 1"), proof=proof)
+    n_ab = d.node("n_ab", total, d.count, "sum2", within=Within(0.0, MOST_COUNT, "sin a <= 1"), proof=proof)
     proof = ("=inv_law_ab_raw", "=n_ab", "inv_law", "1/(d1 |p|) by n_ab", "law")
     facts = {"rounding": FLOOR, "within": LAW_UNIT, "grows": FOURFOLD, "proof": proof}
     d.node("inv_law_ab_raw", ShiftDown(inv_law, n_ab, 2), f.raised, "shift", **facts)
@@ -309,16 +293,17 @@ def triangle(d: Dataflow, f: Lean) -> None:
     triangle_lemmas(d)
 
     # The last rotation turns by -a.  A clamped upper arm points to the target, (1, 0), or away from it, (0, 1).
-    bend_sq = squared_length(d, f, "bend_sq", half_length(cos_a, clamp), ("case", "=bend_sq", "cos_a"))
-    toward = Select(clamp, Not(away), cos_a >= 0)
+    proof = ("case", "=bend_sq", "cos_a")
+    bend_sq = d.node("bend_sq", ops.half_length(cos_a, clamp), f.inner, **SQUARED_LENGTH, proof=proof)
+    toward = Select(clamp, ~away, cos_a >= 0)
     facts = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": ("bend", "bend_sq")}
-    d.node("bend_c", half_part(cos_a, sin_a, toward, bend_sq, clamp), f.inner, **facts)
-    d.node("bend_s", half_part(cos_a, sin_a, Not(toward), bend_sq, clamp), f.inner, **facts)
+    d.node("bend_c", ops.half_part(cos_a, sin_a, toward, bend_sq, clamp), f.inner, **facts)
+    d.node("bend_s", ops.half_part(cos_a, sin_a, ~toward, bend_sq, clamp), f.inner, **facts)
     # These operands permit three products instead of four: c + s, and the larger part minus the smaller.
     d.mask("bend_swap", Select(clamp, away, cos_a < 0))
     for name, sign in (("bend_dif", -1), ("bend_sum", 1)):
         facts = {"rounding": FLOOR, "within": PAIR, "grows": SUM, "proof": ("case", f"={name}", "bend_sq", "sin_a")}
-        d.node(name, half_sum(bend_sq, sin_a, clamp, sign), f.inner, **facts)
+        d.node(name, ops.half_sum(bend_sq, sin_a, clamp, sign), f.inner, **facts)
     uses = ("case", "=bend_c", "=bend_s", "=bend_sq", "|a| = 1")
     d.lemma("bend", f"{norm('bend_c', 'bend_s')} <= bend_sq", *uses)
     swapped = "bend_sum == bend_c + bend_s and bend_dif == (bend_s - bend_c if bend_swap else bend_c - bend_s)"
@@ -353,10 +338,99 @@ def triangle_lemmas(d: Dataflow) -> None:
     d.lemma("1/(d1 |p|) by n_ab", by_n_ab, "=inv_law_ab_raw", "=n_ab", "1/(d1 |p|)", "1/|p|")
 
 
+def turn(d: Dataflow, f: LeanFormats, phi: Node) -> None:
+    """Build Qs, the normalized product of four rotations: by the azimuth plus 90 degrees, the tilt, phi, and -a."""
+    n = d.nodes
+    d.at("turn")
+    d.half_angle = "sin_h", "cos_h"
+    d.lemma("phi", f"{norm('sin_h', 'cos_h')} == 1", "=sin_h")
+    sin_h = d.node("sin_h", HalfAngle(phi, "sin"), f.inner, within=CIRCLE, proof=("phi",))
+    cos_h = d.node("cos_h", HalfAngle(phi, "cos"), f.inner, within=UPPER_HALF, proof=("phi", "=cos_h"))
+    half = {"c": cos_h, "s": sin_h}
+    parts = ((a + b, Mul3(n[f"az_{a}"], half[b])) for a, b in ("cc", "ss", "sc", "cs"))
+    cc, ss, sc, cs = (d.node(name, product, f.inner, within=PART) for name, product in parts)
+    # cosines and sines of half the sum and half the difference of azimuth and phi, not normalized
+    for name, sign, cosine, sine in (("plus", "+", cc - ss, sc + cs), ("minus", "-", cc + ss, sc - cs)):
+        facts: Record = {"within": PART, "grows": SUM, "proof": (f"az {sign} phi", "az_sq")}
+        d.node(f"c_{name}", cosine, f.inner, **facts)
+        d.node(f"s_{name}", sine, f.inner, **facts)
+        uses: tuple[str, ...] = equations(f"c_{name}", f"s_{name}", "cc", "ss", "sc", "cs")
+        d.lemma(f"az {sign} phi", f"{norm(f'c_{name}', f's_{name}')} <= az_sq", *uses, "az", "phi")
+    for part, tilt, of in (("w", "c", "c_plus"), ("i", "s", "c_minus"), ("j", "s", "s_minus"), ("k", "c", "s_plus")):
+        d.node(f"{part}_0", Mul3(n[f"tilt_{tilt}"], n[of]), f.inner, "mul3_far", within=PART)
+    last_rotation(d, f, ("w", "i"), ("k", "j"))
+
+    # The squared length, in [1/8, 1], is a product of three known lengths: the last root does not wait for Qs.
+    within = Within(0.25, 1.0, "a product of such")
+    az_tilt_sq = d.node("az_tilt_sq", Mul3(n["az_sq"], n["tilt_sq"]), f.inner, within=within)
+    within = Within(0.125, 1.0, "a product of such")
+    length_sq = d.node("length_sq", Mul3(az_tilt_sq, n["bend_sq"]), f.inner, within=within)
+    low = d.mask("low", length_sq < 0.25, None)
+    # Below 1/4, the mantissa is four times the squared length, and the root is doubled.
+    facts = {"within": Within(0.25, 1.0, "mantissa"), "grows": FOURFOLD, "limited": MOST}
+    m_q = d.node("m_q", ops.mantissa(length_sq, low), f.mantissa, ends=SATURATE, **facts)
+    proof: tuple[str, ...] = ("1/|q|", "length_sq", "=inv_q")
+    inv_q = d.node("inv_q", Rsqrt(m_q, twice=low), f.inner, within=LENGTH_INVERSE, proof=proof)
+    uses = equations("w_0", "i_0", "j_0", "k_0", "az_tilt_sq")
+    statement = f"{norm('w_0', 'i_0', 'j_0', 'k_0')} <= az_tilt_sq"
+    d.lemma("q_0", statement, *uses, "az + phi", "az - phi", "tilt", "az_sq")
+    d.lemma("1/|q|", "4*length_sq*inv_q*inv_q == 1", "=inv_q", "=m_q", "length_sq")
+    length_lemmas(d)
+
+    # The sign of Qs is free, and chosen so that the k part is nonnegative.
+    k_minus = d.mask("minus", n["k_1"] < 0, None)
+    for unit in "wijk":
+        proof = (f"={unit}_q", "q_1", "=wi_1_len", "=kj_1_len", "1/|q|", "length_sq")
+        product = Mul3(n[f"{unit}_1"], inv_q, scale=1)
+        unrounded = d.node(f"{unit}_q", product, f.inner, "mul3_far", within=PART, proof=proof)
+        d.at(equation="(18)")
+        d.node(f"qs_{unit}", ops.signed(unrounded, k_minus), f.result, rounding=HALF_UP, within=PART)
+        d.at()
+
+
+def last_rotation(d: Dataflow, f: LeanFormats, *pairs: tuple[str, str]) -> None:
+    """Build w_1 .. k_1, each pair from three products: w c + i s = (w + i) c - i (c - s), and
+    i c - w s = (w + i) c - w (c + s)."""
+    n = d.nodes
+    part: Record = {"within": PART, "grows": SUM, "proof": ("q_1", "=wi_1_len", "=kj_1_len", "length_sq")}
+    for one, two in pairs:
+        both, first, second = one + two, n[f"{one}_0"], n[f"{two}_0"]
+        proof = (f"={both}_0", "q_0", "az_tilt_sq")
+        total = d.node(f"{both}_0", first + second, f.inner, within=PAIR, grows=SUM, proof=proof)
+        far: Record = {"latency": "mul3_far", "within": PAIR}
+        whole = d.node(f"{both}_c", Mul3(total, n["bend_c"]), f.inner, **far)
+        dif = d.node(f"{two}_dif", Mul3(second, n["bend_dif"]), f.inner, after=total, **far)
+        # bend_dif, the larger part minus the smaller, is s - c where bend_swap is set.
+        d.node(f"{one}_1", ops.add_sub(whole, dif, n["bend_swap"]), f.inner, **part)
+        plus = d.node(f"{one}_sum", Mul3(first, n["bend_sum"]), f.inner, after=total, **far)
+        d.node(f"{two}_1", whole - plus, f.inner, **part)
+        for unit, other, sign, uses in ((one, two, "+", f"{two}_dif"), (two, one, "-", f"{one}_sum")):
+            statement = f"{unit}_1 == {unit}_0*bend_c {sign} {other}_0*bend_s"
+            d.lemma(f"{unit} turned", statement, *equations(f"{unit}_1", f"{both}_c", uses, f"{both}_0"), "swap")
+
+
+def length_lemmas(d: Dataflow) -> None:
+    """State the lemmas on the length of the product.  Proofs treat each sum of squares in them as one number."""
+    for name in ("wi", "kj"):
+        d.definitions[f"{name}_len"] = norm(*(f"{part}_0" for part in name))
+        d.definitions[f"{name}_1_len"] = norm(*(f"{part}_1" for part in name))
+    d.definitions["bend_len"] = norm("bend_c", "bend_s")
+    for one, two in ("wi", "kj"):
+        uses: tuple[str, ...] = equations(f"{one}{two}_1_len", f"{one}{two}_len", "bend_len")
+        statement = f"{one}{two}_1_len == {one}{two}_len*bend_len"
+        d.lemma(f"|{one}{two}_1|", statement, f"{one} turned", f"{two} turned", *uses)
+    statement = "0 <= wi_len and 0 <= kj_len and wi_len + kj_len <= az_tilt_sq"
+    d.lemma("|q_0|", statement, "q_0", "=wi_len", "=kj_len")
+    d.lemma("|bend|", "0 <= bend_len and bend_len <= bend_sq", "bend", "=bend_len")
+    uses = ("|q_0|", "|bend|", "=length_sq", "az_tilt_sq", "bend_sq")
+    d.lemma("|q_0| |bend|", "(wi_len + kj_len)*bend_len <= length_sq", *uses)
+    d.lemma("q_1", "wi_1_len + kj_1_len <= length_sq", "|wi_1|", "|kj_1|", "|q_0| |bend|")
+
+
 # -- shared by the sections ------------------------------------------------------------------------------------------
 
 
-def root(d: Dataflow, f: Lean, name: str, value: Node, width: int) -> tuple[Node, Node, Node]:
+def root(d: Dataflow, f: LeanFormats, name: str, value: Node, width: int) -> tuple[Node, Node, Node]:
     """Build and return e_<name> (count of even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)), all of the
     low ``width`` bits of ``value``."""
     whole = f"={value.name}" if value.kind == "input" else value.name  # an input's range is its equation
@@ -372,9 +446,4 @@ def root(d: Dataflow, f: Lean, name: str, value: Node, width: int) -> tuple[Node
 def limited(d: Dataflow, name: str, within: Within, fmt: Format, why: Limited = TWO) -> Node:
     """Build ``name``: ``name``_raw, limited to the largest word of ``fmt``. Lengths that are powers of two may give a
     value one ulp above it: 2, or 1 for inv_12."""
-    return d.node(name, choices.limited(d.nodes[f"{name}_raw"]), fmt, ends=SATURATE, within=within, limited=why)
-
-
-def squared_length(d: Dataflow, f: Lean, name: str, length: Choice, proof: tuple[str, ...] | None = None) -> Node:
-    """Build a squared length, (1 + |c|)/2."""
-    return d.node(name, length, f.inner, rounding=FLOOR, within=HALF_LENGTH, proof=proof)
+    return d.node(name, ops.limited(d.nodes[f"{name}_raw"]), fmt, ends=SATURATE, within=within, limited=why)

@@ -7,7 +7,7 @@ nodes.  Each node has an operation (:mod:`model.dataflow.expressions`), from whi
 * words, equal to the RTL in every bit: :class:`model.dataflow.fixed.Bits`;
 * double precision with any single node disturbed: :class:`model.bounds.predict.Real`;
 * intervals and error growth: :mod:`model.bounds.ranges`;
-* formulas over the reals: :class:`tb.formal.lean_exact.Exact`;
+* formulas over the reals: :class:`tb.formal.lean_proofs.Exact`;
 * the equation as text, for pages and for the comments of the RTL;
 * steps of the folded program: :class:`model.dataflow.fold.lowering.Lowering`;
 * formats and clocks, from which ``scripts/generate/headers.py`` writes the ``*_nodes.vh`` of the RTL.
@@ -159,7 +159,7 @@ class Input(Operation):
 class Dataflow:
     """Dataflow at one word length: its nodes in order, and statements for ranges and proofs.
 
-    * ``limits``: (lower, upper) limit of each joint of the whole arm, words with one turn = 2^W
+    * ``limits``: (lower, upper) limit of each joint of the whole arm, words with one turn = 2^W; by default none
     * ``learned``: number of nodes before it -> function that tightens the bounds of a :class:`.annotations.Case`
     * ``restarts``: number of nodes before it -> names of nodes that define a plane; their words count as exact from
       there on, because the later nodes are correct for any plane
@@ -170,7 +170,8 @@ class Dataflow:
     def __init__(self, width: int, widths: range = WIDTHS, tile: int = TILE, limits: Limits | None = None) -> None:
         if width not in widths:
             raise ValueError(f"width {width}: the datapath is built for {widths[0]} to {widths[-1]}")
-        self.width, self.tile, self.limits = width, tile, limits
+        self.width, self.tile = width, tile
+        self.limits = limits or [(-(1 << width - 1), (1 << width - 1) - 1)] * 7
         self.latency = Latency(width, tile)
         self.nodes: dict[str, Node] = {}
         self.learned: dict[int, Callable[[Case, dict[str, Node], dict[str, Bound]], Case]] = {}

@@ -5,7 +5,9 @@
 """
 
 import math
+from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -14,9 +16,9 @@ from .angles import TABLE_BITS, atan_table
 from .annotations import Given, RangeError, leading
 from .expressions import EXACT, FLOOR, HALF_UP, SCALED, Operation, Product, Sum, Term, Unary, round_shift
 from .formats import Format
+from .lean_operations import room
 from .nodes import Dataflow, Node
 from .quadratic import HalfAngle
-from .shifts import room
 
 SINCOS_GUARD = 6
 """Guard bits of the CORDIC below a result's LSB; each of its W iterations drops less than one guarded ulp."""
@@ -35,15 +37,9 @@ def cordic_gain() -> int:
 
 
 def floor_div(n, d, shift: int, fmt: Format):
-    """Return floor(n 2^shift / d), saturated to ``fmt`` as by ``ik_div``, and a mask of the saturated quotients.
-
-    Where d <= 0, the quotient is the smallest word of the format if n < 0, else the largest.
-    """
-    positive = d > 0
-    q = (n << shift) // np.where(positive, d, 1)
-    q = np.where(positive, q, np.where(n < 0, fmt.low, fmt.high))
-    fits = positive & (q >= fmt.low) & (q <= fmt.high)
-    return np.clip(q, fmt.low, fmt.high), ~fits
+    """Return floor(n 2^shift / d); where d <= 0, the number just below ``fmt`` if n < 0, else the number just above."""
+    q = (n << shift) // np.where(d > 0, d, 1)
+    return np.where(d > 0, q, np.where(n < 0, fmt.low - 1, fmt.high + 1))
 
 
 def floor_root(n, shift: int):
@@ -97,17 +93,10 @@ def sincos_bound(width: int) -> float:
     return 0.5 + (lost + gain + angle) / 2**SINCOS_GUARD
 
 
-class Rounded(Operation):
-    """Operation that rounds half up and saturates."""
+class Saturating(Operation):
+    """Operation whose words ``unlimited(node, values)`` saturate to the format."""
 
-    def error(self, node):
-        if self.frac < node.frac:
-            raise RangeError(f"{node.name}: {node.frac} fraction bits, its operation has only {self.frac}")
-        return HALF_UP if self.frac > node.frac else EXACT
-
-    def unlimited(self, node, values):
-        """Return the words before saturation."""
-        return round_shift(self.words(values), self.frac - node.frac)
+    unlimited: Callable[..., Any]
 
     def result(self, node, values):
         return np.clip(self.unlimited(node, values), node.format.low, node.format.high)
@@ -116,6 +105,18 @@ class Rounded(Operation):
         """Return a mask of the words that saturate."""
         words = self.unlimited(node, values)
         return (words < node.format.low) | (words > node.format.high)
+
+
+class Rounded(Saturating):
+    """Operation that rounds half up and saturates."""
+
+    def error(self, node):
+        if self.frac < node.frac:
+            raise RangeError(f"{node.name}: {node.frac} fraction bits, its operation has only {self.frac}")
+        return HALF_UP if self.frac > node.frac else EXACT
+
+    def unlimited(self, node, values):
+        return round_shift(self.words(values), self.frac - node.frac)
 
 
 class Mul(Rounded, Product):
@@ -160,7 +161,7 @@ class Total(Rounded, Sum):
         return low, high, sum(bound.error for _, bound in terms) + rounding, word
 
 
-class Div(Operation):
+class Div(Saturating):
     """floor(n / d), saturated; where d <= 0, the smallest word if n < 0, else the largest."""
 
     kind, latency, rounds = "div", "div", FLOOR
@@ -169,16 +170,9 @@ class Div(Operation):
         super().__init__(n, d)
         self.n, self.d = n, d
 
-    def quotient(self, node, values):
-        """Return the words, and a mask of the saturated words."""
+    def unlimited(self, node, values):
         shift = node.frac - self.n.frac + self.d.frac
         return floor_div(self.n.words(values), self.d.words(values), shift, node.format)
-
-    def result(self, node, values):
-        return self.quotient(node, values)[0]
-
-    def overflow(self, node, values):
-        return self.quotient(node, values)[1]
 
     def real_result(self, node, values):
         n, d = self.n.words(values), self.d.words(values)

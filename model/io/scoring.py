@@ -22,7 +22,7 @@ import numpy as np
 
 from ..bounds import tolerances
 from ..dataflow import fixed
-from ..dataflow.choices import outside
+from ..dataflow.arm import outside
 from ..dataflow.datapaths import MODELS
 from ..dataflow.nodes import Limits
 from ..reference.equations import solve_clamped

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from model.dataflow.expressions import HALF_UP, Floor, Operation, Sum, Term
 from model.dataflow.formats import Format, Latency
+from model.dataflow.lean_operations import Count
 from model.dataflow.nodes import Node
-from model.dataflow.shifts import Count
 
 WIDTH = 32
 

@@ -136,7 +136,7 @@ def pictures() -> dict[str, str]:
     """Return a dict: file name of a picture -> SVG, or the DOT text from which it is drawn."""
     elbow = flow.cone(fixed.nodes("paper", WIDTH), "p_e_x")
     title = f"p_e_x (13), figure 6 of the paper, W = {WIDTH}"
-    graph = render("graph.dot", title=title, sections=SECTIONS, proved=ranges.proved(WIDTH), **drawn(elbow))
+    graph = render("graph.dot", title=title, sections=SECTIONS, proved=ranges.analyse(WIDTH)[0], **drawn(elbow))
     return {"graph_p_e_x.svg": graph, "schedule_p_e_x.svg": schedule(elbow)}
 
 

@@ -5,8 +5,8 @@ import pytest
 
 from scripts import check_proofs, formal
 from scripts.formal import main
+from tb.formal.proofs import TASKS
 from tb.formal.task import Outcome, Task
-from tb.formal.tasks import TASKS
 
 
 @pytest.fixture

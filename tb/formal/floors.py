@@ -15,9 +15,9 @@ import re
 from collections.abc import Iterator
 from functools import partial
 
-from tb.formal.arithmetic import Question
 from tb.formal.smt import formula, smt
-from tb.formal.unrolled import ask
+from tb.formal.task import Question
+from tb.formal.tools import ask
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug
 

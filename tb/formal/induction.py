@@ -15,8 +15,7 @@ from pathlib import Path
 
 from tb.formal.bugs import BUGS
 from tb.formal.task import Outcome, Say, digest_of, no_circle
-from tb.formal.tools import call, yosys
-from tb.formal.unrolled import TACTIC, Answer, Unrolled
+from tb.formal.tools import TACTIC, Answer, Unrolled, call, yosys
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.sources import code, headers, sources
@@ -128,7 +127,7 @@ class Design:
 
     def formula(self) -> "Steps":
         """Return the formula of one clock. Raises ProofError if Yosys fails."""
-        return Steps(self._write("formula", self.proof.claims, PREPARE))
+        return Steps(self._write("formula", self.proof.claims, PREPARE).read_text())
 
     def gates(self) -> str:
         """Return Yosys' error if a combinational path leads from the inputs to the outputs, else an empty text."""
@@ -156,16 +155,12 @@ class Design:
         return path
 
 
-class Steps:
+class Steps(Unrolled):
     """Questions about the formula of a design.
 
     A property may be in a slice (`g_slice[k]`). In a question about such a property, `name` stands for the properties
     of this name in the same slice and its two neighbours, `name*` in all slices, `name$` in the last slice.
     """
-
-    def __init__(self, path: Path) -> None:
-        self.formula = Unrolled(path.read_text())
-        self.names = list(self.formula.number)
 
     @staticmethod
     def kind(name: str) -> str:
@@ -181,7 +176,7 @@ class Steps:
     def named(self, wanted: str, of: str = "") -> list[str]:
         """Return the full names of the properties for which ``wanted`` stands in a question about property ``of``."""
         kind, sign = wanted.rstrip("*$"), wanted[-1]
-        names = sorted((n for n in self.names if self.kind(n) == kind), key=self.slice)
+        names = sorted((n for n in self.number if self.kind(n) == kind), key=self.slice)
         if not names:
             raise RuntimeError(f"there is no property {kind}")
         here = self.slice(of)
@@ -196,17 +191,17 @@ class Steps:
 
     def first(self) -> Answer:
         """Ask whether all properties hold in the first clock; registers without an initial value are arbitrary."""
-        return self.formula.ask(0, [f"|{self.formula.top}_i@0|"], f"|{self.formula.top}_a@0|", LIMIT)
+        return self.ask(0, [f"|{self.top}_i@0|"], f"|{self.top}_a@0|", LIMIT)
 
     def step(self, name: str, proof: Proof, after: bool = True) -> Answer:
         """Ask whether a property holds in the next clock if the properties that it uses hold in this one. With
         ``after``, a property in ``proof.after`` is instead checked in the clock of the properties that imply it."""
         kind = self.kind(name)
         same, uses = proof.after.get(kind, "") if after else "", proof.uses.get(kind, "")
-        facts = [self.formula.holds(n, 0) for wanted in (same or uses).split() for n in self.named(wanted, name)]
+        facts = [self.holds(n, 0) for wanted in (same or uses).split() for n in self.named(wanted, name)]
         if same:
-            return self.formula.ask(0, facts, self.formula.holds(name, 0), LIMIT)
-        return self.formula.ask(1, facts or [f"|{self.formula.top}_a@0|"], self.formula.holds(name, 1), LIMIT)
+            return self.ask(0, facts, self.holds(name, 0), LIMIT)
+        return self.ask(1, facts or [f"|{self.top}_a@0|"], self.holds(name, 1), LIMIT)
 
 
 def survives(proof: Proof, bug: Bug) -> str:
@@ -219,7 +214,7 @@ def survives(proof: Proof, bug: Bug) -> str:
         steps = design.formula()
     except (LookupError, ProofError) as error:
         return f"cannot be built: {error}"
-    for name in [name for name in steps.names if steps.kind(name) == bug.fails]:
+    for name in [name for name in steps.number if steps.kind(name) == bug.fails]:
         said = steps.step(name, proof, after=False).said
         if said == "sat":
             return ""
@@ -238,13 +233,12 @@ def prove(proof: Proof, design: Design, pool: Executor, outcome: Outcome, progre
     no_circle({name: others.replace("*", "").replace("$", "").split() for name, others in proof.after.items()})
     steps = design.formula()
 
-    def one(name: str) -> tuple[str, Answer]:
-        return name, steps.step(name, proof) if name else steps.first()
-
-    outcome.result = f"{len(steps.names)} assertions"
+    names = ["", *steps.number]
+    answers = pool.map(lambda name: steps.step(name, proof) if name else steps.first(), names)
+    outcome.result = f"{len(steps.number)} assertions"
     outcome.table.append(["property", "seconds"])
-    for count, (name, answer) in enumerate(pool.map(one, ["", *steps.names])):
-        progress(f"{count} of {len(steps.names)} assertions")
+    for count, (name, answer) in enumerate(zip(names, answers, strict=True)):
+        progress(f"{count} of {len(steps.number)} assertions")
         outcome.table.append([name or "first clock", f"{answer.seconds:.1f}"])
         if answer.said != "unsat":
             why = {"sat": "counterexample", "timeout": f"no answer in {LIMIT} s"}.get(answer.said, answer.said)

@@ -1,8 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Definitions of the proofs about streams, dividers, roots and AXI engines: modules, parameters, dependencies."""
+"""All proofs. A proof about RTL has modules, parameters and dependencies; a proof about numbers has questions."""
+
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
+from functools import partial
 
 from model.dataflow.datapaths import MODELS, PAPER
+from tb.formal import induction, lean_proofs, task
+from tb.formal.bugs import BUGS
+from tb.formal.floors import DIV, ROOT_DIGIT, floors
 from tb.formal.induction import Proof
+from tb.formal.lean_proofs import Questions, Rounded, Rules
+from tb.formal.rsqrt_stages import QUADRATIC, RSQRT, TABLE, stages
+from tb.formal.task import Task, digest_of
+from tb.sim.env import ROOT
+from tb.sim.sources import code
 
 WORDS = "IK_IN=6 IK_OUT=6 IK_FLAGS=8"
 CORE = {
@@ -141,3 +153,31 @@ PROOFS = (
     gates("fold", {"DATAPATH": 2}, f"ik_fold {CONTROL} ik_fold_results ik_fifo ik_axis"),
 )  # fmt: skip
 """All proofs by induction and about gates; a test compares the parameters with the model and the RTL."""
+
+FLOORS = (DIV, ROOT_DIGIT, "tb/formal/floors.py", "tb/formal/smt.py")
+STAGES = (RSQRT, QUADRATIC, TABLE, "rtl/lib/ik_delay.v", "model/dataflow/quadratic.py")
+
+
+def _ranges(name: str, what: str, kind: type[Questions]) -> Task:
+    def run(pool: Executor, say: task.Say) -> task.Outcome:
+        return task.run(lean_proofs.questions(kind), lean_proofs.too_narrow(kind), pool, say)
+
+    return Task(name, f"{what}, W = 16 to 32", "z3", partial(lean_proofs.digest, kind), run)
+
+
+def _seeded(name: str, what: str, files: Iterable[str], questions: Callable) -> Task:
+    def run(pool: Executor, say: task.Say) -> task.Outcome:
+        bug = BUGS[name]
+        return task.run(questions(), (asked for asked in questions(bug) if asked.name == bug.fails), pool, say)
+
+    return Task(name, what, "z3", lambda: digest_of(*(code(ROOT / file) for file in files)), run)
+
+
+TASKS = (
+    *(Task(p.name, p.claim, p.engine, partial(induction.digest, p), partial(induction.run, p)) for p in PROOFS),
+    _ranges("rules", "exact ranges of the whole arm's dataflow", Rules),
+    _ranges("errors", "errors of the whole arm's words", Rounded),
+    _seeded("floors", "from rows to the floor, divider and root, all widths", FLOORS, floors),
+    _seeded("rsqrt", "`ik_rsqrt` equals its model, W = 16 to 32", STAGES, stages),
+)
+"""All proofs, in the order of docs/generated/proofs.md."""

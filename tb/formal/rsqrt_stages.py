@@ -17,10 +17,9 @@ from typing import NamedTuple
 from model.dataflow.formats import WIDTHS, root_frac
 from model.dataflow.mul3 import TILE
 from model.dataflow.quadratic import INVERSE_ROOT, Form, place, polynomial, rounding, table_rows
-from tb.formal.arithmetic import Question, inside, word
-from tb.formal.smt import formula
-from tb.formal.tools import yosys
-from tb.formal.unrolled import Answer, Unrolled, ask
+from tb.formal.smt import formula, word
+from tb.formal.task import Question
+from tb.formal.tools import Answer, Unrolled, ask, yosys
 from tb.sim.env import ROOT
 from tb.sim.seeded_bugs import Bug, copy_rtl
 
@@ -185,7 +184,7 @@ class Stages:
         widths = self.unrolled.widths
         for product in self.products:
             a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)
-            facts = [inside("a", 0, (1 << a - 1) - 1), word("b", b)]
+            facts = ["(<= 0 a)", word("a", a), word("b", b)]
             answer = ask(formula(facts, word("(* a b)", widths[f"u_quadratic.{product.register}"])))
             if answer.said != "unsat":
                 return answer

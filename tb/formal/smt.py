@@ -68,3 +68,8 @@ def _operands(tree: ast.AST, kind: type) -> list[ast.AST]:
     if isinstance(tree, ast.BinOp) and isinstance(tree.op, kind):
         return [*_operands(tree.left, kind), *_operands(tree.right, kind)]
     return [tree]
+
+
+def word(name: str, width: int) -> str:
+    """Return the SMT-LIB condition that the integer ``name`` fits a signed word of ``width`` bits."""
+    return f"(<= (- {1 << width - 1}) {name} {(1 << width - 1) - 1})"

@@ -6,7 +6,7 @@ import random
 import numpy as np
 
 from model.dataflow.formats import Latency, inner_frac
-from model.dataflow.shifts import even
+from model.dataflow.lean_operations import even
 from tb.units.unit import Case, Tests, checks, corners, crossed, runs, sets_of, shuffled, signed, unsigned, wrapped
 
 COUNTS = unsigned(6)

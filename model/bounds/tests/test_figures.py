@@ -170,7 +170,7 @@ GROUPS: dict[str, Callable[[], Figures]] = {
 }
 """Module or datapath, word length and variant -> function that returns the figures."""
 
-TOLERATED = {f"lean-{width}": tolerances.lean(width) for width in WIDTHS}
+TOLERATED = {f"lean-{width}": tolerances.LEAN[width] for width in WIDTHS}
 """Group -> tolerance of its hand error."""
 
 
@@ -207,8 +207,8 @@ def test_rounded_results_of_18_bits_miss_the_tolerance():
     """Check a pose in which even rounded exact results exceed the tolerance but not :func:`tolerances.sought`."""
     run = Run(np.array([(123447, 0, -594, -131072, 2008, 121725)]), 18)
     (error,) = run.off(np.rint(run.exact * 2**16) / 2**16)[1]
-    assert tolerances.lean(18) < error <= tolerances.sought(18)
-    assert tolerances.sought(24) == tolerances.lean(24) and tolerances.sought(32) == tolerances.lean(32)
+    assert tolerances.LEAN[18] < error <= tolerances.sought(18)
+    assert tolerances.sought(24) == tolerances.LEAN[24] and tolerances.sought(32) == tolerances.LEAN[32]
 
 
 def rounded(name: str, figure: float) -> float:

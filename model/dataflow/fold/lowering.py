@@ -14,31 +14,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ...io.words import ARM_FIELDS, ARM_RESULT_FIELDS, ARMS, BRANCHES, FIELDS, RESULT_FIELDS
-from .. import arm, lean, lean_turn
+from .. import arm, lean
 from ..expressions import EXACT, FLOOR, HALF_UP, Constant, Term
 from ..formats import inner_frac, root_frac
 from ..nodes import Dataflow, Node
-from .steps import (
-    ALWAYS,
-    ANGLE_CLOCKS,
-    DOUBLE,
-    HALF,
-    NEVER,
-    NO_COUNT,
-    ONE,
-    PLAIN,
-    POWER,
-    ZERO,
-    Counted,
-    Joint,
-    Normal,
-    Pick,
-    Row,
-    Selector,
-    Step,
-    Vector,
-    Write,
-)
+from . import steps as timing
+from .steps import ALWAYS, DOUBLE, HALF, NEVER, ONE, PLAIN, ZERO, Normal, Pick, Selector, Step, Write
 
 EXACT_WEIGHT = 2  # weight of input words and their sums, the operands of squares
 
@@ -85,16 +66,16 @@ class Lowering:
         self.weight: dict[str, int] = {}
         self.terms: dict[str, Step] = {}  # products, and nodes computed like a product, without an earlier addend
         self.sums: defaultdict[str, list[Sum]] = defaultdict(list)  # by the first term
-        self.norms: dict[str, tuple[Normal, Counted | None]] = {}  # by the term or sum that is normalized
+        self.norms: dict[str, tuple[Normal, timing.Counted | None]] = {}  # by the term or sum that is normalized
         self.counts: dict[str, tuple[int, tuple[tuple[int, str], ...]]] = {}  # constant, (factor, register) terms
         self.signs: set[str] = set()  # nodes whose signs select
         self.made_of: dict[str, set[str]] = {}  # mask -> the signs, zeros and counts that it depends on
         self.pairs: dict[str, tuple[str, str]] = {}  # the two parts of a rotation, whose places a flag selects
         self.picks: dict[str, Pick] = {}  # squared lengths, and words that a flag replaces by a constant
-        self.vectors: dict[str, Vector] = {}  # of the angle unit
-        self.joints: dict[str, Joint] = {}
+        self.vectors: dict[str, timing.Vector] = {}  # of the angle unit
+        self.joints: dict[str, timing.Joint] = {}
         self.rounded: set[str] = set()  # nodes that their steps round half up or down, as the node does
-        self.angle_clocks = next(of for longest, of in ANGLE_CLOCKS.items() if width <= longest)
+        self.angle_clocks = next(of for longest, of in timing.ANGLE_CLOCKS.items() if width <= longest)
 
     def build(self) -> None:
         """Build the whole dataflow, and the steps of its nodes."""
@@ -116,7 +97,7 @@ class Lowering:
             raise NotImplementedError(f"{node.name}: the folded program lacks its rounding; implement it in {where}")
 
     def make(self, inputs: dict[str, Node]) -> None:
-        lean_turn.lean(self.flow, inputs)
+        lean.lean(self.flow, inputs)
 
     # ---- masks ---------------------------------------------------------------------------------------------------
 
@@ -137,7 +118,7 @@ class Lowering:
 
     def registers(self, selector: Selector) -> set[str]:
         """Return the registers on which a selector depends."""
-        names = {selector.node, selector.unless} - {NEVER.node, ALWAYS.node, NO_COUNT.node}
+        names = {selector.node, selector.unless} - {NEVER.node, ALWAYS.node, timing.NO_COUNT.node}
         return set().union(*(self.made_of.get(name, {name}) for name in names))
 
     # ---- sums and products ---------------------------------------------------------------------------------------
@@ -230,22 +211,21 @@ class Lowering:
     def shift_down(self, node: Node, value: Node, count: str, power: int) -> None:
         offset = self._shifted(node) - self.weight[value.name] - power
         window = PLAIN if offset + PLAIN >= 0 else DOUBLE
-        write, counted = Write(node.name, window), self._counted(count, offset + window)
-        self.terms[node.name] = Step(
-            node.name, value.name, POWER, "power", minus=NO_COUNT, carry="minus", write=write, count=counted
-        )
+        step = Step(node.name, value.name, timing.POWER, "power", minus=timing.NO_COUNT, carry="minus")
+        counted = self._counted(count, offset + window)
+        self.terms[node.name] = replace(step, write=Write(node.name, window), count=counted)
 
     def _shifted(self, node: Node) -> int:
         """Set and return the weight of a shifted word."""
         self.weight[node.name] = weight = 0 if node.format.frac == node.format.width - 1 else 1
         return weight
 
-    def _counted(self, name: str, offset: int) -> Counted:
+    def _counted(self, name: str, offset: int) -> timing.Counted:
         """Return the count ``name`` plus ``offset``; the register of a length's count holds 1 more than its node."""
         constant, terms = self.counts.get(name, (0, ((1, name),)))
         arms = {normal.count for normal, _ in self.norms.values() if normal.kind == "arm"}
         further = sum(factor for factor, register in terms if register in arms)
-        return Counted(constant + offset - further, terms, name, offset)
+        return timing.Counted(constant + offset - further, terms, name, offset)
 
     # ---- selections ----------------------------------------------------------------------------------------------
 
@@ -317,19 +297,19 @@ class Lowering:
 
     def rsqrt(self, node: Node, m: Node, twice: Node | None) -> None:
         write = Write(node.name, PLAIN, Selector(twice.name) if twice else NEVER, last="root")
-        self._table(node.name, Row("root", m.name, False), write)
+        self._table(node.name, timing.Row("root", m.name, False), write)
 
     def half_angle(self, sine: str, cosine: str, phi: Node) -> None:
         angle = f"|{phi.name}|"
         self.signs.add(phi.name)
         negative = Selector(phi.name, negative=True)
         self.terms[angle] = Step(angle, phi.name, ONE, minus=negative, carry="minus", write=Write(angle))
-        self._table(f"|{sine}|", Row("sine", angle, False), Write(f"|{sine}|", DOUBLE, last="sine"))
+        self._table(f"|{sine}|", timing.Row("sine", angle, False), Write(f"|{sine}|", DOUBLE, last="sine"))
         self.terms[sine] = Step(sine, f"|{sine}|", ONE, minus=negative, carry="minus", write=Write(sine))
-        self._table(cosine, Row("cosine", angle, False), Write(cosine, DOUBLE, last="sine"))
+        self._table(cosine, timing.Row("cosine", angle, False), Write(cosine, DOUBLE, last="sine"))
         self.weight |= {angle: 1, f"|{sine}|": 1, sine: 1}
 
-    def _table(self, name: str, row: Row, write: Write) -> None:
+    def _table(self, name: str, row: timing.Row, write: Write) -> None:
         """Add the two steps of a table function: the slope, and the value."""
         self.weight[name] = 1
         falls = NEVER if row.function == "sine" else ALWAYS
@@ -419,10 +399,10 @@ class ArmLowering(Lowering):
 
     def vector(self, node: Node, length: str | None, x: Node, y: Node, sign: int) -> None:
         words = x.name in ARM_RESULT_FIELDS
-        self.vectors[node.name] = Vector(node.name, length, x.name, y.name, sign < 0, not words)
+        self.vectors[node.name] = timing.Vector(node.name, length, x.name, y.name, sign < 0, not words)
 
     def joint(self, node: Node, s: Node, d: Node, sign: int, turned: tuple[Node, ...]) -> None:
-        self.joints[node.name] = Joint(node.name, s.name, d.name, sign < 0, tuple(mask.name for mask in turned))
+        self.joints[node.name] = timing.Joint(node.name, s.name, d.name, sign < 0, tuple(mask.name for mask in turned))
 
     def twice(self, node: Node, half: Node, negated: Node) -> None:
-        self.joints[node.name] = Joint(node.name, half.name, branch=(negated.name,))
+        self.joints[node.name] = timing.Joint(node.name, half.name, branch=(negated.name,))

@@ -40,15 +40,6 @@ class Schedule:
 WIDTH = 24  # any word length: the steps are the same at each
 PLACES = 64  # read/write words of the memory; 64 powers of two follow
 
-WINDOWS = ("plain", "double", "low")
-LASTS = ("inner", "root", "slope", "sine")
-SOURCES = ("none", "sum", "normal", "input")
-MORE_SOURCES = ("result", "wrist")  # of the whole arm
-FUNCTIONS = ("root", "sine", "cosine")
-PLACED_AS = ("", "root", "angle")
-CARRIES = ("", "minus")
-BASES = ("count", "1", "2", "4", "-2")
-
 
 @cache
 def codes(name: str = "fold") -> dict[str, tuple]:
@@ -74,14 +65,16 @@ def codes(name: str = "fold") -> dict[str, tuple]:
     made: dict[str, tuple] = {"a_by": picked(step.a for step in steps), "b_by": picked(step.b for step in steps)}
     made |= {"w_by": picked(step.write and step.write.to for step in steps)}
     made |= {"s_by": selectors({step.addend_by for step in steps})}
-    made |= {"minus_by": selectors({step.minus for step in steps}, ALWAYS, NO_COUNT), "r_function": FUNCTIONS}
-    made |= {"b_place": PLACED_AS, "cut": CUTS, "s": ADDENDS, "carry": CARRIES, "window": WINDOWS, "last": LASTS}
-    made |= {"sign": ("", *signs), "norm": ("", *NORMS), "source": SOURCES, "input": lowering.INPUTS}
-    made |= {"result": ("", *lowering.RESULTS), "e_set": counts, "n_base": BASES, "n_e": counts}
+    made |= {"minus_by": selectors({step.minus for step in steps}, ALWAYS, NO_COUNT)}
+    made |= {"r_function": ("root", "sine", "cosine"), "b_place": ("", "root", "angle"), "cut": CUTS, "s": ADDENDS}
+    made |= {"carry": ("", "minus"), "window": ("plain", "double", "low"), "last": ("inner", "root", "slope", "sine")}
+    made |= {"sign": ("", *signs), "norm": ("", *NORMS), "source": ("none", "sum", "normal", "input")}
+    made |= {"input": lowering.INPUTS, "result": ("", *lowering.RESULTS)}
+    made |= {"e_set": counts, "n_base": ("count", "1", "2", "4", "-2"), "n_e": counts}
     if joints:
         shared = {field: (*of, *(code for code in made[field] if code not in of)) for field, of in codes().items()}
         made |= {field: of for field, of in shared.items() if field not in ("input", "result")}
-        made["source"] += MORE_SOURCES
+        made["source"] += "result", "wrist"
         made["result"] += timing.ELBOW
         by = {joint.angle: joint.by for joint in joints}
         made["again_by"] = "", *(by[angle] for angle, vector in lowering.vectors.items() if vector.lengths)
@@ -133,14 +126,12 @@ class ConflictError(ValueError):
 
 def lives(steps: list[Placed], loads: dict[str, int]) -> dict[str, tuple[int, int]]:
     """Return a dict: variable -> (first clock in which it is written, last clock in which it is written or read)."""
-    first: dict[str, int] = dict(loads)
-    last: dict[str, int] = {}
-    for placed in steps:
-        for use in timing.word_writes(placed):
-            first[use.of] = min(first.get(use.of, use.at), use.at)
-            last[use.of] = max(last.get(use.of, use.at), use.at)
-        for use in timing.word_reads(placed):
-            last[use.of] = max(last.get(use.of, use.at), use.at)
+    first, last = dict(loads), dict[str, int]()
+    writes = [use for placed in steps for use in timing.word_writes(placed)]
+    for use in writes:
+        first[use.of] = min(first.get(use.of, use.at), use.at)
+    for use in (*writes, *(use for placed in steps for use in timing.word_reads(placed))):
+        last[use.of] = max(last.get(use.of, use.at), use.at)
     return {name: (clock, last.get(name, clock)) for name, clock in first.items()}
 
 
@@ -161,18 +152,17 @@ def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[st
         first, last = life[name]
         if last - first >= period:
             raise ConflictError(f"{name} lives {last - first} clocks, too long for a lap of {period}")
-        wanted = {clock % period for clock in range(first, last + 1)}
-        if name in doubles:
-            wanted = set(range(period))  # its second word may be a constant
-        size = 2 if name in doubles else 1
-        for place in CONSTANTS.get(picks.get(name, ""), range(0, PLACES, size)):
-            if not any(taken[place + k] & wanted for k in range(size)):
-                for k in range(size):
-                    taken[place + k] |= wanted
-                places[name] = place
+        double = name in doubles  # its second word may be a constant: it takes two places for the whole lap
+        wanted = {clock % period for clock in (range(period) if double else range(first, last + 1))}
+        for place in CONSTANTS.get(picks.get(name, ""), range(0, PLACES, 1 + double)):
+            both = taken[place : place + 1 + double]
+            if not any(words & wanted for words in both):
                 break
         else:
             raise ConflictError(f"no place for {name}")
+        places[name] = place
+        for words in both:
+            words |= wanted
     return places
 
 

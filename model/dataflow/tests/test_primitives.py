@@ -1,19 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test primitives of the bit-true model against fractions and unlimited integers, which model and RTL do not use."""
+"""Test primitives of the bit-true model against fractions and unlimited integers, which model and RTL do not use; and
+the tables of reciprocal root, sine and cosine, and the vectoring CORDIC: words, error bounds, symmetry.
+
+model/bounds/tests/test_figures.py compares the tables' measured errors with proved bounds.
+"""
 
 import math
 from fractions import Fraction
 from itertools import product
 
 import numpy as np
+import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from model.dataflow.expressions import Sum
-from model.dataflow.formats import Format
+from model.dataflow import angles, quadratic
+from model.dataflow.expressions import Sum, round_shift, wrap
+from model.dataflow.formats import Format, inner_frac
 from model.dataflow.mul3 import TILE, cuts, mul3, mul3_error, unseen
 from model.dataflow.nodes import Dataflow, Input, Node
 from model.dataflow.paper_operations import Mul, Total, floor_div, floor_root
+from model.dataflow.quadratic import INVERSE_ROOT, SINE, SINE_FRACS, SMALL_FRAC
 
 ROOT_LIMIT = 1 << 63  # upper bound of floor_root's arguments; none in the datapath reaches 2^62
 
@@ -84,11 +91,10 @@ NEAR_QUOTIENTS = st.tuples(st.integers(1, (1 << 31) - 1), signed(32), st.integer
 @example(((1 << 39) - 1, 1))
 @example((-1, (1 << 31) - 1))
 def test_floor_div_is_the_floor_of_a_fraction(operands):
-    """Check the saturated floor; where d <= 0, the sign of n decides."""
+    """Check the floor; where d <= 0, the sign of n decides beyond which end of the format the quotient is."""
     (n, d), fmt = operands, Format(32, 30, "")
     q = math.floor(Fraction(n << 22, d)) if d > 0 else fmt.low - 1 if n < 0 else fmt.high + 1
-    expected = min(max(q, fmt.low), fmt.high)
-    assert [int(v[0]) for v in floor_div(np.array([n]), np.array([d]), 22, fmt)] == [expected, q != expected]
+    assert floor_div(np.array([n]), np.array([d]), 22, fmt)[0] == q
 
 
 NEAR_SQUARES = st.tuples(st.integers(1, math.isqrt(ROOT_LIMIT)), st.integers(-1, 1)).map(
@@ -142,3 +148,127 @@ def test_mul3_without_low_parts_rounds_half_up(case):
     a, b, shift, *widths = case
     a, b = (word >> bits << bits for word, bits in zip((a, b), cuts(*widths), strict=True))
     assert mul3(a, b, shift, *widths) == math.floor(Fraction(a * b, 1 << shift) + Fraction(1, 2))
+
+
+# ---- tables and vectoring CORDIC ------------------------------------------------------------------------------------
+
+SMALL_TILE = 16
+
+
+@pytest.mark.parametrize("size", ["short", "long", "small"])
+@pytest.mark.parametrize("table", [INVERSE_ROOT, SINE], ids=["root", "sine"])
+def test_words_of_a_table_fit(table, size):
+    """Check that all coefficients fit their widths, c0 also after the largest rounding constant is added."""
+    form = getattr(table, size)
+    c0, *rest = quadratic.columns(table, form)
+    frac = {"short": 19, "long": table.short_frac + 1, "small": 19}[size]  # the smallest has the largest constant
+    constant = quadratic.rounding(form, frac) if table is INVERSE_ROOT else 1 << form.sum_frac - frac - 1
+    added = constant >> form.sum_frac - form.c_frac[0]
+    for column, bits in zip(rest, form.c_bits[1:], strict=True):
+        assert (0 < column).all() and column.max() < 1 << bits
+    if table is SINE:
+        assert 0 < c0.min() and c0.max() + added < 1 << form.c_bits[0]
+        return
+    # c0 stays below 1, and its MSB, which is not stored, is 1
+    assert form.c_bits[0] == form.c_frac[0] - 1
+    assert set(c0 >> form.c_bits[0]) == set(c0 + added >> form.c_bits[0]) == {1}
+    # No slope exceeds the first one at its left end.
+    _, width = table.segment(form, 0)
+    bend = rest[1][0] * width / 2 / 2 ** form.c_frac[2] if len(rest) > 1 else 0
+    assert rest[0][0] / 2 ** form.c_frac[1] + bend < 2 ** (form.c_bits[1] - form.c_frac[1])
+
+
+@pytest.mark.parametrize(("frac", "tile"), [(21, TILE), (31, TILE), (SMALL_FRAC, SMALL_TILE)])
+def test_each_segment_of_the_root_keeps_its_bound(frac, tile):
+    form, rng = INVERSE_ROOT.form(frac, tile), np.random.default_rng(3)
+    inside = np.arange(64)
+    for row in range(form.rows):
+        left, width = INVERSE_ROOT.segment(form, row)
+        first, last = (int((left + part) * 2 ** (frac + 3)) for part in (0, width))
+        m = np.concatenate([rng.integers(first, last, 1000), first + inside, last - 1 - inside])
+        off = quadratic.root_sum(form, m, frac) / 2.0**form.sum_frac - 0.5 / np.sqrt(m / 2.0 ** (frac + 3))
+        low, high = quadratic.row_error(INVERSE_ROOT, form, row, rises=False)
+        assert low < off.min() and off.max() < high, f"row {row}: {off.min()} to {off.max()}"
+
+
+@pytest.mark.parametrize(
+    ("width", "tile"), [*((width, TILE) for width in (16, 18, 19, 27, 32)), (16, SMALL_TILE), (24, SMALL_TILE)]
+)
+def test_sine_is_odd_and_cosine_even(width, tile):
+    """Check the symmetry, that neither function exceeds 1, and that both are exact at 0 and at half a turn."""
+    frac, half_turn = min(inner_frac(width), SINE_FRACS[-1]), 1 << width - 1
+    phi, one = np.linspace(-half_turn, half_turn - 1, 1 << 18).astype(np.int64), 1 << frac
+    sin, cos = quadratic.half_sincos(phi, width, frac, tile)
+    back = quadratic.half_sincos(-phi, width, frac, tile)
+    assert (back[0] == -sin).all() and (back[1] == cos).all()
+    exact = quadratic.half_sincos(np.array([0, -half_turn]), width, frac, tile)
+    assert [values.tolist() for values in exact] == [[0, -one], [one, 0]]
+    assert abs(sin).max() <= one and cos.max() <= one
+    assert (cos[phi > -half_turn] > 0).all() and ((phi > 0) <= (sin > 0)).all()
+
+
+SHORT = (8, 9, 10)  # word lengths whose vectors are all tested
+
+
+def vectors(width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return vectors no longer than LONGEST: all at a SHORT word length, else up to 400000 random ones, of any length
+    and often near an axis."""
+    half = 1 << width - 1
+    if width in SHORT:
+        x, y = np.mgrid[-half:half, -half:half].reshape(2, -1)
+    else:
+        rng = np.random.default_rng(width)
+        length = 2.0 ** rng.uniform(1 - width, 1.2, 400000)
+        turn = rng.choice([1, 10 ** rng.uniform(-9, 0)], 400000) * rng.uniform(-1, 1, 400000) * np.pi / 4
+        turn += rng.integers(0, 4, 400000) * np.pi / 2
+        x, y = np.rint(length * (np.cos(turn), np.sin(turn)) * 2 ** (width - 2)).astype(np.int64)
+    fits = (np.hypot(x, y) <= angles.LONGEST * 2 ** (width - 2)) & (np.maximum(np.abs(x), np.abs(y)) < half)
+    return x[fits], y[fits]
+
+
+@pytest.mark.parametrize("width", (*SHORT, 18, 24, 32))
+def test_angle_and_length_are_within_their_bounds(width):
+    x, y = vectors(width)
+    long, angle = angles.vector(x, y, width)
+    length = np.hypot(x, y) / 2 ** (width - 2)
+    turns = (angle / 2 ** (width + angles.ANGLE) - np.arctan2(y, x) / (2 * np.pi) + 0.5) % 1 - 0.5
+    off = np.where(length > 0, np.abs(turns) * 2 * np.pi, 0)
+    short = angles.gain(width) * length * 2 ** (width + 1) - long
+    for least in (1, 2**-2, 2**-4, 2.0 ** -(width // 2), 2.0 ** (3 - width), 2.0 ** (2 - width)):
+        part = (length >= least) & (length <= 2 * least)
+        for what, found, bound in (
+            ("angle", off[part], angles.error_bound(width, least)),
+            ("length", short[part], angles.length_bound(width, 2 * least)),
+        ):
+            text = f"{what}, W = {width}, length {least:.2g}: error {found.max():.3g}, bound {bound:.3g}"
+            print(text)
+            assert found.max() <= bound, text
+            assert found.min() >= -1e-5, f"{what}, W = {width}: too long"
+
+
+@pytest.mark.parametrize("width", (*SHORT, 18, 24, 32))
+def test_longest_vector_keeps_every_bit(width):
+    """Check vectors of length LONGEST, too long for words, with guard bits; twice that length loses bits."""
+    turn = np.linspace(-np.pi, np.pi, 20001)
+
+    def off(length):
+        x, y = np.rint(length * 2 ** (width + 1) * np.array([np.cos(turn), np.sin(turn)])).astype(np.int64)
+        _, angle = angles.iterate(x, y, width)
+        return np.abs((angle / 2 ** (width + angles.ANGLE) - np.arctan2(y, x) / (2 * np.pi) + 0.5) % 1 - 0.5).max()
+
+    assert off(angles.LONGEST) * 2 * np.pi < angles.error_bound(width, 1)
+    assert off(2 * angles.LONGEST) > 0.01
+
+
+def test_small_angles_keep_their_sign():
+    """Check that no angle of a straight arm or of a hand along an axis is rounded to below 0, where a limit may be."""
+    for width in range(8, 33):
+        one, what = 1 << width - 2, f"W = {width}"
+        x, y = np.meshgrid([one - 1, one, one + 2], np.arange(min(400, one)))
+        length, angle = angles.vector(x, y, width)
+        assert round_shift(angle, angles.ANGLE).min() == 0 and not angle[0].any(), what
+        assert set(angles.vector(-x, -y, width)[1][0].tolist()) == {-(1 << width + angles.ANGLE - 1)}, what
+        twice = wrap(round_shift(2 * angle, angles.ANGLE), width)
+        tilt = angles.iterate(length[0], angles.vector(0 * y, y, width)[0][:, :1], width)[1]
+        assert twice.min() == round_shift(2 * tilt, angles.ANGLE).min() == 0 and not tilt[0].any(), what
+        assert angles.vector(np.zeros(1, int), np.zeros(1, int), width)[1] == 0, what

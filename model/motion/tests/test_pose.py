@@ -77,7 +77,7 @@ def test_a_named_axis_loses_no_bit(reachable, axis):
     assert (np.sort(np.abs(there)) == np.sort(np.abs(points))).all()
     ours, core = solve(points, phi, axis=axis, width=32), solve(there, phi, width=32)
     assert (multiply(r, ours.qs) == core.qs).all() and (ours.qe == core.qe).all()
-    assert np.linalg.norm(ours.wrist - points, axis=1).max() / (D1 + D2) <= tolerances.lean(32)
+    assert np.linalg.norm(ours.wrist - points, axis=1).max() / (D1 + D2) <= tolerances.LEAN[32]
 
 
 def test_without_phi_the_elbow_hangs():

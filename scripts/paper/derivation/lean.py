@@ -37,7 +37,7 @@ ROOTS = {"rho": "rho", "s": "dist", "far": "sqrt_a", "near": "sqrt_b", "1": "sqr
 """Suffix of a root's nodes in the dataflow -> symbol for the root's value."""
 
 HALF = {"c >= 0": ("(1 + c)/2", "s/2"), "c < 0": ("s/2", "(1 - c)/2")}
-"""Branch -> parts of the quaternion h(c, s), as in :func:`model.dataflow.choices.half_part`."""
+"""Branch -> parts of the quaternion h(c, s), as in :func:`model.dataflow.lean_operations.half_part`."""
 
 NODES = fixed.nodes("lean", 32)
 

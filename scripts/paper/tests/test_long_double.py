@@ -38,7 +38,7 @@ def test_the_model_agrees_with_c(width, equations):
     values, expected = result_values(fixed.run(words, width, "lean").results, width), answers(words, width, equations)
     expected[(values[:, :4] * expected[:, :4]).sum(axis=1) < 0, :4] *= -1
     ulp = 2.0 ** (2 - width)
-    assert 0.45 * ulp < np.abs(values - expected).max() < min(tolerances.lean(width) / 3, 4 * ulp)
+    assert 0.45 * ulp < np.abs(values - expected).max() < min(tolerances.LEAN[width] / 3, 4 * ulp)
 
 
 @pytest.mark.needs("cc")

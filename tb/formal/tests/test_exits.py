@@ -7,8 +7,6 @@ proofs `valid_*` prove the latency of valid.
 
 import json
 import shutil
-from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 
@@ -26,66 +24,21 @@ TAG_W = 5
 RING = "ik_ring"  # module whose q is d delayed by N clocks, in a memory
 
 
-class Bit(NamedTuple):
-    """Origin of a bit: `kind` is "constant", "node", "cell" (an output of a cell) or "port" (an input)."""
-
-    kind: str
-    name: str = ""  # name of the node, cell or port
-    index: int = 0  # value of the constant, else number of the bit in the node, cell output or port
-    clocks: int = 0  # delay from the origin to the traced bit
+Origin = tuple[str, int, int]
+"""Node, port or constant from which a bit comes, number of the bit or value of the constant, clocks from there."""
 
 
-class Netlist:
-    """Netlist of module `top` from a `write_json` file; `nodes` maps a node to its signal and its width in bits."""
-
-    def __init__(self, path: Path, top: str, nodes: dict[str, tuple[str, int]]) -> None:
-        self.modules = json.loads(path.read_text())["modules"]
-        module = self.modules[top]
-        self.wires = {name: wire["bits"] for name, wire in module["netnames"].items()}
-        self.cells = module["cells"]
-        self.origins = {
-            bit: Bit("port", name, index)
-            for name, port in module["ports"].items()
-            for index, bit in enumerate(port["bits"])
-            if port["direction"] == "input"
-        }
-        for name, (signal, width) in reversed(nodes.items()):  # two nodes may share a wire: keep the first
-            bits = self.wires[signal]
-            if len(bits) != width:
-                raise ValueError(f"{name}: {len(bits)} bits in the netlist, {width} in the model")
-            self.origins |= {bit: Bit("node", name, index) for index, bit in enumerate(bits)}
-        self.drivers = {
-            bit: (name, port, index)
-            for name, cell in self.cells.items()
-            for port, direction in cell["port_directions"].items()
-            for index, bit in enumerate(cell["connections"][port])
-            if direction == "output"
-        }
-
-    def _delay(self, cell: dict) -> tuple[int, str]:
-        """Return the clocks by which a cell delays, 0 unless it is a register or ring, and the name of its input."""
-        if cell["type"] == "$dff":
-            return 1, "D"
-        module = self.modules.get(cell["type"], {})
+def delays(modules: dict, top: str) -> dict[int, tuple[int, int]]:
+    """Return a dict of the bits that a register or ring delays: bit -> (bit at its input, clocks)."""
+    sources = {}
+    for cell in modules[top]["cells"].values():
+        module = modules.get(cell["type"], {})
         is_ring = module.get("attributes", {}).get("hdlname", cell["type"]).endswith(RING)
-        return int(module["parameter_default_values"]["N"], 2) if is_ring else 0, "d"
-
-    def origin(self, bit: int | str) -> Bit:
-        """Return the origin of a bit, found by tracing it back through registers and rings."""
-        clocks = 0
-        while not isinstance(bit, str):
-            if bit in self.origins:
-                return self.origins[bit]._replace(clocks=clocks)
-            if bit not in self.drivers:
-                raise ValueError(f"bit {bit} has no driver")
-            name, port, index = self.drivers[bit]
-            delay, source = self._delay(self.cells[name])
-            if not delay:
-                return Bit("cell", name, index, clocks)
-            bit, clocks = self.cells[name]["connections"][source][index], clocks + delay
-        if bit not in "01":
-            raise ValueError(f"a bit is '{bit}'")
-        return Bit("constant", index=int(bit))
+        if is_ring or cell["type"] == "$dff":
+            clocks = int(module["parameter_default_values"]["N"], 2) if is_ring else 1
+            before, after = (cell["connections"][port] for port in ("dq" if is_ring else "DQ"))
+            sources |= {bit: (at_input, clocks) for bit, at_input in zip(after, before, strict=True)}
+    return sources
 
 
 def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
@@ -108,26 +61,39 @@ def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
     lines = [f"read_verilog -defer {include} {names}", f"hierarchy -check -top {top} {sets}", "proc", "flatten"]
     assert not yosys(place, "elaborate", [*lines, f"write_json {here}/design.json"])
 
-    nodes = fixed.nodes(name, width)
-    signals = {n.name: (".".join(filter(None, (path.instance(n), n.name))), n.format.width) for n in nodes.values()}
-    netlist = Netlist(place / "design.json", top, signals)
+    modules, nodes = json.loads((place / "design.json").read_text())["modules"], fixed.nodes(name, width)
+    ports, wires = modules[top]["ports"], {name: wire["bits"] for name, wire in modules[top]["netnames"].items()}
+    inputs = (name for name, port in ports.items() if port["direction"] == "input")
+    origins = {bit: (name, k) for name in inputs for k, bit in enumerate(ports[name]["bits"])}
+    for node in reversed(nodes.values()):  # two nodes may share a wire: keep the first
+        bits = wires[".".join(filter(None, (path.instance(node), node.name)))]
+        assert len(bits) == node.format.width, f"{node.name}: {len(bits)} bits in the netlist"
+        origins |= {bit: (node.name, k) for k, bit in enumerate(bits)}
+    delayed = delays(modules, top)
+
+    def origin(bit: int | str) -> Origin:
+        clocks = 0
+        while bit in delayed and bit not in origins:
+            bit, more = delayed[bit]
+            clocks += more
+        return ("constant", int(bit), 0) if isinstance(bit, str) else (*origins.get(bit, ("logic", bit)), clocks)
+
     out = max(nodes[name].time for name in (*path.results, *path.flags.keys() & nodes.keys()))
     flags = {flag: name for name, flag in path.flags.items()}
-    expected = {
-        "out_data": [Bit("node", field, k, out - nodes[field].time) for field in path.results for k in range(width)],
+    expected: dict[str, list[Origin]] = {
+        "out_data": [(field, k, out - nodes[field].time) for field in path.results for k in range(width)],
         "out_flags": [
-            Bit("node", flags[1 << k], clocks=out - nodes[flags[1 << k]].time) if 1 << k in flags else Bit("constant")
+            (flags[1 << k], 0, out - nodes[flags[1 << k]].time) if 1 << k in flags else ("constant", 0, 0)
             for k in range(path.flag_bits)
         ],
-        "out_tag": [Bit("port", "in_tag", k, clocks=out) for k in range(TAG_W)],
+        "out_tag": [("in_tag", k, out) for k in range(TAG_W)],
     }
-    lines = []
-    if not path.core and netlist.wires["out_valid"] != netlist.wires["valid"][out - 1 :]:
-        lines.append("out_valid is not the last of valid")
+    early = not path.core and wires["out_valid"] != wires["valid"][out - 1 :]
+    lines = ["out_valid is not the last of valid"] * early
     for port, bits in expected.items():
-        for k, (bit, wanted) in enumerate(zip(netlist.wires[port], bits, strict=True)):
-            if (origin := netlist.origin(bit)) != wanted:
-                lines.append(f"{port}[{k}]: {origin}, and not {wanted}")
+        for k, (bit, wanted) in enumerate(zip(wires[port], bits, strict=True)):
+            if (of := origin(bit)) != wanted:
+                lines.append(f"{port}[{k}]: {of}, and not {wanted}")
     return lines
 
 

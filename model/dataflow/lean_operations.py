@@ -1,25 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Normalization by an even shift (``ik_even``), sums of shift counts, and shifts by counts.
+"""Operations of the lean dataflow besides products and tables: normalization, shifts by counts, and choices.
 
-In a formula, the name of a count n stands for 2^n, so that a shift is a product.
+Normalization is an even shift (``ik_even``).  In a formula, the name of a count n stands for 2^n, so that a shift is a
+product.  The paper's dataflow shares the shifts, the whole arm the choices.
+
+Choices are selections, sign changes and sums for which the folded program has special steps.  The quaternion h(c, s)
+turns by the angle whose cosine is c and whose sine is s.  It is not normalized: (1 + c, s)/2, or (s, 1 - c)/2 where
+c < 0.  The larger of its two parts, (1 + |c|)/2, is also its squared length.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .expressions import FLOOR, Operation, magnitude, number, wrap
+from .expressions import CHOICE, FLOOR, Floor, Function, Operation, Select, Sum, Term, Unary, magnitude, number, wrap
 
 if TYPE_CHECKING:
     from .nodes import Node
-
-
-def room(words, width: int):
-    """Return the left shift that ``width``-bit words allow without overflow; ``width - 1`` for 0 and -1."""
-    # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
-    return width - 1 - np.frexp(magnitude(words).astype(np.float64))[1].astype(np.int64)
 
 
 def bit_length(words):
@@ -28,6 +27,11 @@ def bit_length(words):
     # frexp of an integer below 2^53 is exact: its exponent is the number of bits.
     _, bits = np.frexp(np.where(high, high, words).astype(np.float64))
     return bits + 32 * (high > 0)
+
+
+def room(words, width: int):
+    """Return the left shift that ``width``-bit words allow without overflow; ``width - 1`` for 0 and -1."""
+    return width - 1 - bit_length(magnitude(words).astype(np.uint64))
 
 
 def even(value, width: int, mantissa_bits: int):
@@ -195,3 +199,85 @@ def _power(count: Node, sign: int, constant: int) -> str:
         return f"2^({constant} - {count.name})"
     text = f"{'-' * (sign < 0)}{count.name}" + (f" {'+' if constant > 0 else '-'} {abs(constant)}" if constant else "")
     return f"2^{text}" if text.isidentifier() else f"2^({text})"
+
+
+# -- choices -----------------------------------------------------------------------------------------------------------
+
+
+class Choice(Unary):
+    """Expression for which the lowering's ``method``, with the node and ``given``, adds special folded steps.
+
+    ``free``: True if it saturates or wraps by design, so that proofs have no formula for it.
+    """
+
+    def __init__(self, expression: Term, method: str, *given: Any, operands: tuple = (), free: bool = False) -> None:
+        super().__init__(expression)
+        self.operands, self.method, self._given, self.free = operands or self.operands, method, given, free
+
+    def lower(self, to, node):
+        getattr(to, self.method)(node, *self._given)
+
+
+def _at_most(term: Term) -> Function:
+    """Return a term that the node limits to the largest word of its format; only ``text`` shows the limit."""
+    return Function(lambda words: words, "min({}, most)", term, formula="{}", level=CHOICE + 1)
+
+
+def limited(raw: Term) -> Choice:
+    """Return a word limited to the format of its node."""
+    return Choice(_at_most(raw), "limit", raw)
+
+
+def mantissa(value: Term, low: Term) -> Choice:
+    """Return a word, times 4 where the mask ``low`` is set, limited to the format of its node."""
+    return Choice(_at_most(Select(low, 4 * value, value)), "mantissa", value, low)
+
+
+def signed(value: Term, negative: Term) -> Choice:
+    """Return a result, negated where the mask is set."""
+    return Choice(Select(negative, -value, value), "result", value, negative)
+
+
+def elbow(value: Term, sign: int, clamp: Term, closed: Term, ends: tuple[int, int]) -> Choice:
+    """Return a word times ``sign``; for a clamped target, ``ends[0]`` if the arm is closed, else ``ends[1]``."""
+    part = Select(clamp, Select(closed, *ends), value if sign > 0 else -value)
+    return Choice(part, "elbow", value, sign)
+
+
+# -- half angles -----------------------------------------------------------------------------------------------------
+
+
+def _half_length(c: Term) -> Floor:
+    return Floor((1 + abs(c)) / 2, c.frac)
+
+
+def _halved(s: Term, none: Term | None = None) -> Term:
+    half = Floor(s / 2, s.frac)
+    return Select(none, 0, half) if none else half
+
+
+def half_length(c: Term, unit: Term | None = None) -> Choice:
+    """Return the squared length (1 + |c|)/2; 1 where the mask ``unit`` is set."""
+    length = Select(unit, 1, _half_length(c)) if unit else _half_length(c)
+    return Choice(length, "half_length", c, unit)
+
+
+def half_part(c: Term, s: Term, large: Term, length: Term | None = None, none: Term | None = None) -> Choice:
+    """Return a part of h: the squared length where ``large`` holds, else half the sine, or 0 where ``none`` is set.
+
+    Without the node ``length`` the part computes the squared length itself.
+    """
+    part = Select(large, length or _half_length(c), _halved(s, none))
+    return Choice(part, "half_part", c, s, large, none)
+
+
+def half_sum(length: Term, s: Term, none: Term, sign: int) -> Choice:
+    """Return the squared length plus or minus half the sine, or without the sine where the mask ``none`` is set."""
+    total = Sum((1, length), (sign, _halved(s, none)))
+    return Choice(total, "half_sum", length, s, sign)
+
+
+def add_sub(whole: Term, part: Term, add: Term) -> Choice:
+    """Return ``whole`` minus ``part``; their sum where the mask ``add`` is set."""
+    total = Select(add, whole + part, whole - part)
+    return Choice(total, "add_sub", whole, part, add)

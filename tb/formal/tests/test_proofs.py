@@ -1,30 +1,140 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the proofs about numbers: every range of the lean datapath has a question, and a wrong claim fails."""
+"""Tests of the proofs: by induction, their definitions, the questions, and one proof of a few seconds; about numbers,
+that every range of the lean datapath has a question and that a wrong claim fails."""
 
 import math
 import re
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from model.bounds.predict import Real
+from model.bounds.tests.test_ranges import usual_targets
 from model.dataflow import fixed, quadratic
+from model.dataflow.formats import WIDTHS, Latency
 from model.dataflow.quadratic import Form
 from model.io.stimuli import REGIONS, hand_poses, region
-from tb.formal import arithmetic, lean_proofs
-from tb.formal.arithmetic import Question
-from tb.formal.bugs import BUGS
-from tb.formal.floors import ROOT_DIGIT, floors, integer
-from tb.formal.lean_exact import Exact
-from tb.formal.lean_proofs import BY_WORDS, CASES, Rounded, Rules
+from tb.formal import induction, lean_proofs, task
+from tb.formal.bugs import CREDITS
+from tb.formal.floors import ROOT_DIGIT, integer
+from tb.formal.induction import FORMAL, Proof, Steps
+from tb.formal.lean_proofs import BY_WORDS, CASES, Exact, Rounded, Rules
+from tb.formal.proofs import PROOFS, TASKS
 from tb.formal.rsqrt_stages import Stages, forms, model
 from tb.formal.smt import smt
-from tb.formal.unrolled import Answer
+from tb.formal.task import Question
+from tb.formal.tools import Answer
 from tb.sim.env import ROOT
+from tb.sim.seeded_bugs import Bug
 
 FULL = 32
 tools = pytest.mark.needs("fpga")
+PROOF = {proof.name: proof for proof in PROOFS}
+
+
+def test_definitions():
+    """Check that all properties exist that a proof or its bug names, and that the bug can be seeded."""
+    for proof in PROOFS:
+        labels = set(re.findall(r"(\w+) : (?:assert|assume)", "".join(path.read_text() for path in proof.files)))
+        named = {name for names in (*proof.uses.values(), *proof.after.values()) for name in names.split()}
+        named = {name.rstrip("*$") for name in named | proof.uses.keys() | proof.after.keys()}
+        assert proof.gates or {*named, proof.bug.fails} <= labels, proof.name
+        text = (ROOT / proof.bug.file).read_text()
+        assert ROOT / proof.bug.file in proof.files and proof.bug.seeded(text) != text, proof.name
+
+
+def test_assumptions_are_on_inputs():
+    """Check that proofs, unlike covers, have only the assumptions listed here, which are about inputs."""
+    labels = {}
+    for path in FORMAL.glob("*.v*"):
+        proved = re.sub(r"`ifdef IK_COVER.*?`(else|endif)", "", path.read_text(), flags=re.S)
+        labels[path.name] = re.findall(r"(?:(\w+) : )?assume \(", proved)
+    assert {name: named for name, named in labels.items() if named} == {
+        "ik_axi.vh": ["f_answered", "f_length"],
+        "ik_axi_read.vh": ["f_go", "f_area", "f_leave", "f_data"],
+        "ik_axi_write.vh": ["f_go", "f_area", "f_got_some", "f_ended", "f_leave", "f_answer"],
+        "ik_fifo.vh": ["f_contract"],
+        "ik_fold.vh": ["f_sender"],
+    }
+    for proof in PROOFS:
+        commands = " ".join((*proof.script, *proof.claims)).replace("chformal -assume2assert t:$assume", "")
+        assert "assume" not in commands.replace("-assert-count 3 t:$assume", "") and "IK_COVER" not in proof.defines
+
+
+@pytest.mark.parametrize("op", ["div", "root"])
+def test_every_divider_and_root_of_the_model_is_proved(op):
+    nodes = fixed.nodes("paper", 32).values()
+    kinds = []
+    for node in (node for node in nodes if node.kind == op):
+        # A constant dividend has the divisor's format.
+        n, d, q = node.operands[0].format, node.operands[-1].format, node.format
+        shift = q.frac - n.frac + (d.frac if op == "div" else q.frac)
+        kind = {"NW": n.width + (not n.signed), "SH": shift, "QW": q.width, "LAT": Latency(32)[op]}
+        kinds.append(kind | ({"DW": d.width} if op == "div" else {}))
+    proved = [proof.sets for proof in PROOFS if proof.top == f"ik_{op}_digit"]
+    assert all(kind in proved for kind in kinds) and all(sets in kinds for sets in proved)
+
+
+def test_every_number_of_places_is_proved():
+    """Check that each FIFO depth has a proof. The depth follows from the latency, see tb/core/test_elaboration.py."""
+    text = (ROOT / "rtl" / "include" / "ik_latency.vh").read_text()
+    latencies = re.findall(r"(\d+): datapath_latency = (\d+);", text)
+    places = {int(key): 1 << (int(clocks) + 2).bit_length() for key, clocks in latencies}
+    proved = [proof.sets for proof in PROOFS if proof.name.startswith("axis_") and proof.top == "ik_axis"]
+    arm = [max(node.time for node in fixed.nodes("arm", width).values()) for width in (WIDTHS[0], WIDTHS[-1])]
+    assert {1 << (clocks + 2).bit_length() for clocks in arm} == {128}  # as in axis_arm
+    assert {places[100 * sets["DATAPATH"] + sets["W"]] for sets in proved} == set(places.values())
+    assert {1 << proof.sets["LOG2"] for proof in PROOFS if proof.top == "ik_fifo"} <= set(places.values())
+
+
+def test_slices_that_a_property_rests_on():
+    design = Steps.__new__(Steps)
+    design.number = dict.fromkeys([*(f"g_slice[{k}].u.row" for k in (0, 16, 32, 48)), "alone"])
+    assert design.named("row", "g_slice[32].u.row") == [f"g_slice[{k}].u.row" for k in (16, 32, 48)]
+    assert design.named("row$", "g_slice[0].u.row") == ["g_slice[48].u.row"]
+    assert len(design.named("row*", "g_slice[0].u.row")) == len(design.named("row", "alone")) == 4
+    assert design.named("alone", "g_slice[0].u.row") == ["alone"]
+    with pytest.raises(RuntimeError, match="no property other"):
+        design.named("other")
+
+
+@tools
+def test_smallest_proof_and_its_bug():
+    with ThreadPoolExecutor(2) as pool:
+        outcome = induction.run(PROOF["root_row_15"], pool, print)
+    assert outcome.failed == [] and outcome.result == "4 assertions, 4 covers"
+
+
+@tools
+@pytest.mark.parametrize(
+    ("name", "bug"),
+    [
+        ("handshake_lean", Bug("", CREDITS, "!rst && (credits != 0)", "(credits != 0) && !rst", "independent")),
+        ("div_row_31", Bug("", "rtl/lib/ik_div_row.v", "endmodule", "\nendmodule", "identity")),
+    ],
+)
+def test_harmless_change_survives(name, bug):
+    """Check that a change without effect does not count as a detected bug."""
+    assert "survives" in induction.survives(replace(PROOF[name], name="harmless"), bug)
+
+
+def test_digest_depends_on_sources_and_questions(monkeypatch, tmp_path):
+    path = tmp_path / "a.v"
+    monkeypatch.setattr(Proof, "files", property(lambda self: [path]))
+
+    def digest(text):
+        path.write_text(text)
+        return induction.digest(PROOFS[0])
+
+    base = digest("a = 1;")
+    assert digest("// a comment\na = 1;") == base != digest("a = 2;")
+    monkeypatch.setattr(induction, "TACTIC", "smt")
+    assert digest("a = 1;") != base
+
+
+# ---- proofs about numbers --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("width", [16, 17, 32])
@@ -80,17 +190,8 @@ def truth_of(formula: str, values: dict, close: float) -> np.ndarray:
     """Return where a formula holds for arrays of values, with the relative tolerance ``close``."""
     relations = {"<": lambda a, b: a < b, "<=": lambda a, b: a <= b + close}
     operators = OPERATORS | relations | {"=": lambda a, b: np.isclose(1.0 * a, 1.0 * b, rtol=close, atol=close * 1e-6)}
-    stack: list[list] = [[]]
-    for token in re.findall(r"[()]|[^\s()]+", formula):
-        if token == "(":
-            stack.append([])
-        elif token == ")":
-            operator, *operands = stack.pop()
-            stack[-1].append(operators[operator](*operands))
-        else:
-            number = re.fullmatch(r"\d+\.\d+", token)
-            stack[-1].append(token if token in operators else float(token) if number else values[token])
-    return np.asarray(stack[0][0])
+    calls = re.sub(r"\(([^\s()]+) ", r"operators['\1'](", formula).replace(" ", ", ")  # "(+ a b)": operators['+'](a, b)
+    return np.asarray(eval(calls, {"operators": operators}, values))
 
 
 def test_formulas_hold_for_real_numbers():
@@ -98,7 +199,7 @@ def test_formulas_hold_for_real_numbers():
     exact, words = Exact(24), np.concatenate([region(name, 100, 24, 3) for name in REGIONS])
     bits = fixed.run(hand_poses(words, 24, 3), 24, "arm").bits
     real = Real(bits, {})
-    usual = ~np.any([np.asarray(bits.nodes[name].value, bool) for name in ("clamp", "bad_hand", "saturated")], axis=0)
+    usual = usual_targets(bits)
     values = {"true": True, "false": False}
     for name, node in exact.nodes.items():
         value = np.broadcast_to(np.asarray(real.values[name]), usual.shape)[usual]
@@ -119,12 +220,12 @@ def test_rounding_is_within_its_bounds(width):
     """Check that words differ from their exact operation by no more than the rounding that questions assume."""
     rounded, off = Rounded(Exact(width)), {}
     words = np.concatenate([region(name, 1000, width, 3) for name in REGIONS])
-    nodes = fixed.run(words, width, "lean").bits.nodes
-    usual = ~np.asarray(nodes["clamp"].value).astype(bool)
-    for name, node in nodes.items():
+    bits = fixed.run(words, width, "lean").bits
+    usual = usual_targets(bits)
+    for name, node in bits.nodes.items():
         if node.decision or node.kind != "choose":
             continue
-        operands = (nodes[operand.name] for operand in node.operands)
+        operands = (bits.nodes[operand.name] for operand in node.operands)
         values = {o.name: np.asarray(o.value, dtype=np.float64) if o.frac else o.value for o in operands}
         exact = node.op.real_result(node, values)
         exact = np.minimum(exact, node.format.high) if node.limited else exact
@@ -141,22 +242,20 @@ def test_rules_and_errors(kind):
     """Check that all claims at one word length are proved, and that a claim that is too narrow is not."""
     with ThreadPoolExecutor(2) as pool:
         asked = lean_proofs.questions(kind, (24,))
-        assert arithmetic.run(asked, lean_proofs.too_narrow(kind), pool, print).failed == []
+        assert task.run(asked, lean_proofs.too_narrow(kind), pool, print).failed == []
 
 
 @tools
 def test_floors_fail_on_a_bug():
-    bug = BUGS["floors"]
     with ThreadPoolExecutor(2) as pool:
-        wrong = (question for question in floors(bug) if question.name == bug.fails)
-        assert arithmetic.run(floors(), wrong, pool, print).failed == []
+        assert next(task for task in TASKS if task.name == "floors").run(pool, print).failed == []
 
 
 @tools
 def test_reciprocal_root_of_short_words():
     """Prove the short form of the table, which has one tile."""
     for question in Stages(22).questions():
-        assert arithmetic.answer(question)[1] == "", question.name
+        assert task.answer(question)[1] == "", question.name
 
 
 @pytest.mark.parametrize(("frac", "tile"), forms()[::3])
@@ -174,14 +273,14 @@ def test_terms_are_those_of_the_model(frac, tile):
 
 def test_problems_are_reported():
     def problem(answer, met="sat"):
-        return arithmetic.answer(Question("q", "", lambda: Answer(answer, 0.1), lambda: Answer(met, 0.1)))[1]
+        return task.answer(Question("q", "", lambda: Answer(answer, 0.1), lambda: Answer(met, 0.1)))[1]
 
     assert (problem("unsat"), problem("sat"), problem("timeout")) == ("", "counterexample", "timeout")
     assert problem("unsat", "unsat") == "its assumptions cannot be met: unsat"
     proved = Question("q", "", lambda: Answer("unsat", 0.1))
     with ThreadPoolExecutor(1) as pool:
-        assert arithmetic.run([proved], [proved], pool, print).failed == ["seeded bug: no counterexample: unsat"]
-        assert arithmetic.run([proved], [], pool, print).failed == ["seeded bug: no counterexample: no question"]
+        assert task.run([proved], [proved], pool, print).failed == ["seeded bug: no counterexample: unsat"]
+        assert task.run([proved], [], pool, print).failed == ["seeded bug: no counterexample: no question"]
 
 
 def test_expressions_are_read():
