@@ -256,8 +256,7 @@ def binary_angles(angles: np.ndarray, width: int) -> np.ndarray:
     """Return angles (rad) as words of the same shape, one turn = 2^width, rounded half to even."""
     turns = angles / (2 * np.pi)
     words = np.rint(np.ldexp(turns - np.rint(turns), width)).astype(np.int64)
-    half = 2 ** (width - 1)
-    return (words + half) % (2 * half) - half
+    return words << 64 - width >> 64 - width  # half a turn is -half a turn
 
 
 def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targets:
