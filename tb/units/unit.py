@@ -56,18 +56,17 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
     from tb.sim.wrapper_top import TOP, top_of
 
     pairs = list(pairs)
-    return {
-        "toplevel": TOP,
-        "module": pairs[0][0].bench.__module__,
-        "top": top_of({instance_of(case, values): (case.module, values) for case, values in pairs}),
-        "name": "units",
-        "seed": SEED,
+    instances = {
+        "_".join([case.module, *(f"{k}{v}" for k, v in values.items())]): (case.module, values)
+        for case, values in pairs  # for example ik_exact_W5_SQUARE0
     }
+    module = pairs[0][0].bench.__module__
+    return {"toplevel": TOP, "module": module, "top": top_of(instances), "name": "units", "seed": SEED}
 
 
-def instance_of(case: Case, parameters: Parameters) -> str:
-    """Return the name of an instance, for example ik_exact_W5_SQUARE0."""
-    return "_".join([case.module, *(f"{k}{v}" for k, v in parameters.items())])
+def module_of(name: str) -> str:
+    """Return the module in the name of an instance or of its test; parameters have capital letters."""
+    return re.search(r"ik(_[a-z0-9]+)+", name)[0]
 
 
 def runs(cases: Sequence[Case]) -> tuple[Callable, Callable]:
@@ -80,22 +79,16 @@ def pytest_cases(cases: Sequence[Case]) -> Callable:
 
     The selected modules of a group share a simulation.
     """
-    from tb.sim.shared import INSTANCE, Shared
+    from tb.sim.shared import Shared
 
-    def shared(group: str) -> Shared:
-        pairs = {case.module: [(case, values) for values in getattr(case, group)] for case in cases}
-        module_of = {instance_of(*pair): module for module, of in pairs.items() for pair in of}
-        return Shared(
-            f"{cases[0].bench.__module__.rpartition('.')[2]}-{group}",
-            lambda names: simulation(pair for name in names for pair in pairs[name]),
-            lambda test: module_of[INSTANCE.search(test)[1]],
-        )
+    def options(group: str, names: list[str]) -> dict:
+        return simulation((case, values) for case in cases if case.module in names for values in getattr(case, group))
 
-    rows = []
+    file, rows = cases[0].bench.__module__.rpartition(".")[2], []
     for group, slow in (("few", []), ("more", [pytest.mark.slow])):
-        one = shared(group)
+        shared = Shared(f"{file}-{group}", partial(options, group), module_of)
         for module in (case.module for case in cases if getattr(case, group)):
-            rows.append(pytest.param(one, module, id=f"{module}-{group}", marks=[*slow, pytest.mark.bench(module)]))
+            rows.append(pytest.param(shared, module, id=f"{module}-{group}", marks=[*slow, pytest.mark.bench(module)]))
 
     @pytest.mark.sim
     @pytest.mark.parametrize(("simulation", "name"), rows)
@@ -121,8 +114,8 @@ def cocotb_tests(cases: Sequence[Case]):
     benches = {case.module: case.bench for case in cases}
     checks = []
     for instance in getattr(cocotb, "top", ()):
-        module = max((name for name in benches if f"{instance._name}_".startswith(f"{name}_")), key=len)
-        tests = benches[module](**parameters_of(instance, inspect.signature(benches[module])))
+        bench = benches[module_of(instance._name)]
+        tests = bench(**parameters_of(instance, inspect.signature(bench)))
         checks += [cocotb.Param((instance, test), f"{instance._name}.{name}") for name, test in tests.items()]
 
     @cocotb.parametrize(check=checks)
@@ -163,7 +156,7 @@ def checks(
     - *named*: each of ``corners``, a vector and its outputs, between ``good`` vectors, if all words fit their ports.
     - *extremes*: all combinations of the :func:`corners` of the inputs.
     - *every_vector* if there are at most :data:`EVERY` vectors, otherwise *random_vectors*.
-    - one test for each function in ``streams``, with the function's name: it drives the vectors that it returns.
+    - one test for each function or partial in ``streams``, with the function's name: it drives the vectors it returns.
 
     Vectors that do not satisfy ``fits`` are skipped.
     """
@@ -183,7 +176,8 @@ def checks(
         chosen = [vector for vector in map(_row, vectors()) if fits(*vector)]
         await stream(dut, inputs, outputs, expected, chosen, latency, delays or {})
 
-    generators = {vectors.__name__: vectors for vectors in (*([named] if corners else []), *streams)}
+    streams = (named, *streams) if corners else streams
+    generators = {getattr(vectors, "func", vectors).__name__: vectors for vectors in streams}
     generators["extremes"] = partial(crossed, *words)
     if math.prod(map(size, words)) <= EVERY:
         generators["every_vector"] = lambda: shuffled(itertools.product(*words))
@@ -307,13 +301,6 @@ def shuffled(vectors: Iterable) -> list:
 def crossed(*words: range) -> list[Vector]:
     """Return all combinations of the :func:`corners` of several ranges."""
     return list(itertools.product(*map(corners, words)))
-
-
-def halves(width: int) -> list[int]:
-    """Return signed words whose halves are extreme or close to 0, to test carries across the middle."""
-    low = width // 2
-    high, last = signed(width - low), (1 << low) - 1
-    return [(k << low) + rest for k in {high[0], -1, 0, 1, high[-1]} for rest in (0, 1, last // 2 + 1, last - 1, last)]
 
 
 def some(count: int, *words: range) -> list[Vector]:
