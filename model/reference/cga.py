@@ -50,11 +50,7 @@ def vector(x=0, y=0, z=0, inf=0, zero=0):
     return ALGEBRA.multivector(keys=_VECTOR_KEYS, values=[x, y, z, plus, minus])
 
 
-e1 = vector(x=1)
-e2 = vector(y=1)
-e3 = vector(z=1)
-e_inf = vector(inf=1)
-e_0 = vector(zero=1)
+e1, e2, e3, e_inf, e_0 = (vector(**{name: 1}) for name in ("x", "y", "z", "inf", "zero"))
 
 PSEUDOSCALAR_INVERSE = -(e1 ^ e2 ^ e3 ^ e_inf ^ e_0)  # index 32 of table 2; its square is -1
 i = e3 ^ e2  # (1)

@@ -342,19 +342,9 @@ def test_metric_of_points_and_parts_of_entities():
     close(cga.direction(line), (q - p) / np.linalg.norm(q - p, axis=0), atol=1e-10)
 
 
-def test_angles_between_lines_and_planes():
-    shared, a, b = RNG.normal(size=(3, 3, 50))
-    cosine = (a * b).sum(axis=0) / np.linalg.norm(a, axis=0) / np.linalg.norm(b, axis=0)
-    lines = [cga.line_direct(cga.point(*shared), cga.point(*(shared + d))) for d in (a, b)]
-    planes = [cga.plane(*n, d) for n, d in zip((a, b), RNG.normal(size=(2, 50)), strict=True)]
-    close(cga.cos_angle(*lines), cosine, "(5), direct lines", 1e-10)
-    close(cga.cos_angle(*map(cga.dual, lines)), -cosine, "(5), standard lines", 1e-10)
-    close(cga.cos_angle(*planes), cosine, "(5), standard planes", 1e-10)
-    close(cga.cos_angle(*map(cga.dual, planes)), -cosine, "(5), direct planes", 1e-10)
-    phi = np.linspace(0, np.pi, 101)
-    close(cga.half_angle(np.cos(phi)), (np.cos(phi / 2), np.sin(phi / 2)), "(6), (7)", 1e-8)
+def test_half_angle_clips_roundoff():
     beyond = 1 + 1e-15
-    assert cga.half_angle(beyond) == (1.0, 0.0) and cga.half_angle(-beyond) == (0.0, 1.0), "beyond 1 by roundoff"
+    assert cga.half_angle(beyond) == (1.0, 0.0) and cga.half_angle(-beyond) == (0.0, 1.0)
 
 
 def test_product_and_rotation_are_those_of_the_algebra():
