@@ -129,11 +129,8 @@ def cocotb_tests(cases: Sequence[Case]):
 
 def parameters_of(instance, signature: inspect.Signature) -> Parameters:
     """Return an instance's values of a bench's parameters; for ``**delays``, also the delays of its ports."""
-    names = {name for name, one in signature.parameters.items() if one.kind is not one.VAR_KEYWORD}
-    delays = r"D[A-Z]" if names < signature.parameters.keys() else ""
-    handles = {handle._name: handle for handle in instance}
-    chosen = [name for name in handles if name in names or re.fullmatch(delays, name)]
-    return {name: int(handles[name].value) for name in chosen}
+    names = "|".join("D[A-Z]" if one.kind is one.VAR_KEYWORD else one.name for one in signature.parameters.values())
+    return {handle._name: int(handle.value) for handle in instance if re.fullmatch(names, handle._name)}
 
 
 def checks(
