@@ -181,6 +181,7 @@ def cell_error(path: str | None, row: int, column: str, value: str, reason: str)
     return TargetError(f"{path}: row {row}, column {column}: {shown!r} {reason}")
 
 
+@np.errstate(over="ignore", under="ignore")  # numbers beyond double precision are inf, which fits no format
 def scale_exponent(targets: Targets, width: int) -> int:
     """Return the exponent e of the host's scaling: the core works on lengths times 2^e.
 
@@ -188,15 +189,14 @@ def scale_exponent(targets: Targets, width: int) -> int:
     `HEADROOM_BITS`, and if a tool would, by at most as many again; each step costs one bit of precision. Raises
     TargetError if that is insufficient, if a reach exceeds double precision, or if an arm length's word would be 0.
     """
-    with np.errstate(over="ignore"):
-        reach = targets.reach
+    reach = targets.reach
     longest = int(np.argmax(reach))
     if not np.isfinite(reach[longest]):
         raise targets.error(longest, "d1", "is too long: d1+d2 is beyond double precision")
     largest = 1 - math.frexp(reach[longest])[1]
     position = targets.core_point
     for exponent in range(largest, largest - HEADROOM_BITS - 1, -1):
-        scaled = _ldexp(position, exponent)
+        scaled = np.ldexp(position, exponent)
         outside = np.any((scaled < -2) | (scaled >= 2), axis=1)
         if not outside.any():
             break
@@ -208,7 +208,7 @@ def scale_exponent(targets: Targets, width: int) -> int:
         raise targets.error(int(n), FIELDS[axis], reason)
 
     for column in ARMS:
-        words = _quantise(_ldexp(getattr(targets, column), exponent), width)
+        words = _quantise(np.ldexp(getattr(targets, column), exponent), width)
         if not words.all():
             arm = f"compared with the longest arm, {reach[longest]:.6g}{targets.arm_note}"
             reason = f"is too short: {arm}, its word of {width} bits is 0"
@@ -219,12 +219,6 @@ def scale_exponent(targets: Targets, width: int) -> int:
     if least < exponent - HEADROOM_BITS:
         raise targets.error(most, "tool", "is too long for the format that fits this arm")
     return min(exponent, least)
-
-
-def _ldexp(values: np.ndarray | float, exponent: int) -> np.ndarray:
-    """Return values * 2^exponent; beyond double precision they are inf, which fits no format."""
-    with np.errstate(over="ignore", under="ignore"):
-        return np.ldexp(values, exponent)
 
 
 def _quantise(values: np.ndarray, width: int) -> np.ndarray:

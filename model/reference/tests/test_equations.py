@@ -180,6 +180,9 @@ def test_every_target_of_small_integers():
         elbows, wrists = kinematics.forward(shoulder(result), elbow(result), d1[rows], d2[rows])
         off = elbows - elbow_at[rows, None] * direction[rows], wrists - wrist_at[rows, None] * direction[rows]
         assert np.abs(off[0][clamped]).max() < 1e-14, "elbow"
+        if solver is solve_clamped:
+            p_e = np.stack([result[f"p_e_{axis}"] for axis in "xyz"], axis=-1)
+            np.testing.assert_allclose(p_e, elbows, rtol=0, atol=6 * bound, err_msg="p_e")
         off = np.linalg.norm(off[1], axis=1) / 6, plane_error(result, [column[rows] for column in targets])
         assert (np.max(off, axis=0) < np.where(clamped, 1e-14, bound)).all(), "wrist or swivel plane"
         assert (elbow(result)[closed[rows]] == (1, 0)).all() and (elbow(result)[straight[rows]] == (0, -1)).all(), "Qe"
