@@ -66,15 +66,8 @@ def coefficient(mv, blade):
     euclidean = "e" + "".join(name[1] for name in factors if name in ("e1", "e2", "e3"))
     plus, minus = getattr(mv, euclidean + "4"), getattr(mv, euclidean + "5")
     # e+ = e_inf/2 - e_0 and e- = e_inf/2 + e_0, hence e+ ^ e- = e_inf ^ e_0.
-    if "einf" in factors and "e0" in factors:
-        value = getattr(mv, euclidean + "45")
-    elif "einf" in factors:
-        value = (plus + minus) / 2
-    elif "e0" in factors:
-        value = minus - plus
-    else:
-        value = getattr(mv, euclidean)
-    return _expand(value)
+    null = {"einf": (plus + minus) / 2, "e0": minus - plus, "einf^e0": getattr(mv, euclidean + "45")}
+    return _expand(null.get("^".join(factors[len(euclidean) - 1 :]), getattr(mv, euclidean)))
 
 
 def dual(mv):
