@@ -193,6 +193,7 @@ def scale_exponent(targets: Targets, width: int) -> int:
     longest = int(np.argmax(reach))
     if not np.isfinite(reach[longest]):
         raise targets.error(longest, "d1", "is too long: d1+d2 is beyond double precision")
+    arm = f"the longest arm, {reach[longest]:.6g}{targets.arm_note}"
     largest = 1 - math.frexp(reach[longest])[1]
     position = targets.core_point
     for exponent in range(largest, largest - HEADROOM_BITS - 1, -1):
@@ -203,15 +204,13 @@ def scale_exponent(targets: Targets, width: int) -> int:
     else:
         size = np.where(outside[:, None], np.abs(targets.position), 0)
         n, axis = np.unravel_index(np.argmax(size), size.shape)
-        arm = f"for the longest arm, {reach[longest]:.6g}{targets.arm_note}"
-        reason = f"is too far out: {arm}, the format ends at {math.ldexp(2.0, -exponent):.6g}"
+        reason = f"is too far out: for {arm}, the format ends at {math.ldexp(2.0, -exponent):.6g}"
         raise targets.error(int(n), FIELDS[axis], reason)
 
     for column in ARMS:
         words = _quantise(np.ldexp(getattr(targets, column), exponent), width)
         if not words.all():
-            arm = f"compared with the longest arm, {reach[longest]:.6g}{targets.arm_note}"
-            reason = f"is too short: {arm}, its word of {width} bits is 0"
+            reason = f"is too short: compared with {arm}, its word of {width} bits is 0"
             raise targets.error(int(np.argmin(words != 0)), column, reason)
     tools = np.zeros(1) if targets.hand is None else np.abs(targets.tool[:, 2])
     most = int(np.argmax(tools))
@@ -236,10 +235,8 @@ def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple
     """
     if exponent is None:
         exponent = scale_exponent(targets, width)
-    words = np.empty((len(targets), len(FIELDS)), dtype=np.int64)
-    for name, values in zip(LENGTHS, (*targets.core_point.T, targets.d1, targets.d2), strict=True):
-        words[:, FIELDS.index(name)] = _quantise(np.ldexp(values, exponent), width)
-    words[:, FIELDS.index("phi")] = binary_angles(targets.phi, width)
+    lengths = _quantise(np.ldexp(np.column_stack((targets.core_point, targets.d1, targets.d2)), exponent), width)
+    words = np.insert(lengths, FIELDS.index("phi"), binary_angles(targets.phi, width), axis=1)
     if targets.hand is not None:
         tool = _quantise(np.ldexp(targets.tool[:, 2], exponent), width)
         words = np.column_stack((words, tool, _quantise(targets.core_hand, width), targets.branch))

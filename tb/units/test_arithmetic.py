@@ -206,16 +206,14 @@ def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: 
         return [(n + e, d) for n, d in first for e in (-1, 0, 1) if n + e in N]
 
     def quotients_that_fit():
-        """Return random divisors, each with a dividend at or next to the least one that gives some quotient. The
+        """Yield random divisors, each with a dividend at or next to the least one that gives some quotient. The
         quotients span twice q's range."""
-        vectors = []
-        while len(vectors) < 2000:
+        for _ in range(2500):
             d = random.randint(1, (1 << random.randint(1, DW - 1)) - 1)
             q = random.choice((random.randint(2 * Q[0], 2 * Q[-1]), random.choice((Q[0], Q[-1], 0, -1))))
             n = math.ceil(Fraction(q * d, 1 << SH)) + random.choice((-1, 0, 0, 1))
             if n in N:
-                vectors.append((n, d))
-        return vectors
+                yield n, d
 
     return checks(
         {"n": N, "d": D},
