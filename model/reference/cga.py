@@ -128,10 +128,8 @@ def centre(o):
 
 
 def radius(o):
-    """Return the radius of a sphere or a circle; nan for the imaginary circle of two disjoint spheres."""
-    square = inner(o, o) / inner(e_inf | o, e_inf | o)
-    if o.grades == (2,):
-        square = -square
+    """Return the radius of a circle; nan for the imaginary circle of two disjoint spheres."""
+    square = -inner(o, o) / inner(e_inf | o, e_inf | o)
     with np.errstate(invalid="ignore"):
         return _functions(square).sqrt(square)
 
