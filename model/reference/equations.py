@@ -211,15 +211,6 @@ def swivel_normal(x, y, z, phi):
     )
 
 
-def shoulder_quaternion(n, e):
-    """Return Qs (N, 4), k >= 0, from the swivel plane's normal n and the elbow's direction e, unit vectors (N, 3).
-
-    The rotation matrix with columns -n, e x (-n), e is equivalent to (15)-(18) but has no singular pose.
-    """
-    q = quaternion(np.stack((-n, np.cross(e, -n), e), axis=-1))
-    return np.where(q[:, 3:] < 0, -q, q)
-
-
 def solve(x, y, z, phi, d1, d2):
     """Solve equations (10)-(18) for N reachable targets.
 
@@ -238,8 +229,7 @@ def solve(x, y, z, phi, d1, d2):
     if missed.any():
         raise ValueError(f"target {int(np.argmax(missed))} cannot be reached; solve_clamped takes such targets")
     at_shoulder = distance <= _FUNCTIONS["TINY"] * reach
-    p = np.where(at_shoulder, 0.0, (x, y, z))
-    normal = swivel_normal(p[0], p[1], p[2], phi)
+    normal = swivel_normal(*np.where(at_shoulder, 0.0, (x, y, z)), phi=phi)
     values = {"p_w_x": x, "p_w_y": y, "p_w_z": z, "phi": phi, "d1": d1, "d2": d2}
     values |= {f"normal_{axis}": normal[:, n] for n, axis in enumerate("xyz")}
     lines: dict[str, np.ndarray] = {}
@@ -290,7 +280,9 @@ def solve_clamped(x, y, z, phi, d1, d2):
     at_shoulder = distance == 0
     divisor = np.where(at_shoulder, 1.0, distance) * np.where(~straight & (d1 < d2), -1.0, 1.0)
     e = np.stack((x / divisor, y / divisor, np.where(at_shoulder, 1.0, z) / divisor), axis=-1)
-    qs = shoulder_quaternion(swivel_normal(x, y, z, phi), e)
+    n = swivel_normal(x, y, z, phi)
+    qs = quaternion(np.stack((-n, np.cross(e, -n), e), axis=-1))  # equivalent to (15)-(18), but without singular poses
+    qs = np.where(qs[:, 3:] < 0, -qs, qs)
     poses = np.column_stack((qs, np.where(straight, 0.0, 1.0), np.where(straight, -1.0, 0.0), d1[:, None] * e))
     result = {"flags": flags}
     names = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i", "p_e_x", "p_e_y", "p_e_z")

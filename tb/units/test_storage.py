@@ -13,7 +13,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
 from model.dataflow.fold.steps import CUTS, NORMS
-from tb.units.unit import Case, Ports, Tests, checks, runs, sets_of, unsigned, with_go
+from tb.units.unit import Case, Ports, Tests, checks, runs, sets_of, signed, unsigned, with_go, wrapped
 
 LATENCY = 2  # clocks from writing a word to offering it
 
@@ -187,15 +187,12 @@ def mul(D: int, TILE: int, WORD: int, ROOT: int, SINE: int) -> Tests:
     low = D - TILE
     last = {"plain": WORD - 2, "double": WORD - 3, "word": WORD, "root": 2 * low + ROOT, "sine": 2 * low + SINE}
 
-    def signed(word: int, bits: int) -> int:
-        return word - (word >> bits - 1 << bits)
-
     def expected(taken: list[Ports], now: Ports) -> Ports:
         a, b, cut = taken[-3]["a"], taken[-3]["b"], CUTS[taken[-1]["cut"]]
         if cut in ("exact", "power"):
-            return {"p": signed(a, D) * signed(b, D) % (1 << 2 * D)}
+            return {"p": wrapped(a, signed(D)) * wrapped(b, signed(D)) % (1 << 2 * D)}
         a_low, b_low = a % (1 << low), b % (1 << low)
-        a_high, b_high = signed(a >> low, TILE), signed(b >> low, TILE)
+        a_high, b_high = (wrapped(word >> low, signed(TILE)) for word in (a, b))
         outer = a_high * b_high << 2 * low
         if cut in ("plain", "double") and 2 * low > WORD - 3:  # kept part of the product of the low halves
             outer += (a_low >> low - 2) * (b_low >> low - 2) << 2 * low - 4
