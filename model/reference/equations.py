@@ -229,7 +229,8 @@ def solve(x, y, z, phi, d1, d2):
     if missed.any():
         raise ValueError(f"target {int(np.argmax(missed))} cannot be reached; solve_clamped takes such targets")
     at_shoulder = distance <= _FUNCTIONS["TINY"] * reach
-    normal = swivel_normal(*np.where(at_shoulder, 0.0, (x, y, z)), phi=phi)
+    p = np.where(at_shoulder, 0.0, (x, y, z))
+    normal = swivel_normal(p[0], p[1], p[2], phi)
     values = {"p_w_x": x, "p_w_y": y, "p_w_z": z, "phi": phi, "d1": d1, "d2": d2}
     values |= {f"normal_{axis}": normal[:, n] for n, axis in enumerate("xyz")}
     lines: dict[str, np.ndarray] = {}
