@@ -165,10 +165,6 @@ class Score:
     failures: tuple[str, ...]
     per_target: PerTarget
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the object of this trajectory in score.json."""
-        return {name: value for name, value in vars(self).items() if name != "per_target"}
-
 
 def score(
     targets: Targets,
@@ -404,4 +400,5 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
 
 def score_json(scores: Sequence[Score]) -> bytes:
     """Return the contents of score.json: a list with one object per trajectory; times and paths are left out."""
-    return (json.dumps([item.as_json() for item in scores], indent=2, allow_nan=False) + "\n").encode()
+    stored = [{name: value for name, value in vars(item).items() if name != "per_target"} for item in scores]
+    return (json.dumps(stored, indent=2, allow_nan=False) + "\n").encode()

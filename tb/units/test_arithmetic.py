@@ -149,7 +149,7 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
     a_last, b_last = (1 << bits for bits in unseen(AW, BW, TILE))
     a_low, b_low = 1 << max(AW - TILE, 0), 1 << max(BW - min(TILE, 18), 0)
 
-    def exact(a, b):
+    def sum_of_tiles(a, b):
         b = a if SQUARE else b
         a, b = a - a % a_last, b - b % b_last
         a_lo, b_lo = a % a_low, b % b_low
@@ -159,7 +159,7 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
         return (sum(4 * tile // (1 << SH) for tile in tiles) + 2) // 4
 
     def reference(a, b):
-        words, b = list(map(exact, a, b)), a if SQUARE else b
+        words, b = list(map(sum_of_tiles, a, b)), a if SQUARE else b
         assert mul3(np.array(a), np.array(b), SH, AW, BW, TILE).tolist() == words, "the model is no product of tiles"
         return ([wrapped(word, Q) for word in words],)
 
