@@ -151,8 +151,8 @@ def checks(
     with ``columns`` the words of all vectors, one sequence per input. A vector of one word may be written as the word.
 
     - *named*: each of ``corners``, a vector and its outputs, between ``good`` vectors, if all words fit their ports.
-    - *extremes*: all combinations of the :func:`corners` of the inputs.
-    - *every_vector* if there are at most :data:`EVERY` vectors, otherwise *random_vectors*.
+    - *every_vector* if there are at most :data:`EVERY` vectors; otherwise *extremes*, all combinations of the
+      :func:`corners` of the inputs, and *random_vectors*.
     - one test for each function or partial in ``streams``, with the function's name: it drives the vectors it returns.
 
     Vectors that do not satisfy ``fits`` are skipped.
@@ -175,11 +175,10 @@ def checks(
 
     streams = (named, *streams) if corners else streams
     generators = {getattr(vectors, "func", vectors).__name__: vectors for vectors in streams}
-    generators["extremes"] = partial(crossed, *words)
     if math.prod(map(size, words)) <= EVERY:
         generators["every_vector"] = lambda: shuffled(itertools.product(*words))
     else:
-        generators["random_vectors"] = partial(some, 2000, *words)
+        generators |= {"extremes": partial(crossed, *words), "random_vectors": partial(some, 2000, *words)}
     return {name: partial(run, vectors) for name, vectors in generators.items()}
 
 

@@ -251,18 +251,13 @@ def test_words_of_the_core():
     words = np.concatenate([stimuli.mixed(2500, 32, seed=5), stimuli.extremes(500, 32, seed=5)])
     asked = from_words(words, 0, 32, "words")
     targets = [getattr(asked, field) for field in FIELDS]
-    lean, paper = solve_lean(*targets), solve_clamped(*targets)
-    for result in (lean, paper):
-        assert_defined(result)
-        np.testing.assert_array_equal(result["flags"], expected_flags(words, 32))
+    lean = solve_lean(*targets)
+    assert_defined(lean)
+    np.testing.assert_array_equal(lean["flags"], expected_flags(words, 32))
     positive = (words[:, 4:] > 0).all(axis=1)
     plain, same = direct(*(v[positive] for v in targets)), {name: v[positive] for name, v in lean.items()}
     np.testing.assert_array_equal(plain["flags"], same["flags"])
     assert angle(plain, same).max() < ROUNDOFF and np.abs(elbow_angle(plain) - elbow_angle(same)).max() < ROUNDOFF
-    clamped = lean["flags"] & ~ON_AXIS != 0
-    assert 0.1 < clamped.mean() < 0.95, "both kinds"
-    assert angle(lean, paper)[clamped].max() < ROUNDOFF
-    assert angle(lean, paper).max() < 1e-7, "at singular poses the paper keeps half of the digits"
 
 
 @pytest.mark.parametrize(
