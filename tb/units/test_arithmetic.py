@@ -37,10 +37,6 @@ def sums(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, SA
         q = rounded(sum(first) + (-last if sub else last), SH)
         return min(max(q, Q[0]), Q[-1]), int(q not in Q)
 
-    def fits(*vector):
-        """Accept all vectors; with SAT = 0 only sums in q's range, as the datapath's formats guarantee."""
-        return SAT or reference(*vector)[1] == 0
-
     def operands_of(wanted):
         """Return operands whose result is ``wanted``. If there are none, an operand is out of range."""
         rest, chosen = wanted, []
@@ -65,7 +61,7 @@ def sums(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, SA
         delays=delays,
         corners=[(operands_of(wanted), (q, ovf)) for wanted, q, ovf in cases],
         good=(1 << SH,) + (0,) * (operands - 1),
-        fits=fits,
+        fits=lambda *vector: SAT or reference(*vector)[1] == 0,  # SAT = 0: formats guarantee sums in q's range
     )
 
 
@@ -124,10 +120,6 @@ def mul(AW: int, BW: int, SH: int, OW: int, SQUARE: int = 0, **delays: int) -> T
     def reference(a, b):
         return rounded(a * (a if SQUARE else b), SH)
 
-    def fits(a, b):
-        """Accept operands whose rounded product fits q, as the datapath's formats guarantee."""
-        return reference(a, b) in Q
-
     half = 1 << SH - 1 if SH else 0
     ties = [((1, half), 1), ((-1, half), 0), ((1, half - 1), 0), ((-1, half + 1), -1), ((3, half), 2), ((-3, half), -1)]
     return checks(
@@ -138,7 +130,7 @@ def mul(AW: int, BW: int, SH: int, OW: int, SQUARE: int = 0, **delays: int) -> T
         delays=delays,
         corners=ties if half > 1 and not SQUARE else (),
         good=(A[-1] // 2, 1 << SH // 2),
-        fits=fits,
+        fits=lambda a, b: reference(a, b) in Q,  # as the datapath's formats guarantee
     )
 
 

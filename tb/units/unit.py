@@ -109,14 +109,18 @@ def sets_of(names: str, *rows: Vector, **others: int) -> list[Parameters]:
 def cocotb_tests(cases: Sequence[Case]):
     """Return the cocotb test with a parameter value for each check of each instance in the simulated top.
 
-    Outside a simulation there are no instances. The parameters of an instance are read from the design.
+    Outside a simulation there are no instances. The parameters of an instance, with the delays of its ports for
+    ``**delays``, are read from the design.
     """
     benches = {case.module: case.bench for case in cases}
     checks = []
     for instance in getattr(cocotb, "top", ()):
         bench = benches[module_of(instance._name)]
-        tests = bench(**parameters_of(instance, inspect.signature(bench)))
-        checks += [cocotb.Param((instance, test), f"{instance._name}.{name}") for name, test in tests.items()]
+        expected = inspect.signature(bench).parameters.values()
+        names = "|".join("D[A-Z]" if one.kind is one.VAR_KEYWORD else one.name for one in expected)
+        parameters = {handle._name: int(handle.value) for handle in instance if re.fullmatch(names, handle._name)}
+        for name, test in bench(**parameters).items():
+            checks.append(cocotb.Param((instance, test), f"{instance._name}.{name}"))
 
     @cocotb.parametrize(check=checks)
     @timed_test(name="vectors")
@@ -125,12 +129,6 @@ def cocotb_tests(cases: Sequence[Case]):
         await test(dut=instance)
 
     return vectors
-
-
-def parameters_of(instance, signature: inspect.Signature) -> Parameters:
-    """Return an instance's values of a bench's parameters; for ``**delays``, also the delays of its ports."""
-    names = "|".join("D[A-Z]" if one.kind is one.VAR_KEYWORD else one.name for one in signature.parameters.values())
-    return {handle._name: int(handle.value) for handle in instance if re.fullmatch(names, handle._name)}
 
 
 def checks(
