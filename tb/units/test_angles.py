@@ -123,7 +123,7 @@ def fold_angle(W: int) -> Tests:
             when = len(taken)
             return {"th": wanted[when]} if when in wanted and now is program[when] else {}
 
-        await with_go(dut, program, 0, expected)
+        await with_go(dut, lambda: program, 0, expected)
 
     return {"joints": joints}
 

@@ -165,21 +165,18 @@ def memory(D: int, AD: int, DOWN: int, RW: int) -> Tests:
             read = [random.randrange(last) for last in (written + powers, written + powers, written)]
             yield access(*read, None if at in read else at)
 
-    async def words(dut) -> None:
-        content = [0] * written + [1 << D - 1 >> (n if n < AD else n - DOWN) for n in range(powers)]
-        reads: list[Ports] = []
+    content = [0] * written + [1 << D - 1 >> (n if n < AD else n - DOWN) for n in range(powers)]
+    reads: list[Ports] = []
 
-        def expected(taken: list[Ports], now: Ports) -> Ports:
-            for at in taken[len(reads) :]:
-                row = content[at["r_at"]] >> D - 1 - RW & (1 << RW) - 1
-                reads.append({"a": content[at["a_at"]] >> D - AD, "b": content[at["b_at"]], "r": row})
-                if at["w_en"]:
-                    content[at["w_at"]] = at["w"]
-            return reads[-1]
+    def expected(taken: list[Ports], now: Ports) -> Ports:
+        for at in taken[len(reads) :]:
+            row = content[at["r_at"]] >> D - 1 - RW & (1 << RW) - 1
+            reads.append({"a": content[at["a_at"]] >> D - AD, "b": content[at["b_at"]], "r": row})
+            if at["w_en"]:
+                content[at["w_at"]] = at["w"]
+        return reads[-1]
 
-        await with_go(dut, vectors(), 1, expected)
-
-    return {"words": words}
+    return {"words": partial(with_go, vectors=vectors, clocks=1, expected=expected)}
 
 
 def mul(D: int, TILE: int, WORD: int, ROOT: int, SINE: int) -> Tests:
@@ -204,11 +201,10 @@ def mul(D: int, TILE: int, WORD: int, ROOT: int, SINE: int) -> Tests:
         near = random.choice((0, 0, 1 << D - 1)) + random.choice((-2, -1, 0, 1, 2))
         return random.choice((random.getrandbits(D), random.getrandbits(D), near % (1 << D)))
 
-    async def products(dut) -> None:
-        vectors = ({"a": word(), "b": word(), "cut": random.randrange(len(CUTS))} for _ in range(2000))
-        await with_go(dut, vectors, 3, expected)
+    def factors() -> Iterable[Ports]:
+        return ({"a": word(), "b": word(), "cut": random.randrange(len(CUTS))} for _ in range(2000))
 
-    return {"products": products}
+    return {"products": partial(with_go, vectors=factors, clocks=3, expected=expected)}
 
 
 def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
@@ -230,18 +226,16 @@ def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
         mantissa = (1 << D - 1) - 1 if limited else (t << 2 * pairs & words) >> XW - D + 1
         return {"word": mantissa, "zero": int(t == 0), "pairs": pairs}
 
-    def sums() -> Ports:
-        """Return the ports for a random sum.  Its number of bits is random as well.  For the kind "inverse" its bits
-        are inverted in nine of ten calls."""
-        kind = random.randrange(len(kinds))
-        t = random.getrandbits(random.randint(0, XW))
-        t ^= words * (kinds[kind] == "inverse" and random.random() < 0.9)
-        return {"t": t, "kind": kind, "n": random.getrandbits(6)}
+    def sums() -> Iterable[Ports]:
+        """Yield the ports for random sums, whose numbers of bits are random as well.  For the kind "inverse" the bits
+        of nine in ten are inverted."""
+        for _ in range(2000):
+            kind = random.randrange(len(kinds))
+            t = random.getrandbits(random.randint(0, XW))
+            t ^= words * (kinds[kind] == "inverse" and random.random() < 0.9)
+            yield {"t": t, "kind": kind, "n": random.getrandbits(6)}
 
-    async def normals(dut) -> None:
-        await with_go(dut, (sums() for _ in range(2000)), 2, expected)
-
-    return {"normals": normals}
+    return {"normals": partial(with_go, vectors=sums, clocks=2, expected=expected)}
 
 
 CASES = (

@@ -219,18 +219,20 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
     )
 
 
-async def with_go(dut, vectors: Iterable[Ports], clocks: int, expected: Callable[[list[Ports], Ports], Ports]) -> None:
-    """Drive all vectors in order with ``go``. In 3 of 10 clocks, drive any vector without ``go``; it has no effect.
+async def with_go(
+    dut, vectors: Callable[[], Iterable[Ports]], clocks: int, expected: Callable[[list[Ports], Ports], Ports]
+) -> None:
+    """Drive the vectors in order with ``go``. In 3 of 10 clocks, drive any vector without ``go``; it has no effect.
 
     ``expected(taken, now)`` returns the outputs that are defined. ``taken`` has the inputs of all clocks with ``go``,
     newest last; ``now`` has the present inputs. Outputs are compared once ``taken`` has ``clocks`` entries.
     """
     Clock(dut.clk, 10, unit="ns").start()
-    vectors = list(vectors)
+    owed = list(vectors())
     taken: list[Ports] = []
-    while len(taken) < len(vectors):
+    while len(taken) < len(owed):
         go = random.random() < 0.7
-        now = vectors[len(taken)] if go else random.choice(vectors)
+        now = owed[len(taken)] if go else random.choice(owed)
         await RisingEdge(dut.clk)
         dut.go.value = int(go)
         for port, word in now.items():
