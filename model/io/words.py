@@ -262,9 +262,8 @@ def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targe
 
 def pack(fields: np.ndarray, width: int) -> list[int]:
     """Return tdata of signed words (N, n), field 0 in the lowest bits. Raises ValueError for words that do not fit."""
-    half = 2 ** (width - 1)
     array = np.asarray(fields, dtype=np.int64)
-    if ((array < -half) | (array >= half)).any():
+    if (array != array << 64 - width >> 64 - width).any():
         raise ValueError(f"a word does not fit {width} bits")
     mask = 2**width - 1
     return [sum((word & mask) << (width * i) for i, word in enumerate(row)) for row in array.tolist()]

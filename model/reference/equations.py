@@ -285,9 +285,7 @@ def solve_clamped(x, y, z, phi, d1, d2):
     qs = quaternion(np.stack((-n, np.cross(e, -n), e), axis=-1))  # equivalent to (15)-(18), but without singular poses
     qs = np.where(qs[:, 3:] < 0, -qs, qs)
     poses = np.column_stack((qs, np.where(straight, 0.0, 1.0), np.where(straight, -1.0, 0.0), d1[:, None] * e))
-    result = {"flags": flags}
     names = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i", "p_e_x", "p_e_y", "p_e_z")
-    for name, values in zip(names, poses.T, strict=True):
-        result[name] = np.empty(len(flags))
-        result[name][clamped], result[name][~clamped] = values, reached[name]
-    return result
+    results = np.empty((len(names), len(flags)))
+    results[:, clamped], results[:, ~clamped] = poses.T, [reached[name] for name in names]
+    return {"flags": flags} | dict(zip(names, results, strict=True))

@@ -41,11 +41,8 @@ def elbow_point(PP):
     """Return the elbow P_e (3.2): the point of PP on the side of L_sw to which (normal of pi_swivel) x p_w points."""
     pair = cga.dual(PP)
     square = cga.inner(pair, pair)
-    if isinstance(square, sympy.Expr):
-        root = sympy.sqrt(square)
-    else:
-        # Roundoff can make the square negative for a straight or closed arm, where the pair is one point.
-        root = np.sqrt(np.maximum(square, 0.0))
+    # Roundoff can make the square negative for a straight or closed arm, where the pair is one point.
+    root = sympy.sqrt(square) if isinstance(square, sympy.Expr) else np.sqrt(np.maximum(square, 0.0))
     # The two points of a pair are (PP* -+ |PP*|) / (e_inf . PP*); the divisor is a vector.
     direction = e_inf | pair
     P_e = ((pair - cga.scalar(root)) * direction).grade(1)
@@ -78,10 +75,7 @@ def wrist_rotation(Q_12, pi_swivel, P_w):
     c3 = cga.cos_angle(cga.dual(pi_yz2), cga.dual(pi_swivel))  # (5); planes in direct representation
     cos_half, sin_half = cga.half_angle(c3)  # (8), (9)
     side = cga.inner(pi_yz2, P_w)
-    if isinstance(side, sympy.Expr):
-        sign = side / sympy.Abs(side)
-    else:
-        sign = np.where(side < 0, -1.0, 1.0)  # 0 counts as +
+    sign = side / sympy.Abs(side) if isinstance(side, sympy.Expr) else np.where(side < 0, -1.0, 1.0)  # 0 counts as +
     return pi_yz2, c3, sign, cga.quaternion(cos_half, 0, 0, sign * sin_half)  # (16), with the sign as in (17)
 
 

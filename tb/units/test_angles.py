@@ -177,10 +177,8 @@ def step(W: int, STEP: int, NEGATED: int) -> Tests:
             other = -th if NEGATED else th + turn // 2
             yield [size((one - low) % turn, (ref - low) % turn, span, whole) for one in (th, other)]
 
-    inputs, steps = (
-        dict.fromkeys(("th", "ref_th", "low", "high"), angle),
-        dict.fromkeys(("step_0", "step_1"), unsigned(STEP + 1)),
-    )
+    inputs = dict.fromkeys(("th", "ref_th", "low", "high"), angle)
+    steps = dict.fromkeys(("step_0", "step_1"), unsigned(STEP + 1))
     return checks(inputs, steps, lambda *columns: zip(*reference(*columns), strict=True), latency=3, columns=True)
 
 

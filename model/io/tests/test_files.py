@@ -198,9 +198,6 @@ def test_words_come_back_from_their_targets(width, exponent):
     assert same == exponent
 
 
-EXAMPLES = Path(__file__).parents[3] / "examples"
-
-
 @pytest.mark.parametrize("name", [*trajectories.TRAJECTORIES, *trajectories.HANDS])
 def test_trajectory(name):
     """Check reach and smooth motion: below 5 cm (8 % of the reach) per step, below 2 cm between successive steps."""
@@ -218,7 +215,7 @@ def test_trajectory(name):
 
 @pytest.mark.parametrize("name", ["reach", "two_arms"])
 def test_example_files_are_up_to_date(name, capsys):
-    path = EXAMPLES / f"{name}.csv"
+    path = Path(__file__).parents[3] / "examples" / f"{name}.csv"
     trajectories.main([name])
     made = capsys.readouterr().out
     command = f"python -m model.io.trajectories {name} > examples/{name}.csv"
