@@ -350,12 +350,10 @@ def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
     bent = np.choose(np.arange(count) % 3, (random.uniform(0, np.pi, count), near, np.pi - near))
     x, y, z, phi, d1, d2 = targets.T
     pose = solve_lean(x, y, z, phi * (2 * np.pi / (1 << width)), d1, d2)
-    fore = multiply(
-        np.column_stack([pose[f"qs_{c}"] for c in "wijk"]),
-        np.column_stack([-pose["qe_i"], pose["qe_w"], *np.zeros((2, count))]),
-    )
-    hand = multiply(fore, turned(random.uniform(-np.pi, np.pi, count), bent, random.uniform(-np.pi, np.pi, count)).T)
-    hand *= random.choice((-1, 1), (count, 1))
+    shoulder = np.column_stack([pose[f"qs_{c}"] for c in "wijk"])
+    elbow = np.column_stack([-pose["qe_i"], pose["qe_w"], *np.zeros((2, count))])
+    wrist = turned(random.uniform(-np.pi, np.pi, count), bent, random.uniform(-np.pi, np.pi, count)).T
+    hand = multiply(multiply(shoulder, elbow), wrist) * random.choice((-1, 1), (count, 1))
     words = np.clip(np.rint(hand * (1 << width - 2)), -top - 1, top).astype(np.int64)
     tool = random.uniform(-1, 1, count) * (d1 + d2) * (random.random(count) < 0.8)
     axis, point = rotate(hand, (0.0, 0.0, 1.0)), targets[:, :3]

@@ -323,9 +323,8 @@ class Records:
         table, tags = self._unpacked(records, len(self.inputs))
         dropped, most = 32 - width, (1 << (width - 1)) - 1
         rounded = (table + ((1 << dropped) >> 1)) >> dropped
-        words = np.minimum(rounded, most)
-        phi = self.inputs.index("phi")
-        words[:, phi] = np.where(rounded[:, phi] > most, -most - 1, rounded[:, phi])
+        wrapped = rounded << 64 - width >> 64 - width
+        words = np.where(np.array(self.inputs) == "phi", wrapped, np.minimum(rounded, most))
         return words, tags & ((1 << TAG_BITS) - 1), tags >> TAG_BITS & (1 << len(BRANCHES)) - 1
 
     def written(self, results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:

@@ -60,8 +60,8 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
         "_".join([case.module, *(f"{k}{v}" for k, v in values.items())]): (case.module, values)
         for case, values in pairs  # for example ik_exact_W5_SQUARE0
     }
-    module = pairs[0][0].bench.__module__
-    return {"toplevel": TOP, "module": module, "top": top_of(instances), "name": "units", "seed": SEED}
+    file = pairs[0][0].bench.__module__
+    return {"toplevel": TOP, "module": file, "top": top_of(instances), "name": "units", "seed": SEED}
 
 
 def module_of(name: str) -> str:
@@ -70,14 +70,10 @@ def module_of(name: str) -> str:
 
 
 def runs(cases: Sequence[Case]) -> tuple[Callable, Callable]:
-    """Return the tests of benches that share a file: for pytest, and for cocotb inside the simulation."""
-    return pytest_cases(cases), cocotb_tests(cases)
+    """Return the tests of benches that share a file: for pytest, and for cocotb inside the simulation.
 
-
-def pytest_cases(cases: Sequence[Case]) -> Callable:
-    """Return a pytest test with a case per module for its `few` parameter sets, and a slow one for `more`.
-
-    The selected modules of a group share a simulation.
+    The pytest test has a case per module for its `few` parameter sets, and a slow one for `more`. The selected modules
+    of a group share a simulation.
     """
     from tb.sim.shared import Shared
 
@@ -95,7 +91,7 @@ def pytest_cases(cases: Sequence[Case]) -> Callable:
     def test(request, simulation, name):
         simulation.check(request, name)
 
-    return test
+    return test, cocotb_tests(cases)
 
 
 def sets_of(names: str, *rows: Vector, **others: int) -> list[Parameters]:
