@@ -176,8 +176,7 @@ def scale(COUNT: int, AW: int, BW: int, SH: int, OW: int, **delays: int) -> Test
         products = [mul3(word, np.array(b), SH, AW, BW, TILE) % (1 << OW) for word in words]
         return (sum(product << OW * k for k, product in enumerate(products)).tolist(),)
 
-    ports = {"a": unsigned(COUNT * AW), "b": signed(BW)}
-    outputs = {"q": unsigned(COUNT * OW)}
+    ports, outputs = {"a": unsigned(COUNT * AW), "b": signed(BW)}, {"q": unsigned(COUNT * OW)}
     return checks(ports, outputs, reference, columns=True, latency=Latency(32)["mul3"], delays=delays)
 
 

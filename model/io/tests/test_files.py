@@ -126,11 +126,10 @@ def test_bad_files_are_named_in_one_line(read, tmp_path, content, message):
     assert len(text.splitlines()) == 1
 
 
-def test_missing_file_and_directory(tmp_path):
-    with pytest.raises(TargetError, match=r"none\.csv: no such file$"):
-        read_csv(tmp_path / "none.csv")
-    with pytest.raises(TargetError, match="is a directory"):
-        read_csv(tmp_path)
+@pytest.mark.parametrize(("name", "message"), [("none.csv", r"none\.csv: no such file$"), (".", "is a directory")])
+def test_missing_file_and_directory(tmp_path, name, message):
+    with pytest.raises(TargetError, match=message):
+        read_csv(tmp_path / name)
 
 
 @pytest.mark.parametrize("default", [{"d1": 0.0}, {"d2": math.nan}, {"phi": math.inf}])
@@ -150,10 +149,8 @@ def test_files_keep_every_bit(read):
 def test_far_targets_lower_the_exponent_until_the_headroom_ends():
     """Check the exponent: for a reach of 1 the format ends at 2, or at 32 with all four bits of headroom used."""
     arm = {"d1": 0.5, "d2": 0.5}
-    for x, exponent in (
-        *((0.0, 0), (math.nextafter(2, 0), 0), (2.0, -1), (-2.0, 0), (math.nextafter(-2, -3), -1)),
-        *((math.nextafter(32, 0), -4), (-32, -4)),
-    ):
+    ends = (0.0, 0), (math.nextafter(2, 0), 0), (2.0, -1), (-2.0, 0), (math.nextafter(-2, -3), -1)
+    for x, exponent in (*ends, (math.nextafter(32, 0), -4), (-32, -4)):
         assert scale_exponent(targets(x=x, **arm), 32) == exponent, x
     for d1, d2, exponent in ((0.33, 0.27, 1), (1.0, 0.9999, 0), (1.0, 1.0, -1), (1e-9, 1e-9, 29)):
         assert scale_exponent(targets(x=0.0, d1=d1, d2=d2), 32) == exponent, d1

@@ -20,6 +20,7 @@ from model.reference.equations import solve_clamped
 from model.reference.kinematics import about, forward, multiply
 
 ULP = 2.0**-30
+SIDE = {"d1": 0.3, "d2": 0.3}  # an arm of equal lengths (m)
 
 
 class Case:
@@ -54,9 +55,6 @@ def case():
 
 def arm(x, y=0.0, z=0.0, phi=3.0, d1=0.33, d2=0.27):
     return Targets("arm", x, y, z, phi, d1, d2)
-
-
-SIDE = {"d1": 0.3, "d2": 0.3}
 
 
 @pytest.mark.parametrize(

@@ -56,9 +56,8 @@ def directions(rng, size):
 
 
 def random_targets(size, seed):
-    """Return reachable targets at any direction, distance and swivel angle, off singular poses: the elbow's interior
-    angle is 0.05 rad or more from 0 and pi, and wrist and elbow are 0.05 rad or more from the z axis. theta_3 is not
-    restricted."""
+    """Return random reachable targets off singular poses: the elbow's interior angle is 0.05 rad or more from 0 and pi,
+    and wrist and elbow are 0.05 rad or more from the z axis. theta_3 is not restricted."""
     rng = np.random.default_rng(seed)
     d1, d2 = rng.uniform(0.2, 1, (2, 4 * size))
     distance = rng.uniform(np.abs(d1 - d2), d1 + d2)
