@@ -88,10 +88,9 @@ def _hands(path: str, rows: np.ndarray, values: dict[str, np.ndarray]) -> dict[s
     """Return the fields of Targets that the columns :data:`OF_HANDS` define; none without these columns."""
     if not values:
         return {}
-    if EULER[0] in values:
-        q = fixed_axes(*(values[column] for column in EULER))
-    else:
-        q = np.column_stack([values[column] for column in QUATERNION])
+    euler = EULER[0] in values
+    turns = [values[column] for column in (EULER if euler else QUATERNION)]
+    q = fixed_axes(*turns) if euler else np.column_stack(turns)
     with np.errstate(over="ignore"):
         length = np.sqrt((q**2).sum(axis=1))
     branch = values.get("branch", np.zeros(len(q)))
@@ -101,8 +100,7 @@ def _hands(path: str, rows: np.ndarray, values: dict[str, np.ndarray]) -> dict[s
     ):
         if wrong.any():
             n = int(wrong.argmax())
-            value = f"{values[column][n]:.12g}"
-            raise cell_error(path, int(rows[n]), column, value, reason.format(length[n]))
+            raise cell_error(path, int(rows[n]), column, f"{values[column][n]:.12g}", reason.format(length[n]))
     tool = values.get("tool", np.zeros(len(q)))
     return {"hand": q / length[:, None], "tool": tool, "branch": branch.astype(np.int64)}
 
@@ -111,12 +109,9 @@ def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
     """Return the rows, except blank rows and comments, each with its first line number, and the cell separator."""
     try:
         data = Path(path).read_bytes()
-    except FileNotFoundError:
-        raise TargetError(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise TargetError(f"{path}: is a directory, not a file of targets") from None
     except OSError as exc:
-        raise TargetError(f"{path}: cannot be read: {exc.strerror}") from None
+        known = {FileNotFoundError: "no such file", IsADirectoryError: "is a directory, not a file of targets"}
+        raise TargetError(f"{path}: {known.get(type(exc), f'cannot be read: {exc.strerror}')}") from None
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         raise TargetError(f"{path}: is UTF-16 text; save it as UTF-8")
     try:
@@ -164,13 +159,12 @@ def _parse(path: str, row: int, column: str, cell: str, separator: str) -> float
     text = cell.strip()
     if separator == ";":
         text = text.replace(",", ".", 1)
-    if not _NUMBER.fullmatch(text):
-        raise cell_error(path, row, column, text, "is not a number" if text else "is empty")
-    value = float(text)
-    reason = _value_reason(column, value)
+    reason: str | None = "is not a number" if text else "is empty"
+    if _NUMBER.fullmatch(text):
+        reason = _value_reason(column, float(text))
     if reason:
         raise cell_error(path, row, column, text, reason)
-    return value
+    return float(text)
 
 
 def number(text: str) -> float:

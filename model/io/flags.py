@@ -55,8 +55,7 @@ def names(flags: int) -> str:
 def expected_flags(words: np.ndarray, width: int) -> np.ndarray:
     """Return the exact flags (N,) of input words (N, 6).  Raises ValueError for a word that does not fit ``width``."""
     words = np.asarray(words, dtype=np.int64)
-    half = 2 ** (width - 1)
-    if ((words < -half) | (words >= half)).any():
+    if (words != words << 64 - width >> 64 - width).any():
         raise ValueError(f"a word does not fit {width} bits")
     x, y, z, _, d1, d2 = words.T  # any swivel angle is valid: it wraps
     # Exact: three squares of 32-bit words, and the squared sum of two positive words, fit unsigned 64 bits.

@@ -14,7 +14,7 @@ import csv
 import dataclasses
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -165,10 +165,6 @@ class Score:
     failures: tuple[str, ...]
     per_target: PerTarget
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the object of this trajectory in score.json."""
-        return {name: value for name, value in vars(self).items() if name != "per_target"}
-
 
 def score(
     targets: Targets,
@@ -251,7 +247,6 @@ def score(
     worst = int(np.argmax(np.where(reachable, hand_error, -1.0))) if reachable.any() else None
     nearest_singular = "" if worst is None else min(distances, key=lambda what: distances[what][worst])
     norm_tolerance = tolerances.norm(width, datapath)
-    everywhere = np.ones(count, dtype=bool)
 
     clocks = None if run.total_cycles is None else run.total_cycles - (run.latency_cycles or 0)
     mismatch = f"{run.bit_mismatches} bits differ from the bit-true model", run.first_mismatch
@@ -260,11 +255,11 @@ def score(
         *_flag_failures(np.asarray(run.flags), expected),
         *_large_errors("hand error", hand_error, permitted, reachable),
         *_large_errors("error of the clamped hand", clamped_error, permitted, clamped),
-        *(_large_errors("orientation error", of_hand.orientation_error, turn_tolerance, everywhere) if of_hand else ()),
-        *_large_errors("abs(norm^2-1) of Qs", qs_norm, norm_tolerance, everywhere),
-        *_large_errors("abs(norm^2-1) of Qe", qe_norm, norm_tolerance, everywhere),
+        *(_large_errors("orientation error", of_hand.orientation_error, turn_tolerance) if of_hand else ()),
+        *_large_errors("abs(norm^2-1) of Qs", qs_norm, norm_tolerance),
+        *_large_errors("abs(norm^2-1) of Qe", qe_norm, norm_tolerance),
     ]
-    over = _over_limits(of_hand.over_limit) if of_hand and strict else []
+    over = [*_over_limits(of_hand.over_limit)] if of_hand and strict else []
     largest, furthest = _max(hand_error, reachable), _max(clamped_error, clamped)
     judged, at = np.where(clamped, clamped_error, hand_error), targets.points_from_core
     if of_hand:
@@ -286,7 +281,7 @@ def score(
         hand_error_over_tolerance=None if permitted is None else _max(hand_error / permitted, reachable),
         hand_error_target=worst,
         hand_error_pose=None if worst is None else f"{distance[worst]:.3f} rad from singular: {nearest_singular}",
-        orientation_error_max=_max(of_hand.orientation_error, everywhere) if of_hand else None,
+        orientation_error_max=float(of_hand.orientation_error.max()) if of_hand else None,
         orientation_error_tolerance=turn_tolerance,
         angle_error_max=_max(np.maximum(shoulder_angle, elbow_angle), reachable),
         shoulder_angle_error_max=_max(shoulder_angle, reachable),
@@ -336,36 +331,30 @@ def _outcome(passed: bool, tolerance: np.ndarray | None, errors: np.ndarray) -> 
     return f"{verdict}: {error}, tolerance {tolerance[n]:.3g}{rest}"
 
 
-def _over_limits(over: np.ndarray) -> list[str]:
-    """Return a message that counts the rows of ``over`` (N, 7) with a True and names the first, if there is one."""
-    rows = np.flatnonzero(over.any(axis=1))
-    if not len(rows):
-        return []
-    which = ", ".join(JOINTS[joint] for joint in np.flatnonzero(over[rows[0]]))
-    return [f"{len(rows)} targets with a joint outside its limits; first: target {rows[0]}, {which}"]
+def _over_limits(over: np.ndarray) -> Iterator[str]:
+    """Yield a message that counts the rows of ``over`` (N, 7) with a True and names the first, if there is one."""
+    if len(rows := np.flatnonzero(over.any(axis=1))):
+        which = ", ".join(JOINTS[joint] for joint in np.flatnonzero(over[rows[0]]))
+        yield f"{len(rows)} targets with a joint outside its limits; first: target {rows[0]}, {which}"
 
 
-def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> list[str]:
-    """Return a message that names the first target with wrong flags, if there is one."""
-    wrong = flags != expected
-    if not wrong.any():
-        return []
-    n = int(np.argmax(wrong))
-    return [
-        f"{np.count_nonzero(wrong)} targets with wrong flags; first: target {n} has "
-        f"{flag_bits.names(int(flags[n]))} instead of {flag_bits.names(int(expected[n]))}"
-    ]
+def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> Iterator[str]:
+    """Yield a message that names the first target with wrong flags, if there is one."""
+    if len(wrong := np.flatnonzero(flags != expected)):
+        actual, owed = (flag_bits.names(int(words[wrong[0]])) for words in (flags, expected))
+        yield f"{len(wrong)} targets with wrong flags; first: target {wrong[0]} has {actual} instead of {owed}"
 
 
-def _large_errors(what: str, error: np.ndarray, most: float | np.ndarray | None, where: np.ndarray) -> list[str]:
-    """Return a message that names the largest error above its tolerance, if any; ``most``: a number or (N,)."""
+def _large_errors(
+    what: str, error: np.ndarray, most: float | np.ndarray | None, where: np.ndarray | bool = True
+) -> Iterator[str]:
+    """Yield a message that names the largest error above its tolerance, if any; ``most``: a number or (N,)."""
     tolerance = np.broadcast_to(np.inf if most is None else most, error.shape)
     above = where & (error > tolerance)
-    if not above.any():
-        return []
-    n = int(np.argmax(np.where(above, error, 0.0)))
-    times = f"{error[n] / tolerance[n]:.3g} times its tolerance {tolerance[n]:.3g}"
-    return [f"{what} {error[n]:.3g} at target {n} is {times} ({np.count_nonzero(above)} targets above)"]
+    if above.any():
+        n = int(np.argmax(np.where(above, error, 0.0)))
+        times = f"{error[n] / tolerance[n]:.3g} times its tolerance {tolerance[n]:.3g}"
+        yield f"{what} {error[n]:.3g} at target {n} is {times} ({np.count_nonzero(above)} targets above)"
 
 
 def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray] | None = None) -> dict[str, bytes]:
@@ -411,4 +400,5 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
 
 def score_json(scores: Sequence[Score]) -> bytes:
     """Return the contents of score.json: a list with one object per trajectory; times and paths are left out."""
-    return (json.dumps([item.as_json() for item in scores], indent=2, allow_nan=False) + "\n").encode()
+    stored = [{name: value for name, value in vars(item).items() if name != "per_target"} for item in scores]
+    return (json.dumps(stored, indent=2, allow_nan=False) + "\n").encode()

@@ -9,13 +9,14 @@ from math import isqrt
 
 import numpy as np
 
+from ..dataflow.expressions import wrap
 from ..dataflow.formats import inner_frac
 from ..dataflow.quadratic import SINE, SINE_FRACS, sine_sums
 from ..reference.joints import turned
 from ..reference.kinematics import multiply, rotate
 from ..reference.lean_equations import solve_lean
 from .flags import UNREACHABLE, expected_flags
-from .words import ARM_FIELDS, FIELDS
+from .words import ARM_FIELDS, FIELDS, binary_angles
 
 
 def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
@@ -26,8 +27,7 @@ def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
     random, rows = np.random.default_rng((seed, width, 1)), np.zeros((0, len(FIELDS)), dtype=np.int64)
     while len(rows) < count:
         n = count + 16
-        # log2 of d1 + d2, approximately
-        size = np.where(np.arange(n) % 2, 0.0, random.uniform(3 - width, 0, n))
+        size = np.where(np.arange(n) % 2, 0.0, random.uniform(3 - width, 0, n))  # log2 of d1 + d2, approximately
         total = np.exp2(size) * random.uniform(0.5, 1.9, n)
         share = random.uniform(0.03, 0.97, n)
         d1, d2 = total * share, total * (1 - share)
@@ -62,13 +62,11 @@ def unreachable(count: int, width: int, seed: int) -> np.ndarray:
         position[too_near] >>= 4
         arms[too_near, arm] = top - random.integers(0, 1 << (width - 3), too_near.sum())
         arms[too_near, 1 - arm] = 1 << (width - 5)
-    position[kind == 3] = 0
     on_axis = kind == 4  # out of reach, on either side
-    position[on_axis] = 0
+    position[on_axis | (kind == 3)] = 0
     position[on_axis, 2] = np.where(number[on_axis] % 2, 1, -1) << (width - 2)
     arms[on_axis] >>= 3
-    arms[kind == 5, either[kind == 5]] = 0
-    arms[kind == 6, either[kind == 6]] *= -1
+    arms[number, either] *= np.select([kind == 5, kind == 6], [0, -1], 1)
 
     rows = np.clip(np.column_stack([position, phi, arms]), -top - 1, top)
     stray = (expected_flags(rows, width) & UNREACHABLE == 0) & rows[:, :3].any(axis=1)
@@ -199,8 +197,7 @@ SPECIAL = 12 ** len(FIELDS)  # number of targets that consist of special words
 def of_special(first: int, count: int, width: int) -> np.ndarray:
     """Return the targets of special words with numbers from ``first``, at most ``count``; x varies fastest."""
     numbers = np.arange(first, min(first + count, SPECIAL))
-    words = np.array(special(width), dtype=np.int64)
-    return np.column_stack([words[numbers // 12**k % 12] for k in range(len(FIELDS))])
+    return np.array(special(width))[numbers[:, None] // 12 ** np.arange(len(FIELDS)) % 12]
 
 
 def mixed(count: int, width: int, seed: int) -> np.ndarray:
@@ -240,8 +237,7 @@ def region(name: str, count: int, width: int, seed: int) -> np.ndarray:
     rows = np.zeros((0, len(FIELDS)), dtype=np.int64)
     while len(rows) < count:
         more = _region(name, random, count + 16, width)
-        low, top = -(1 << (width - 1)), (1 << (width - 1)) - 1
-        more = more[((more >= low) & (more <= top)).all(axis=1)]
+        more = more[(more == wrap(more, width)).all(axis=1)]  # all words fit
         rows = np.concatenate([rows, more[expected_flags(more, width) & UNREACHABLE == 0]])
     return rows[:count]
 
@@ -309,10 +305,8 @@ def _elbow_near_z(random, width: int, d1, d2) -> np.ndarray:
     # A forearm that points away from the wrist's side would put the elbow on the other side.
     side = _directions(random.uniform(0, np.pi, count), random.uniform(-np.pi, np.pi, count))
     off = np.where(random.random(count) < 0.9, 10 ** random.uniform(-9, -1, count) * random.choice([-1, 1], count), 0)
-    phi = np.rint(off / (2 * np.pi) * 2.0**width).astype(np.int64)
-    half = 1 << (width - 1)
-    phi = np.where(elbow[:, 2] > 0, phi, np.where(phi < 0, phi + half, phi - half))
-    return np.column_stack([np.rint(elbow + side * d2[:, None]).astype(np.int64), phi, d1, d2])
+    phi = binary_angles(off, width) + (elbow[:, 2] <= 0) * (1 << width - 1)
+    return np.column_stack([np.rint(elbow + side * d2[:, None]).astype(np.int64), wrap(phi, width), d1, d2])
 
 
 def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
@@ -320,8 +314,7 @@ def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
     count = len(phi)
     kind = np.arange(count) % 5
     few = random.integers(-4, 5, count)
-    for axis in range(3):
-        position[:, axis] = np.where(kind == axis, few, position[:, axis])
+    position = np.where(kind[:, None] == np.arange(3), few[:, None], position)
     squares = (position.astype(object) ** 2).sum(axis=1) + d1.astype(object) ** 2  # cos a = 0: d2^2 = s + d1^2
     d2 = np.where(kind == 3, np.array([isqrt(s) for s in squares]) + few, d2)
     rows = np.column_stack([position, phi, d1, d2])
@@ -338,9 +331,8 @@ def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
     at_0, at_pi = (solve_lean(x, y, z, phi, d1, d2)["qs_k"] for phi in (0.0, np.pi))
     both = [2 * np.arctan2(-at_0, side * at_pi) for side in (1, -1)]
     k = [solve_lean(x, y, z, phi, d1, d2)["qs_k"] for phi in both]
-    phi = np.rint(np.where(k[0] < k[1], *both) / (2 * np.pi) * 2.0**width).astype(np.int64)
-    half = 1 << (width - 1)
-    rows[:, 3] = (phi + random.integers(-2, 3, len(rows)) + half) % (2 * half) - half
+    phi = binary_angles(np.where(k[0] < k[1], *both), width)
+    rows[:, 3] = wrap(phi + random.integers(-2, 3, len(rows)), width)
     return rows
 
 
@@ -358,12 +350,10 @@ def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
     bent = np.choose(np.arange(count) % 3, (random.uniform(0, np.pi, count), near, np.pi - near))
     x, y, z, phi, d1, d2 = targets.T
     pose = solve_lean(x, y, z, phi * (2 * np.pi / (1 << width)), d1, d2)
-    fore = multiply(
-        np.column_stack([pose[f"qs_{c}"] for c in "wijk"]),
-        np.column_stack([-pose["qe_i"], pose["qe_w"], *np.zeros((2, count))]),
-    )
-    hand = multiply(fore, turned(random.uniform(-np.pi, np.pi, count), bent, random.uniform(-np.pi, np.pi, count)).T)
-    hand *= random.choice((-1, 1), (count, 1))
+    shoulder = np.column_stack([pose[f"qs_{c}"] for c in "wijk"])
+    elbow = np.column_stack([-pose["qe_i"], pose["qe_w"], *np.zeros((2, count))])
+    wrist = turned(random.uniform(-np.pi, np.pi, count), bent, random.uniform(-np.pi, np.pi, count)).T
+    hand = multiply(multiply(shoulder, elbow), wrist) * random.choice((-1, 1), (count, 1))
     words = np.clip(np.rint(hand * (1 << width - 2)), -top - 1, top).astype(np.int64)
     tool = random.uniform(-1, 1, count) * (d1 + d2) * (random.random(count) < 0.8)
     axis, point = rotate(hand, (0.0, 0.0, 1.0)), targets[:, :3]

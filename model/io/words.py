@@ -181,6 +181,7 @@ def cell_error(path: str | None, row: int, column: str, value: str, reason: str)
     return TargetError(f"{path}: row {row}, column {column}: {shown!r} {reason}")
 
 
+@np.errstate(over="ignore", under="ignore")  # numbers beyond double precision are inf, which fits no format
 def scale_exponent(targets: Targets, width: int) -> int:
     """Return the exponent e of the host's scaling: the core works on lengths times 2^e.
 
@@ -188,30 +189,28 @@ def scale_exponent(targets: Targets, width: int) -> int:
     `HEADROOM_BITS`, and if a tool would, by at most as many again; each step costs one bit of precision. Raises
     TargetError if that is insufficient, if a reach exceeds double precision, or if an arm length's word would be 0.
     """
-    with np.errstate(over="ignore"):
-        reach = targets.reach
+    reach = targets.reach
     longest = int(np.argmax(reach))
     if not np.isfinite(reach[longest]):
         raise targets.error(longest, "d1", "is too long: d1+d2 is beyond double precision")
+    arm = f"the longest arm, {reach[longest]:.6g}{targets.arm_note}"
     largest = 1 - math.frexp(reach[longest])[1]
     position = targets.core_point
     for exponent in range(largest, largest - HEADROOM_BITS - 1, -1):
-        scaled = _ldexp(position, exponent)
+        scaled = np.ldexp(position, exponent)
         outside = np.any((scaled < -2) | (scaled >= 2), axis=1)
         if not outside.any():
             break
     else:
         size = np.where(outside[:, None], np.abs(targets.position), 0)
         n, axis = np.unravel_index(np.argmax(size), size.shape)
-        arm = f"for the longest arm, {reach[longest]:.6g}{targets.arm_note}"
-        reason = f"is too far out: {arm}, the format ends at {math.ldexp(2.0, -exponent):.6g}"
+        reason = f"is too far out: for {arm}, the format ends at {math.ldexp(2.0, -exponent):.6g}"
         raise targets.error(int(n), FIELDS[axis], reason)
 
     for column in ARMS:
-        words = _quantise(_ldexp(getattr(targets, column), exponent), width)
+        words = _quantise(np.ldexp(getattr(targets, column), exponent), width)
         if not words.all():
-            arm = f"compared with the longest arm, {reach[longest]:.6g}{targets.arm_note}"
-            reason = f"is too short: {arm}, its word of {width} bits is 0"
+            reason = f"is too short: compared with {arm}, its word of {width} bits is 0"
             raise targets.error(int(np.argmin(words != 0)), column, reason)
     tools = np.zeros(1) if targets.hand is None else np.abs(targets.tool[:, 2])
     most = int(np.argmax(tools))
@@ -219,12 +218,6 @@ def scale_exponent(targets: Targets, width: int) -> int:
     if least < exponent - HEADROOM_BITS:
         raise targets.error(most, "tool", "is too long for the format that fits this arm")
     return min(exponent, least)
-
-
-def _ldexp(values: np.ndarray | float, exponent: int) -> np.ndarray:
-    """Return values * 2^exponent; beyond double precision they are inf, which fits no format."""
-    with np.errstate(over="ignore", under="ignore"):
-        return np.ldexp(values, exponent)
 
 
 def _quantise(values: np.ndarray, width: int) -> np.ndarray:
@@ -242,10 +235,8 @@ def to_words(targets: Targets, width: int, exponent: int | None = None) -> tuple
     """
     if exponent is None:
         exponent = scale_exponent(targets, width)
-    words = np.empty((len(targets), len(FIELDS)), dtype=np.int64)
-    for name, values in zip(LENGTHS, (*targets.core_point.T, targets.d1, targets.d2), strict=True):
-        words[:, FIELDS.index(name)] = _quantise(np.ldexp(values, exponent), width)
-    words[:, FIELDS.index("phi")] = binary_angles(targets.phi, width)
+    lengths = _quantise(np.ldexp(np.column_stack((targets.core_point, targets.d1, targets.d2)), exponent), width)
+    words = np.insert(lengths, FIELDS.index("phi"), binary_angles(targets.phi, width), axis=1)
     if targets.hand is not None:
         tool = _quantise(np.ldexp(targets.tool[:, 2], exponent), width)
         words = np.column_stack((words, tool, _quantise(targets.core_hand, width), targets.branch))
@@ -256,8 +247,7 @@ def binary_angles(angles: np.ndarray, width: int) -> np.ndarray:
     """Return angles (rad) as words of the same shape, one turn = 2^width, rounded half to even."""
     turns = angles / (2 * np.pi)
     words = np.rint(np.ldexp(turns - np.rint(turns), width)).astype(np.int64)
-    half = 2 ** (width - 1)
-    return (words + half) % (2 * half) - half
+    return words << 64 - width >> 64 - width  # half a turn is -half a turn
 
 
 def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targets:
@@ -272,9 +262,8 @@ def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targe
 
 def pack(fields: np.ndarray, width: int) -> list[int]:
     """Return tdata of signed words (N, n), field 0 in the lowest bits. Raises ValueError for words that do not fit."""
-    half = 2 ** (width - 1)
     array = np.asarray(fields, dtype=np.int64)
-    if ((array < -half) | (array >= half)).any():
+    if (array != array << 64 - width >> 64 - width).any():
         raise ValueError(f"a word does not fit {width} bits")
     mask = 2**width - 1
     return [sum((word & mask) << (width * i) for i, word in enumerate(row)) for row in array.tolist()]
@@ -334,9 +323,8 @@ class Records:
         table, tags = self._unpacked(records, len(self.inputs))
         dropped, most = 32 - width, (1 << (width - 1)) - 1
         rounded = (table + ((1 << dropped) >> 1)) >> dropped
-        words = np.minimum(rounded, most)
-        phi = self.inputs.index("phi")
-        words[:, phi] = np.where(rounded[:, phi] > most, -most - 1, rounded[:, phi])
+        wrapped = rounded << 64 - width >> 64 - width
+        words = np.where(np.array(self.inputs) == "phi", wrapped, np.minimum(rounded, most))
         return words, tags & ((1 << TAG_BITS) - 1), tags >> TAG_BITS & (1 << len(BRANCHES)) - 1
 
     def written(self, results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:

@@ -50,11 +50,7 @@ def vector(x=0, y=0, z=0, inf=0, zero=0):
     return ALGEBRA.multivector(keys=_VECTOR_KEYS, values=[x, y, z, plus, minus])
 
 
-e1 = vector(x=1)
-e2 = vector(y=1)
-e3 = vector(z=1)
-e_inf = vector(inf=1)
-e_0 = vector(zero=1)
+e1, e2, e3, e_inf, e_0 = (vector(**{name: 1}) for name in ("x", "y", "z", "inf", "zero"))
 
 PSEUDOSCALAR_INVERSE = -(e1 ^ e2 ^ e3 ^ e_inf ^ e_0)  # index 32 of table 2; its square is -1
 i = e3 ^ e2  # (1)
@@ -70,15 +66,8 @@ def coefficient(mv, blade):
     euclidean = "e" + "".join(name[1] for name in factors if name in ("e1", "e2", "e3"))
     plus, minus = getattr(mv, euclidean + "4"), getattr(mv, euclidean + "5")
     # e+ = e_inf/2 - e_0 and e- = e_inf/2 + e_0, hence e+ ^ e- = e_inf ^ e_0.
-    if "einf" in factors and "e0" in factors:
-        value = getattr(mv, euclidean + "45")
-    elif "einf" in factors:
-        value = (plus + minus) / 2
-    elif "e0" in factors:
-        value = minus - plus
-    else:
-        value = getattr(mv, euclidean)
-    return _expand(value)
+    null = {"einf": (plus + minus) / 2, "e0": minus - plus, "einf^e0": getattr(mv, euclidean + "45")}
+    return _expand(null.get("^".join(factors[len(euclidean) - 1 :]), getattr(mv, euclidean)))
 
 
 def dual(mv):
@@ -139,10 +128,8 @@ def centre(o):
 
 
 def radius(o):
-    """Return the radius of a sphere or a circle; nan for the imaginary circle of two disjoint spheres."""
-    square = inner(o, o) / inner(e_inf | o, e_inf | o)
-    if o.grades == (2,):
-        square = -square
+    """Return the radius of a circle; nan for the imaginary circle of two disjoint spheres."""
+    square = -inner(o, o) / inner(e_inf | o, e_inf | o)
     with np.errstate(invalid="ignore"):
         return _functions(square).sqrt(square)
 

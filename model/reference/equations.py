@@ -211,15 +211,6 @@ def swivel_normal(x, y, z, phi):
     )
 
 
-def shoulder_quaternion(n, e):
-    """Return Qs (N, 4), k >= 0, from the swivel plane's normal n and the elbow's direction e, unit vectors (N, 3).
-
-    The rotation matrix with columns -n, e x (-n), e is equivalent to (15)-(18) but has no singular pose.
-    """
-    q = quaternion(np.stack((-n, np.cross(e, -n), e), axis=-1))
-    return np.where(q[:, 3:] < 0, -q, q)
-
-
 def solve(x, y, z, phi, d1, d2):
     """Solve equations (10)-(18) for N reachable targets.
 
@@ -290,11 +281,11 @@ def solve_clamped(x, y, z, phi, d1, d2):
     at_shoulder = distance == 0
     divisor = np.where(at_shoulder, 1.0, distance) * np.where(~straight & (d1 < d2), -1.0, 1.0)
     e = np.stack((x / divisor, y / divisor, np.where(at_shoulder, 1.0, z) / divisor), axis=-1)
-    qs = shoulder_quaternion(swivel_normal(x, y, z, phi), e)
+    n = swivel_normal(x, y, z, phi)
+    qs = quaternion(np.stack((-n, np.cross(e, -n), e), axis=-1))  # equivalent to (15)-(18), but without singular poses
+    qs = np.where(qs[:, 3:] < 0, -qs, qs)
     poses = np.column_stack((qs, np.where(straight, 0.0, 1.0), np.where(straight, -1.0, 0.0), d1[:, None] * e))
-    result = {"flags": flags}
     names = ("qs_w", "qs_i", "qs_j", "qs_k", "qe_w", "qe_i", "p_e_x", "p_e_y", "p_e_z")
-    for name, values in zip(names, poses.T, strict=True):
-        result[name] = np.empty(len(flags))
-        result[name][clamped], result[name][~clamped] = values, reached[name]
-    return result
+    results = np.empty((len(names), len(flags)))
+    results[:, clamped], results[:, ~clamped] = poses.T, [reached[name] for name in names]
+    return {"flags": flags} | dict(zip(names, results, strict=True))

@@ -41,11 +41,8 @@ def elbow_point(PP):
     """Return the elbow P_e (3.2): the point of PP on the side of L_sw to which (normal of pi_swivel) x p_w points."""
     pair = cga.dual(PP)
     square = cga.inner(pair, pair)
-    if isinstance(square, sympy.Expr):
-        root = sympy.sqrt(square)
-    else:
-        # Roundoff can make the square negative for a straight or closed arm, where the pair is one point.
-        root = np.sqrt(np.maximum(square, 0.0))
+    # Roundoff can make the square negative for a straight or closed arm, where the pair is one point.
+    root = sympy.sqrt(square) if isinstance(square, sympy.Expr) else np.sqrt(np.maximum(square, 0.0))
     # The two points of a pair are (PP* -+ |PP*|) / (e_inf . PP*); the divisor is a vector.
     direction = e_inf | pair
     P_e = ((pair - cga.scalar(root)) * direction).grade(1)
@@ -78,15 +75,12 @@ def wrist_rotation(Q_12, pi_swivel, P_w):
     c3 = cga.cos_angle(cga.dual(pi_yz2), cga.dual(pi_swivel))  # (5); planes in direct representation
     cos_half, sin_half = cga.half_angle(c3)  # (8), (9)
     side = cga.inner(pi_yz2, P_w)
-    if isinstance(side, sympy.Expr):
-        sign = side / sympy.Abs(side)
-    else:
-        sign = np.where(side < 0, -1.0, 1.0)  # 0 counts as +
+    sign = side / sympy.Abs(side) if isinstance(side, sympy.Expr) else np.where(side < 0, -1.0, 1.0)  # 0 counts as +
     return pi_yz2, c3, sign, cga.quaternion(cos_half, 0, 0, sign * sin_half)  # (16), with the sign as in (17)
 
 
 def solve(x, y, z, phi, d1, d2):
-    """Return a dict of results, elbow and scalars as arrays (N,), and of all multivectors, by the paper's names.
+    """Return a dict of results, elbow and scalars as arrays (N,), and of the main multivectors, by the paper's names.
 
     Targets must be reachable, wrist and elbow off the z axis, and the arm neither straight nor closed. In other poses a
     plane or line of the construction vanishes, and results may be nan.
@@ -96,16 +90,15 @@ def solve(x, y, z, phi, d1, d2):
     with np.errstate(divide="ignore", invalid="ignore"):
         P_w = cga.point(x, y, z)
         L_sw, l_sw, pi_swivel = swivel_plane(P_w, phi)
-        S_1, S_2, Z_e, PP = elbow_point_pair(P_w, pi_swivel, d1, d2)
+        _, _, Z_e, PP = elbow_point_pair(P_w, pi_swivel, d1, d2)
         P_e = elbow_point(PP)
-        L_se, L_ew, c4, Q_e = elbow_quaternion(P_e, P_w)
-        P_ze, pi_m, pi_e, L_m, Q_12 = elbow_rotation(P_e, d1)
+        _, _, c4, Q_e = elbow_quaternion(P_e, P_w)
+        _, _, _, L_m, Q_12 = elbow_rotation(P_e, d1)
         pi_yz2, c3, sign, Q_3 = wrist_rotation(Q_12, pi_swivel, P_w)
         Q_s = Q_12 * Q_3  # (18)
     values = {"l_sw": l_sw, "c3": c3, "c4": c4, "sign": sign}
     values |= zip(("qs_w", "qs_i", "qs_j", "qs_k"), cga.quaternion_coefficients(Q_s), strict=True)
     values |= zip(("qe_w", "qe_i"), cga.quaternion_coefficients(Q_e)[:2], strict=True)
     values |= zip(("p_e_x", "p_e_y", "p_e_z"), cga.euclidean_coordinates(P_e), strict=True)
-    values |= {"P_w": P_w, "L_sw": L_sw, "pi_swivel": pi_swivel, "S_1": S_1, "S_2": S_2, "Z_e": Z_e, "PP": PP}
-    values |= {"P_e": P_e, "L_se": L_se, "L_ew": L_ew, "Q_e": Q_e, "P_ze": P_ze, "pi_m": pi_m, "pi_e": pi_e, "L_m": L_m}
-    return values | {"Q_12": Q_12, "pi_yz2": pi_yz2, "Q_3": Q_3, "Q_s": Q_s}
+    values |= {"P_w": P_w, "L_sw": L_sw, "pi_swivel": pi_swivel, "Z_e": Z_e, "PP": PP, "P_e": P_e, "Q_e": Q_e}
+    return values | {"L_m": L_m, "Q_12": Q_12, "pi_yz2": pi_yz2, "Q_3": Q_3, "Q_s": Q_s}

@@ -131,8 +131,8 @@ async def full(dut):
 
 @timed_test()
 async def results_wait(dut):
-    """Check that a waiting result of a folded core delays the next one only by the clocks that it waits beyond the first
-    write of that one, or behind the choice of a branch by none. The other datapaths have a FIFO."""
+    """Check that a waiting result of a folded core delays the next one only by the clocks that it waits beyond the
+    first write of that one, or behind the choice of a branch by none. The other datapaths have a FIFO."""
     async with started(dut) as bench:
         if bench.period == 1:
             return
@@ -199,6 +199,25 @@ async def reset_in_any_clock(dut):
                 port.pause = False
             bench.driver.send(bench.mixed(2, seed=clocks))
             await bench.finish()
+
+
+@timed_test()
+async def admitted_after_a_reset(dut):
+    """Check that a target that waits at the end of a reset is admitted after a fixed number of clocks, whatever clock
+    of a lap the reset of one or two clocks falls into."""
+    async with started(dut) as bench:
+        after = {}  # clocks from the end of a reset to the admission -> reset in which they were counted
+        for clocks in range(2 * bench.period + 8):
+            bench.driver.send(bench.mixed(3, seed=1))
+            await ClockCycles(dut.clk, 1 + clocks // 2)
+            await bench.reset(clocks=1 + clocks % 2)
+            ended, admitted = bench.monitor.clock, len(bench.monitor.admitted)
+            bench.driver.send(bench.mixed(1, seed=2))
+            while len(bench.monitor.admitted) == admitted:
+                await FallingEdge(dut.clk)
+            after.setdefault(bench.monitor.clock - ended, f"{1 + clocks % 2} clocks after {1 + clocks // 2}")
+        assert len(after) == 1, f"clocks from a reset to an admission: {after}"
+        await bench.finish()
 
 
 @timed_test()

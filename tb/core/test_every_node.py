@@ -26,7 +26,8 @@ ICARUS = simulator() == "icarus"
 
 QUICK = [("lean", 32), ("lean25", 18), ("lean16", 18), ("fold", 24), ("fold16", 18)]
 SLOW = [("lean", 18), ("lean16", 24), ("paper", 18), ("fold", 20), ("fold", 32), ("fold16", 20), ("fold16", 24)]
-SLOW += [("arm25", 18), ("arm16", 18), ("fold_arm16", 18), *itertools.product(("arm", "choose"), (18, 32))]
+SLOW += [("lean25", 24), *(("arm25", width) for width in (18, 24, 32)), ("arm16", 18), ("fold_arm16", 18)]
+SLOW += itertools.product(("arm", "choose"), (18, 32))
 SLOW += itertools.product(("fold_arm", "fold_choose"), (24, 32))
 if ICARUS:  # builds are cheap
     QUICK += [("paper", 32)]

@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Test that ``ik_delay`` and ``ik_ring`` return every word N clocks later. Test ``ik_fifo`` against a queue: order,
-loss, duplication, stalls, latency, throughput, reset at several fill levels.
-"""
+loss, duplication, stalls, latency, throughput, reset at several fill levels. Test modules of the folded core against
+their definitions; they hold their state while ``go`` is 0."""
 
 import itertools
 import random
 from collections import deque
+from collections.abc import Iterable
 from functools import partial
 
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
-from tb.units.unit import Case, Tests, checks, runs, sets_of, unsigned
+from model.dataflow.fold.steps import CUTS, NORMS
+from tb.units.unit import Case, Ports, Tests, checks, runs, sets_of, signed, unsigned, with_go, wrapped
 
 LATENCY = 2  # clocks from writing a word to offering it
 
@@ -19,16 +21,12 @@ LATENCY = 2  # clocks from writing a word to offering it
 def delay(W: int, N: int) -> Tests:
     words = unsigned(W)
 
-    def single_bits():
-        """Return words with a single bit set, to detect lost or swapped bits."""
-        return [1 << k for k in range(W)]
-
     def each_place():
         """Return zeros for every ring location, then ones, then zeros, to toggle every bit."""
         lap = 1 << max(N, 1).bit_length()
         return [word for word in (0, words[-1], 0) for _ in range(lap)]
 
-    return checks({"d": words}, {"q": words}, lambda d: d, single_bits, each_place, latency=N)
+    return checks({"d": words}, {"q": words}, lambda d: d, each_place, latency=N)
 
 
 def ring(W: int, N: int) -> Tests:
@@ -145,9 +143,111 @@ def fifo(W: int, LOG2: int) -> Tests:
     return {name: partial(started, test) for name, test in tests.items()}
 
 
+def memory(D: int, AD: int, DOWN: int, RW: int) -> Tests:
+    """Check 64 read/write words, initially 0, followed by constant powers of two."""
+    written, powers = 64, 64
+
+    def vectors() -> Iterable[Ports]:
+        """Yield reads of all addresses and writes to all words, both twice, then random accesses.
+
+        No clock reads the address that it writes, because the result is undefined.
+        """
+
+        def access(a: int, b: int, r: int, w: int | None = None) -> Ports:
+            ports = {"a_at": a, "b_at": b, "r_at": r, "w_en": int(w is not None), "w_at": w or 0}
+            return ports | {"w": random.getrandbits(D)}
+
+        for _ in range(2):
+            yield from (access(at, at ^ 1, at % written) for at in range(written + powers))
+            yield from (access(at ^ 1, at ^ 2, at ^ 4, at) for at in range(written))
+        for _ in range(2000):
+            at = random.randrange(written)
+            read = [random.randrange(last) for last in (written + powers, written + powers, written)]
+            yield access(*read, None if at in read else at)
+
+    content = [0] * written + [1 << D - 1 >> (n if n < AD else n - DOWN) for n in range(powers)]
+    reads: list[Ports] = []
+
+    def expected(taken: list[Ports], now: Ports) -> Ports:
+        for at in taken[len(reads) :]:
+            row = content[at["r_at"]] >> D - 1 - RW & (1 << RW) - 1
+            reads.append({"a": content[at["a_at"]] >> D - AD, "b": content[at["b_at"]], "r": row})
+            if at["w_en"]:
+                content[at["w_at"]] = at["w"]
+        return reads[-1]
+
+    return {"words": partial(with_go, vectors=vectors, clocks=1, expected=expected)}
+
+
+def mul(D: int, TILE: int, WORD: int, ROOT: int, SINE: int) -> Tests:
+    """Check the exact product, or for most values of `cut` the sum of tiles, each truncated separately."""
+    low = D - TILE
+    last = {"plain": WORD - 2, "double": WORD - 3, "word": WORD, "root": 2 * low + ROOT, "sine": 2 * low + SINE}
+
+    def expected(taken: list[Ports], now: Ports) -> Ports:
+        a, b, cut = taken[-3]["a"], taken[-3]["b"], CUTS[taken[-1]["cut"]]
+        if cut in ("exact", "power"):
+            return {"p": wrapped(a, signed(D)) * wrapped(b, signed(D)) % (1 << 2 * D)}
+        a_low, b_low = a % (1 << low), b % (1 << low)
+        a_high, b_high = (wrapped(word >> low, signed(TILE)) for word in (a, b))
+        outer = a_high * b_high << 2 * low
+        if cut in ("plain", "double") and 2 * low > WORD - 3:  # kept part of the product of the low halves
+            outer += (a_low >> low - 2) * (b_low >> low - 2) << 2 * low - 4
+        tiles = outer, a_high * b_low << low, a_low * b_high << low
+        return {"p": sum(tile >> last[cut] << last[cut] for tile in tiles) % (1 << 2 * D)}
+
+    def word() -> int:
+        """Return a random word, or one close to 0 or to either end."""
+        near = random.choice((0, 0, 1 << D - 1)) + random.choice((-2, -1, 0, 1, 2))
+        return random.choice((random.getrandbits(D), random.getrandbits(D), near % (1 << D)))
+
+    def factors() -> Iterable[Ports]:
+        return ({"a": word(), "b": word(), "cut": random.randrange(len(CUTS))} for _ in range(2000))
+
+    return {"products": partial(with_go, vectors=factors, clocks=3, expected=expected)}
+
+
+def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
+    """Check left shifts: by the largest even count that fits, or by the count n."""
+    kinds, words = ("", *NORMS), (1 << XW) - 1
+
+    def expected(taken: list[Ports], now: Ports) -> Ports:
+        t, kind = taken[-2]["t"], kinds[taken[-2]["kind"]]
+        if kind == "count":  # each bit of the count is sampled with its shift stage
+            n = taken[-2]["n"] & 0b100001 | taken[-1]["n"] & 0b011000 | now["n"] & 0b000110
+            return {"word": (t << n & words) >> XW - D >> DROP << DROP}
+        if kind == "inverse":
+            t ^= words
+        if kind == "unit":
+            t = t >> LAST << LAST
+        t = t % (1 << (2 * W - 2 if kind == "arm" else 2 * W)) << 2
+        pairs = (XW - t.bit_length()) // 2 if t else W // 2 if kind == "arm" else W - 1
+        limited = kind == "unit" and taken[-2]["t"] >> 2 * W - 2 & 1
+        mantissa = (1 << D - 1) - 1 if limited else (t << 2 * pairs & words) >> XW - D + 1
+        return {"word": mantissa, "zero": int(t == 0), "pairs": pairs}
+
+    def sums() -> Iterable[Ports]:
+        """Yield the ports for random sums, whose numbers of bits are random as well.  For the kind "inverse" the bits
+        of nine in ten are inverted."""
+        for _ in range(2000):
+            kind = random.randrange(len(kinds))
+            t = random.getrandbits(random.randint(0, XW))
+            t ^= words * (kinds[kind] == "inverse" and random.random() < 0.9)
+            yield {"t": t, "kind": kind, "n": random.getrandbits(6)}
+
+    return {"normals": partial(with_go, vectors=sums, clocks=2, expected=expected)}
+
+
 CASES = (
     Case("ik_delay", delay, sets_of("W N", (8, 0), (70, 5)), sets_of("W N", (8, 1), (32, 40))),
     Case("ik_ring", ring, sets_of("W N", (40, 18)), sets_of("W N", (8, 3), (16, 12), (96, 65), (2, 300))),
     Case("ik_fifo", fifo, sets_of("W LOG2", (16, 2)), sets_of("W LOG2", (8, 1), (208, 5))),
+    Case("ik_fold_memory", memory, sets_of("D AD DOWN RW", (26, 26, 11, 11), (33, 31, 11, 11))),
+    Case(
+        "ik_fold_mul", mul, sets_of("D TILE WORD ROOT SINE", (26, 16, 25, 5, 4), (29, 18, 29, 8, 7), (35, 18, 33, 8, 7))
+    ),
+    Case(
+        "ik_fold_norm", norm, sets_of("W D XW LAST DROP", (18, 26, 38, 11, 1), (24, 33, 50, 17, 2), (32, 35, 66, 29, 0))
+    ),
 )
 test_storage, vectors = runs(CASES)

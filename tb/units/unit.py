@@ -56,53 +56,42 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
     from tb.sim.sources import TOP, top_of
 
     pairs = list(pairs)
-    return {
-        "toplevel": TOP,
-        "module": pairs[0][0].bench.__module__,
-        "top": top_of({instance_of(case, values): (case.module, values) for case, values in pairs}),
-        "name": "units",
-        "seed": SEED,
+    instances = {
+        "_".join([case.module, *(f"{k}{v}" for k, v in values.items())]): (case.module, values)
+        for case, values in pairs  # for example ik_exact_W5_SQUARE0
     }
+    file = pairs[0][0].bench.__module__
+    return {"toplevel": TOP, "module": file, "top": top_of(instances), "name": "units", "seed": SEED}
 
 
-def instance_of(case: Case, parameters: Parameters) -> str:
-    """Return the name of an instance, for example ik_exact_W5_SQUARE0."""
-    return "_".join([case.module, *(f"{k}{v}" for k, v in parameters.items())])
+def module_of(name: str) -> str:
+    """Return the module in the name of an instance or of its test; parameters have capital letters."""
+    return re.search(r"ik(_[a-z0-9]+)+", name)[0]
 
 
 def runs(cases: Sequence[Case]) -> tuple[Callable, Callable]:
-    """Return the tests of benches that share a file: for pytest, and for cocotb inside the simulation."""
-    return pytest_cases(cases), cocotb_tests(cases)
+    """Return the tests of benches that share a file: for pytest, and for cocotb inside the simulation.
 
-
-def pytest_cases(cases: Sequence[Case]) -> Callable:
-    """Return a pytest test with a case per module for its `few` parameter sets, and a slow one for `more`.
-
-    The selected modules of a group share a simulation.
+    The pytest test has a case per module for its `few` parameter sets, and a slow one for `more`. The selected modules
+    of a group share a simulation.
     """
-    from tb.sim.shared import INSTANCE, Shared
+    from tb.sim.shared import Shared
 
-    def shared(group: str) -> Shared:
-        pairs = {case.module: [(case, values) for values in getattr(case, group)] for case in cases}
-        module_of = {instance_of(*pair): module for module, of in pairs.items() for pair in of}
-        return Shared(
-            f"{cases[0].bench.__module__.rpartition('.')[2]}-{group}",
-            lambda names: simulation(pair for name in names for pair in pairs[name]),
-            lambda test: module_of[INSTANCE.search(test)[1]],
-        )
+    def options(group: str, names: list[str]) -> dict:
+        return simulation((case, values) for case in cases if case.module in names for values in getattr(case, group))
 
-    rows = []
+    file, rows = cases[0].bench.__module__.rpartition(".")[2], []
     for group, slow in (("few", []), ("more", [pytest.mark.slow])):
-        one = shared(group)
+        shared = Shared(f"{file}-{group}", partial(options, group), module_of)
         for module in (case.module for case in cases if getattr(case, group)):
-            rows.append(pytest.param(one, module, id=f"{module}-{group}", marks=[*slow, pytest.mark.bench(module)]))
+            rows.append(pytest.param(shared, module, id=f"{module}-{group}", marks=[*slow, pytest.mark.bench(module)]))
 
     @pytest.mark.sim
     @pytest.mark.parametrize(("simulation", "name"), rows)
     def test(request, simulation, name):
         simulation.check(request, name)
 
-    return test
+    return test, cocotb_tests(cases)
 
 
 def sets_of(names: str, *rows: Vector, **others: int) -> list[Parameters]:
@@ -116,14 +105,18 @@ def sets_of(names: str, *rows: Vector, **others: int) -> list[Parameters]:
 def cocotb_tests(cases: Sequence[Case]):
     """Return the cocotb test with a parameter value for each check of each instance in the simulated top.
 
-    Outside a simulation there are no instances. The parameters of an instance are read from the design.
+    Outside a simulation there are no instances. The parameters of an instance, with the delays of its ports for
+    ``**delays``, are read from the design.
     """
     benches = {case.module: case.bench for case in cases}
     checks = []
     for instance in getattr(cocotb, "top", ()):
-        module = max((name for name in benches if f"{instance._name}_".startswith(f"{name}_")), key=len)
-        tests = benches[module](**parameters_of(instance, inspect.signature(benches[module])))
-        checks += [cocotb.Param((instance, test), f"{instance._name}.{name}") for name, test in tests.items()]
+        bench = benches[module_of(instance._name)]
+        expected = inspect.signature(bench).parameters.values()
+        names = "|".join("D[A-Z]" if one.kind is one.VAR_KEYWORD else one.name for one in expected)
+        parameters = {handle._name: int(handle.value) for handle in instance if re.fullmatch(names, handle._name)}
+        for name, test in bench(**parameters).items():
+            checks.append(cocotb.Param((instance, test), f"{instance._name}.{name}"))
 
     @cocotb.parametrize(check=checks)
     @timed_test(name="vectors")
@@ -132,15 +125,6 @@ def cocotb_tests(cases: Sequence[Case]):
         await test(dut=instance)
 
     return vectors
-
-
-def parameters_of(instance, signature: inspect.Signature) -> Parameters:
-    """Return an instance's values of a bench's parameters; for ``**delays``, also the delays of its ports."""
-    names = {name for name, one in signature.parameters.items() if one.kind is not one.VAR_KEYWORD}
-    delays = r"D[A-Z]" if names < signature.parameters.keys() else ""
-    handles = {handle._name: handle for handle in instance}
-    chosen = [name for name in handles if name in names or re.fullmatch(delays, name)]
-    return {name: int(handles[name].value) for name in chosen}
 
 
 def checks(
@@ -161,9 +145,9 @@ def checks(
     with ``columns`` the words of all vectors, one sequence per input. A vector of one word may be written as the word.
 
     - *named*: each of ``corners``, a vector and its outputs, between ``good`` vectors, if all words fit their ports.
-    - *extremes*: all combinations of the :func:`corners` of the inputs.
-    - *every_vector* if there are at most :data:`EVERY` vectors, otherwise *random_vectors*.
-    - one test for each function in ``streams``, with the function's name: it drives the vectors that it returns.
+    - *every_vector* if there are at most :data:`EVERY` vectors; otherwise *extremes*, all combinations of the
+      :func:`corners` of the inputs, and *random_vectors*.
+    - one test for each function or partial in ``streams``, with the function's name: it drives the vectors it returns.
 
     Vectors that do not satisfy ``fits`` are skipped.
     """
@@ -183,12 +167,12 @@ def checks(
         chosen = [vector for vector in map(_row, vectors()) if fits(*vector)]
         await stream(dut, inputs, outputs, expected, chosen, latency, delays or {})
 
-    generators = {vectors.__name__: vectors for vectors in (*([named] if corners else []), *streams)}
-    generators["extremes"] = partial(crossed, *words)
+    streams = (named, *streams) if corners else streams
+    generators = {getattr(vectors, "func", vectors).__name__: vectors for vectors in streams}
     if math.prod(map(size, words)) <= EVERY:
         generators["every_vector"] = lambda: shuffled(itertools.product(*words))
     else:
-        generators["random_vectors"] = partial(some, 2000, *words)
+        generators |= {"extremes": partial(crossed, *words), "random_vectors": partial(some, 2000, *words)}
     return {name: partial(run, vectors) for name, vectors in generators.items()}
 
 
@@ -231,18 +215,20 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
     )
 
 
-async def with_go(dut, vectors: Iterable[Ports], clocks: int, expected: Callable[[list[Ports], Ports], Ports]) -> None:
-    """Drive all vectors in order with ``go``. In 3 of 10 clocks, drive any vector without ``go``; it has no effect.
+async def with_go(
+    dut, vectors: Callable[[], Iterable[Ports]], clocks: int, expected: Callable[[list[Ports], Ports], Ports]
+) -> None:
+    """Drive the vectors in order with ``go``. In 3 of 10 clocks, drive any vector without ``go``; it has no effect.
 
     ``expected(taken, now)`` returns the outputs that are defined. ``taken`` has the inputs of all clocks with ``go``,
     newest last; ``now`` has the present inputs. Outputs are compared once ``taken`` has ``clocks`` entries.
     """
     Clock(dut.clk, 10, unit="ns").start()
-    vectors = list(vectors)
+    owed = list(vectors())
     taken: list[Ports] = []
-    while len(taken) < len(vectors):
+    while len(taken) < len(owed):
         go = random.random() < 0.7
-        now = vectors[len(taken)] if go else random.choice(vectors)
+        now = owed[len(taken)] if go else random.choice(owed)
         await RisingEdge(dut.clk)
         dut.go.value = int(go)
         for port, word in now.items():
@@ -307,13 +293,6 @@ def shuffled(vectors: Iterable) -> list:
 def crossed(*words: range) -> list[Vector]:
     """Return all combinations of the :func:`corners` of several ranges."""
     return list(itertools.product(*map(corners, words)))
-
-
-def halves(width: int) -> list[int]:
-    """Return signed words whose halves are extreme or close to 0, to test carries across the middle."""
-    low = width // 2
-    high, last = signed(width - low), (1 << low) - 1
-    return [(k << low) + rest for k in {high[0], -1, 0, 1, high[-1]} for rest in (0, 1, last // 2 + 1, last - 1, last)]
 
 
 def some(count: int, *words: range) -> list[Vector]:

@@ -1,45 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test target files, host scaling, words, records, expected flags, built-in trajectories and example files."""
+"""Test target files, host scaling, words, expected flags, built-in trajectories and example files."""
 
 import math
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
 from model.io import trajectories
 from model.io.files import format_csv, read_csv
-from model.io.flags import AT_SHOULDER, BAD_LENGTH, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
-from model.io.stimuli import extremes, mixed
-from model.io.words import (
-    ARM_RECORDS,
-    DEFAULT_D1,
-    DEFAULT_D2,
-    FIELDS,
-    HEADROOM_BITS,
-    RECORDS,
-    TargetError,
-    Targets,
-    from_words,
-    scale_exponent,
-    to_words,
-)
+from model.io.flags import TOO_FAR, TOO_NEAR, expected_flags
+from model.io.stimuli import extremes
+from model.io.words import FIELDS, TargetError, Targets, from_words, scale_exponent, to_words
 from model.reference.kinematics import matrix
 
-ROUND_TRIP = settings(max_examples=100, deadline=None)
 
-
-def signed_words(width):
-    low, high = -(2 ** (width - 1)), 2 ** (width - 1) - 1
-    edges = st.sampled_from((low, -1, 0, 1, high))
-    return arrays(np.int64, st.tuples(st.integers(1, 5), st.just(6)), elements=edges | st.integers(low, high))
-
-
-def targets(x=0.3, y=0.0, z=0.0, phi=0.0, d1=0.33, d2=0.27):
+def targets(x=0.3, y=0.0, z=0.0, phi=math.pi, d1=0.33, d2=0.27):
+    """Return targets with the default swivel angle and arm of a file."""
     return Targets("t", x, y, z, phi, d1, d2)
 
 
@@ -62,9 +40,9 @@ def read(tmp_path):
 
 def test_defaults_and_columns_that_override_them(read):
     result = read("x,y,z\n0.1,0.2,0.3\n-4e-1,+.5,6.\n")
-    assert_same(result, Targets("t", [0.1, -0.4], [0.2, 0.5], [0.3, 6.0], math.pi, DEFAULT_D1, DEFAULT_D2))
+    assert_same(result, targets([0.1, -0.4], [0.2, 0.5], [0.3, 6.0]))
     result = read("d2,z,x,y\n0.5,3,1,2\n", d1=0.7, d2=9.0, phi=0.25)
-    assert_same(result, Targets("t", 1, 2, 3, 0.25, 0.7, 0.5))
+    assert_same(result, targets(1, 2, 3, 0.25, 0.7, 0.5))
 
 
 @pytest.mark.parametrize(
@@ -81,12 +59,12 @@ def test_defaults_and_columns_that_override_them(read):
     ],
 )
 def test_accepted_forms(read, content):
-    assert_same(read(content), Targets("t", 1, 2, 3, math.pi, DEFAULT_D1, DEFAULT_D2))
+    assert_same(read(content), targets(1, 2, 3))
 
 
 def test_other_columns_are_kept(read):
     result = read('t,Name,y,,PHI,x,z\n0.1,"a, b",2,,0.5,1,3\n0.2,c,2,-,0.5,1,3\n')
-    assert_same(result, Targets("t", 1, [2, 2], 3, 0.5, DEFAULT_D1, DEFAULT_D2))
+    assert_same(result, targets(1, [2, 2], 3, 0.5))
     assert result.others == {"t": ["0.1", "0.2"], "Name": ["a, b", "c"], "column 4": ["", "-"]}
     assert result.default_arm == ("d1", "d2")
 
@@ -112,7 +90,6 @@ def test_roll_pitch_and_yaw(read):
         ("x\ty\tz\n1\t2,5\t3\n", "row 2, column y: '2,5' is not a number"),
         ("#\nx,y,z\n1,2,3\n\n# 1\n1,2\n", "row 6, column z: '' is missing: the header has 3 columns, this row has 2"),
         ("x,y,z\n1,2,3,4\n", "row 2, column 4: '4' is one too many: the header has 3 columns, this row has 4"),
-        ("x,y,z\n1,abc,3\n", "row 2, column y: 'abc' is not a number"),
         ("x,y,z\n1,2,-1.#IND00\n", "row 2, column z: '-1.#IND00' is not a number"),
         ("x,y,z\n1,,3\n", "row 2, column y: '' is empty"),
         ("x,y,z\n1,1_0,3\n", "row 2, column y: '1_0' is not a number"),
@@ -128,12 +105,10 @@ def test_roll_pitch_and_yaw(read):
         ("x,y,z,Roll,yaw\n1,2,3,1,2\n", "row 1, column pitch: is missing; the header is 'x,y,z,roll,yaw'"),
         ("x,y,z,roll,pitch,yaw,Yaw\n1,2,3,1,2,3,3\n", "row 1, column yaw: 'yaw' appears twice in the header"),
         ("x,y,z,qw,roll\n1,2,3,1,2\n", "row 1, column roll: 'x,y,z,qw,roll' has both a quaternion and roll"),
-        ("x,y,z,roll,pitch,yaw\n1,2,3,1,2,q\n", "row 2, column yaw: 'q' is not a number"),
         (
             "x,y,z,qx,qy,qz,qw\n1,2,3,0,0,0,1\n1,2,3,0,.5,0,1\n",
-            "row 3, column qw: '1' is part of a quaternion of length 1",
+            "row 3, column qw: '1' is part of a quaternion of length",
         ),
-        ("x,y,z,qw,qx,qy,qz\n1,2,3,1,0,a,0\n", "row 2, column qy: 'a' is not a number"),
         ("x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n", "row 2, column qw: '0' is part of a quaternion of length 0, not 1"),
         ("x,y,z,qw,qx,qy,qz,tool\n1,2,3,1,0,0,0,\n", "row 2, column tool: '' is empty"),
         ("x,y,z,QW,qx,qy,qz,branch\n1,2,3,1,0,0,0,8\n", "row 2, column branch: '8' is not a whole number from 0 to 7"),
@@ -151,11 +126,10 @@ def test_bad_files_are_named_in_one_line(read, tmp_path, content, message):
     assert len(text.splitlines()) == 1
 
 
-def test_missing_file_and_directory(tmp_path):
-    with pytest.raises(TargetError, match=r"none\.csv: no such file$"):
-        read_csv(tmp_path / "none.csv")
-    with pytest.raises(TargetError, match="is a directory"):
-        read_csv(tmp_path)
+@pytest.mark.parametrize(("name", "message"), [("none.csv", r"none\.csv: no such file$"), (".", "is a directory")])
+def test_missing_file_and_directory(tmp_path, name, message):
+    with pytest.raises(TargetError, match=message):
+        read_csv(tmp_path / name)
 
 
 @pytest.mark.parametrize("default", [{"d1": 0.0}, {"d2": math.nan}, {"phi": math.inf}])
@@ -164,29 +138,23 @@ def test_bad_defaults(read, default):
         read("x,y,z\n1,2,3\n", **default)
 
 
-@ROUND_TRIP
-@given(arrays(np.float64, (3, 6), elements=st.floats(allow_nan=False, allow_infinity=False)))
-def test_files_keep_every_bit(tmp_path_factory, table):
-    table[:, 4:] = np.abs(table[:, 4:]) + 1e-300
-    path = tmp_path_factory.mktemp("csv") / "t.csv"
-    given_targets = Targets("t", *table.T)
-    path.write_text(format_csv(given_targets), newline="\n")
-    assert_same(read_csv(path), given_targets)
-    assert path.read_bytes() == format_csv(given_targets).encode()
+def test_files_keep_every_bit(read):
+    table = np.random.default_rng(1).integers(0, 2**64, (500, 6), dtype=np.uint64).view(np.float64)
+    table[:, 4:] = np.abs(table[:, 4:])
+    written = Targets("t", *table[np.isfinite(table).all(axis=1)].T)
+    assert_same(read(format_csv(written)), written)
+    assert format_csv(read(format_csv(written))) == format_csv(written)
 
 
 def test_far_targets_lower_the_exponent_until_the_headroom_ends():
-    """Check the exponent: for a reach of 1 the format ends at 2, or at 2 * 2^HEADROOM_BITS with all headroom used."""
+    """Check the exponent: for a reach of 1 the format ends at 2, or at 32 with all four bits of headroom used."""
     arm = {"d1": 0.5, "d2": 0.5}
-    limit = 2.0 * 2**HEADROOM_BITS
-    for x, exponent in (
-        *((0.0, 0), (math.nextafter(2, 0), 0), (2.0, -1), (-2.0, 0), (math.nextafter(-2, -3), -1)),
-        *((math.nextafter(limit, 0), -HEADROOM_BITS), (-limit, -HEADROOM_BITS)),
-    ):
+    ends = (0.0, 0), (math.nextafter(2, 0), 0), (2.0, -1), (-2.0, 0), (math.nextafter(-2, -3), -1)
+    for x, exponent in (*ends, (math.nextafter(32, 0), -4), (-32, -4)):
         assert scale_exponent(targets(x=x, **arm), 32) == exponent, x
     for d1, d2, exponent in ((0.33, 0.27, 1), (1.0, 0.9999, 0), (1.0, 1.0, -1), (1e-9, 1e-9, 29)):
         assert scale_exponent(targets(x=0.0, d1=d1, d2=d2), 32) == exponent, d1
-    for x in (limit, math.nextafter(-limit, -math.inf), 1e300):
+    for x in (32.0, math.nextafter(-32, -math.inf), 1e300):
         with pytest.raises(TargetError, match=f"column x: '{x!r}' is too far out.*ends at 32".replace("+", r"\+")):
             scale_exponent(targets(x=x, **arm), 32)
 
@@ -208,7 +176,7 @@ def test_rounding_and_saturation():
     """Check that lengths round half to even, that a length just below 2 saturates, and that angles wrap."""
     words, exponent = to_words(targets(x=math.nextafter(2, 0), y=-2.0, d1=0.5, d2=0.5), 16)
     assert exponent == 0
-    assert words[0].tolist() == [2**15 - 1, -(2**15), 0, 0, 2**13, 2**13]
+    assert words[0].tolist() == [2**15 - 1, -(2**15), 0, -(2**15), 2**13, 2**13]
     x, y, z = np.array([0.5, 1.5, -2.5]) * 2.0**-14
     assert to_words(targets(x, y, z, d1=0.5, d2=0.5), 16)[0][0, :3].tolist() == [0, 2, -2]
     turns = {0: 0, 0.25: 2**14, 0.5: -(2**15), -7.25: -(2**14), 0.5 - 1e-9: -(2**15), 1e6 + 0.125: 2**13}
@@ -216,39 +184,15 @@ def test_rounding_and_saturation():
     assert words[:, FIELDS.index("phi")].tolist() == [*turns.values()]
 
 
-@ROUND_TRIP
-@given(st.sampled_from((16, 17, 24, 31, 32)), st.integers(-40, 40), st.data())
-def test_words_come_back_from_their_targets(width, exponent, data):
-    words = data.draw(signed_words(width))
+@pytest.mark.parametrize("width", [16, 17, 24, 31, 32])
+@pytest.mark.parametrize("exponent", [-40, 0, 1, 40])
+def test_words_come_back_from_their_targets(width, exponent):
+    words = extremes(500, width, seed=1)
     there = from_words(words, exponent, width, "t")
     assert ((there.phi >= -math.pi) & (there.phi < math.pi)).all()
     back, same = to_words(there, width, exponent)
     np.testing.assert_array_equal(back, words)
     assert same == exponent
-
-
-CORNERS = [0, 1, -1, 2**31 - 1, -(2**31), 2**30, -(2**30), 2**13 - 1, 2**13, -(2**13), -(2**13) - 1, 0x7FFFE000]
-
-
-@pytest.mark.parametrize("records", [RECORDS, ARM_RECORDS], ids=["targets", "hands"])
-@pytest.mark.parametrize("width", [16, 25, 32])
-def test_half_up_and_then_saturated_or_wrapped(width, records):
-    random = np.random.default_rng(width)
-    count = len(records.inputs)
-    words = np.concatenate([np.array([[c] * count for c in CORNERS]), random.integers(-(2**31), 2**31, (500, count))])
-    tags = random.integers(0, 2**32, len(words))
-    got, kept, branch = records.core_words(records.targets(words, tags), width)
-    assert [kept.tolist(), branch.tolist()] == [(tags % 2**24).tolist(), (tags >> 24 & 7).tolist()]
-    least, most, step = -(2 ** (width - 1)), 2 ** (width - 1) - 1, 2 ** (32 - width)
-    for row, mine in zip(words.tolist(), got.tolist(), strict=True):
-        for name, word, rounded in zip(records.inputs, row, mine, strict=True):
-            exact = (2 * word + step) // (2 * step)
-            if name == "phi":
-                exact = (exact - least) % 2**width + least
-            assert rounded == min(exact, most), f"{name} of {word:#x}"
-
-
-EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
 @pytest.mark.parametrize("name", [*trajectories.TRAJECTORIES, *trajectories.HANDS])
@@ -267,43 +211,20 @@ def test_trajectory(name):
 
 
 @pytest.mark.parametrize("name", ["reach", "two_arms"])
-def test_example_files_are_up_to_date(name):
-    path = EXAMPLES / f"{name}.csv"
-    made = format_csv(trajectories.make(name))
+def test_example_files_are_up_to_date(name, capsys):
+    path = Path(__file__).parents[3] / "examples" / f"{name}.csv"
+    trajectories.main([name])
+    made = capsys.readouterr().out
     command = f"python -m model.io.trajectories {name} > examples/{name}.csv"
     assert path.read_text(encoding="utf-8") == made, f"run: {command}"
     assert format_csv(read_csv(path)) == made
 
 
-def test_command_line(capsys):
-    trajectories.main(["reach"])
-    assert capsys.readouterr().out == format_csv(trajectories.make("reach"))
-
-
-LONG, SHORT = 2**30 + 1, 2**30 - 3
-LIMITS = [  # squares in double precision do not distinguish these
-    (LONG + SHORT, 0, 0, 0, LONG, SHORT),
-    (LONG + SHORT + 1, 0, 0, 0, LONG, SHORT),
-    (LONG + SHORT, 1, 0, 0, LONG, SHORT),
-    (LONG - SHORT, 0, 0, 0, LONG, SHORT),
-    (LONG - SHORT - 1, 0, 0, 0, LONG, SHORT),
-]
-
-
-def in_python_integers(x, y, z, phi, d1, d2) -> int:
-    """Return the flags of one target, computed without :mod:`model.io.flags`."""
-    flags = ON_AXIS * (x == y == 0) | AT_SHOULDER * (x == y == z == 0)
-    if d1 <= 0 or d2 <= 0:
-        return flags | BAD_LENGTH
-    squared = x * x + y * y + z * z
-    return flags | TOO_FAR * (squared > (d1 + d2) ** 2) | TOO_NEAR * (squared < (d1 - d2) ** 2)
-
-
-@pytest.mark.parametrize("width", [16, 31, 32])
-def test_expected_flags(width):
-    words = np.concatenate([mixed(4000, width, seed=1), extremes(4000, width, seed=2)])
-    assert expected_flags(words, width).tolist() == [in_python_integers(*row) for row in words.tolist()]
-    with pytest.raises(ValueError, match=f"{width} bits"):
-        expected_flags(np.full((1, 6), 2 ** (width - 1)), width)
-    flags = expected_flags(np.array(LIMITS), 32).tolist()
-    assert flags == [in_python_integers(*row) for row in LIMITS] == [0, TOO_FAR, TOO_FAR, 0, TOO_NEAR]
+def test_flags_are_exact_at_the_limits():
+    """Check targets that squares in double precision do not distinguish; other flags are compared with a datapath's."""
+    long, short = 2**30 + 1, 2**30 - 3
+    wrists = [(long + short, 0), (long + short + 1, 0), (long + short, 1), (long - short, 0), (long - short - 1, 0)]
+    words = np.array([(x, y, 0, 0, long, short) for x, y in wrists])
+    assert expected_flags(words, 32).tolist() == [0, TOO_FAR, TOO_FAR, 0, TOO_NEAR]
+    with pytest.raises(ValueError, match="31 bits"):
+        expected_flags(words, 31)
