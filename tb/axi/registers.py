@@ -142,7 +142,7 @@ async def unmapped_address(bench):
     mapped = {OFFSETS[register] for register in bench.registers}
     tried = {0xFFC, 0x800 + OFFSETS["COUNT"], 0x400, 0x100, 0xC8, 0x80, max(mapped) + 8, max(mapped) + 4}
     before = [await bench.read(register) for register in bench.registers]
-    for address in sorted(tried - mapped):
+    for address in sorted(tried - mapped, reverse=True):  # from all ones down: bits rise and fall
         assert (await bench.lite.write(address, b"\xff\xff\xff\xff")).resp == AxiResp.SLVERR, f"write to {address:#x}"
         answer = await bench.lite.read(address, 4)
         assert (answer.resp, answer.data) == (AxiResp.SLVERR, bytes(4)), f"read of {address:#x}: {answer}"
