@@ -39,9 +39,8 @@ class Design:
     @property
     def group(self) -> str:
         """Value of --datapath that selects the design."""
-        return {"echo": "memory", "fold16": "fold", "fold_arm16": "fold_arm", "fold_choice": "choice"}.get(
-            self.datapath, self.datapath
-        )
+        same = {"echo": "memory", "fold16": "fold", "fold_arm16": "fold_arm", "fold_choice": "choice"}
+        return (same | dict.fromkeys(FOLDED_MEMORY, "memory")).get(self.datapath, self.datapath)
 
     def run(self, family: str, kind: str = "synth") -> Run:
         """Return a synth, tree or place run on a family. A design with ``within`` is placed as a part of `ik_axis`."""
@@ -56,6 +55,7 @@ FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
 FOLD, FOLD16 = ({key: MODELS[name].parameters[key] for key in ("DATAPATH", "TILE")} for name in ("fold", "fold16"))
 MEMORY = ("xc2vp", "xc7", "ecp5")
 SMALL = ("ecp5-12k", "xc7", "gowin")
+FOLDED_MEMORY = ("fold_memory", "fold_arm_memory")
 
 DESIGNS = (
     Design("lean", 18, "ik_lean", FAMILIES, {"ecp5": 190}, within={}),
@@ -65,6 +65,10 @@ DESIGNS = (
     Design("paper", 18, "ik_paper", ("ecp5",), {"ecp5": 150}, {"DIGIT": 1}, within={"DATAPATH": 0}),
     Design("echo", 32, "ik_axi", MEMORY, {"ecp5": 145}),
     *(Design("memory", width, "ik_axi", MEMORY, {"ecp5": 130}) for width in (18, 32)),
+    *(
+        Design(name, 24, "ik_axi", SMALL[:2], {"ecp5-12k": 85}, FOLD | {"ARM": arm})
+        for arm, name in enumerate(FOLDED_MEMORY)
+    ),
     *(Design("fold16", width, "ik_axis", ("up5k",), {"up5k": 33}, FOLD16) for width in (18, 24)),
     *(Design("fold", width, "ik_axis", SMALL, {"ecp5-12k": 100}, FOLD) for width in (24, 32)),
     Design("fold_arm16", 24, "ik_arm", ("up5k",), {"up5k": 28}, FOLD16),
@@ -74,8 +78,8 @@ DESIGNS = (
     *(Design("fold_choice", width, "ik_fold_choose", ("xc2vp", "ecp5-12k"), {"ecp5-12k": 100}) for width in (24, 32)),
 )
 """Default designs. choice and fold_choice are what CHOOSE = 1 adds. lean25 shows the gain of larger tiles. paper
-has dividers and roots built from logic. memory is ``ik_axi`` with the lean datapath, echo is ``ik_axi`` with a stand-in
-for the datapath."""
+has dividers and roots built from logic. memory is ``ik_axi`` with the lean datapath, fold_memory and
+fold_arm_memory with a folded core for wrists and for the whole arm, echo with a stand-in for the datapath."""
 
 GROUPS = list(dict.fromkeys(design.group for design in DESIGNS))
 

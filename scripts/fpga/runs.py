@@ -21,7 +21,7 @@ ECHO = (ROOT / "tb" / "axi" / "ik_lean.v",)
 """Stand-in for the datapath, with which only the logic around the datapath is measured."""
 
 DATAPATHS = {"ik_arm": {1: "ik_lean_arm", 2: "ik_fold_arm"}, "": {0: "ik_paper", 1: "ik_lean", 2: "ik_fold"}}
-"""Top, or "" for any other top -> parameter DATAPATH -> module of the datapath."""
+"""ik_arm, or "" for wrist targets -> parameter DATAPATH -> module of the datapath."""
 
 TOOLS = ("yosys", "nextpnr-ecp5", "nextpnr-ice40")
 
@@ -89,9 +89,10 @@ class Run:
 
     def files(self) -> list[Path]:
         """Return the source files, the top's first, without the datapaths that are not instantiated."""
-        known = DATAPATHS.get(self.top, DATAPATHS[""]).items()
+        whole = self.top == "ik_arm" or self.values.get("ARM")
+        known = DATAPATHS["ik_arm" if whole else ""].items()
         others = {name for number, name in known if number != self.values.get("DATAPATH", 1)}
-        others = {*others, "ik_arm"} - {self.top}
+        others = {*others, "ik_axis" if whole else "ik_arm"} - {self.top}
         return closure(self.top, instead=ECHO if self.echo else (), without=others)
 
     def ports(self) -> Ports:

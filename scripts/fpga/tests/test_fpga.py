@@ -169,7 +169,8 @@ def test_seeds_are_tried_up_to_the_aim_and_the_fastest_counts(monkeypatch, tmp_p
 def test_designs_are_selected_by_datapath_and_word_length():
     selections = (["lean"], [20]), (["fold"], [32]), (["memory"], [])
     names = [[one.name for one in designs.select(*selection)] for selection in selections]
-    assert names == [["lean-20"], ["fold-32"], ["echo-32", "memory-18", "memory-32"]]
+    memory = ["echo-32", "memory-18", "memory-32", "fold_memory-24", "fold_arm_memory-24"]
+    assert names == [["lean-20"], ["fold-32"], memory]
     (echo,) = (path for path in designs.find("echo", 32).run("xc7").files() if path.name == "ik_lean.v")
     assert echo.parent.name == "axi", "a stand-in for the datapath"
 
