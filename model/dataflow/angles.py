@@ -71,12 +71,14 @@ def vector(x, y, width: int):
 def iterate(x, y, width: int):
     """Return (length, angle) like :func:`vector`, of vectors with ``GUARD`` more bits, for example of two lengths.
 
-    A vector to the left of the y axis is first turned by half a turn; its X is a one's complement.  A vector on the
-    x axis has exactly the angle 0 or half a turn, so rounding never makes such an angle negative.
+    A vector to the left of the y axis is first turned by half a turn; its X is a one's complement.  A vector on an axis
+    has exactly its angle: rounding never makes half a turn negative, nor twice a quarter of a turn.
     """
     head, _ = iterations(width)
-    left, flat = x < 0, y == 0
-    start = np.where(left, 1 << width + ANGLE - 1, 0)
+    left, quarter = x < 0, 1 << width + ANGLE - 2
+    start = np.where(left, 2 * quarter, 0)
+    exact = np.where(y == 0, start, np.where(y < 0, -quarter, quarter))
+    on_axis = (x == 0) | (y == 0)
     x, y, z = magnitude(x), np.where(left, -y, y), start
     for i, turn in enumerate(table(width)):
         below = y < 0
@@ -85,7 +87,7 @@ def iterate(x, y, width: int):
         y = wrap(2 * np.where(below, y + x, y - x), width + GUARD + 2)
         x = (x + step) & (1 << width + GUARD) - 1
         z = np.where(below, z - turn, z + turn)
-    return x, wrap(np.where(flat, start, z), width + ANGLE)
+    return x, wrap(np.where(on_axis, exact, z), width + ANGLE)
 
 
 def gain(width: int) -> float:

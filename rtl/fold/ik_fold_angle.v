@@ -56,7 +56,8 @@ module ik_fold_angle #(
   reg [YW-1:0] y;
   reg [ZW-1:0] z;
   reg [3:0] i;
-  reg x_loaded, run, left, flat, negative_1;
+  reg x_loaded, run, left, flat, upright, negative_1;  // flat: on the x axis; upright: on the y axis
+  reg down;  // upright: its angle is minus a quarter of a turn
   reg [1:0] rounding_1;
   wire load = load_x || load_y;
 
@@ -87,7 +88,7 @@ module ik_fold_angle #(
   endgenerate
   wire [ZW-1:0] start = {{W{1'b0}}, rounding_1, {(ANGLE - 2) {1'b0}}};
 
-  // The angle of a vector on the x axis is exact: its z is the initial value.
+  // The angle of a vector on an axis is exact: its z is the initial value, on the y axis with a quarter of a turn.
   localparam integer HEAD_END = HEAD - 1;
 
   always @(posedge clk)
@@ -104,14 +105,18 @@ module ik_fold_angle #(
       if (load_y || again) {negative_1, rounding_1} <= {negative, rounding};
       if (load_y || again) z <= {{W{1'b0}}, rounding, {(ANGLE - 2) {1'b0}}} - ALL;
       else if (run && below == negative_1) z <= z + turns[i];
-      if (run && i == 4'd0) flat <= y == {YW{1'b0}};
+      if (run && i == 4'd0) begin
+        flat <= y == {YW{1'b0}};
+        upright <= x == {XW{1'b0}};
+        down <= below != negative_1;
+      end
     end
 
   // ---- second stage ----
 
   reg [YW-1:0] y_2;
   reg [ZW-1:0] z_2;
-  reg [TW-1:0] t_2;  // turn of the present iteration; 0 for a vector on the x axis
+  reg [TW-1:0] t_2;  // turn of the present iteration; 0 for a vector on an axis
   reg [4:0] i_2;
   reg left_2, negative_2;
 
@@ -131,12 +136,13 @@ module ik_fold_angle #(
   always @(posedge clk)
     if (go) begin
       if (over && flat) z_2 <= start;
+      else if (over && upright) z_2 <= start | {down, 1'b1, {(ZW - 2) {1'b0}}};
       else if (over) z_2 <= z;
       else if (iterates) z_2 <= sum;
       if (over) begin
         x_2 <= x;
         y_2 <= y;
-        t_2 <= TURN_2[TW-1:0] & {TW{!flat}};
+        t_2 <= TURN_2[TW-1:0] & {TW{!flat && !upright}};
         i_2 <= 5'd0;
         left_2 <= left;
         negative_2 <= negative_1;

@@ -4,7 +4,8 @@
 // No final rounding: each iteration rounds X down, the table's angles are rounded.
 // x, y and length have 3 guard bits below a word's LSB: W+1 fraction bits. The length is 1.6468 times the vector's. The
 // angle is binary, one turn = 2^(W+4). Bits and error bounds: model/dataflow/angles.py.
-// A vector left of the y axis is first turned by half a turn. Iteration i turns it towards the x axis by atan(2^-i).
+// A vector left of the y axis is first turned by half a turn. Iteration i turns it towards the x axis by atan(2^-i). The
+// angle of a vector on an axis is exact.
 // Y = 2^i y, so that no bit is lost:
 //     X += |Y| / 4^i          Y = 2 (Y - X) for Y >= 0, else 2 (Y + X)
 // Only the first HEAD iterations change X. The angles of the others are short words, which are summed separately.
@@ -88,8 +89,12 @@ module ik_vector #(
   localparam integer FROM = LAST - 2;
   localparam [ZW-1:0] BOTH = turn(FROM) + turn(FROM + 1);
   localparam [ZW-1:0] CHANGE = turn(FROM) - turn(FROM + 1);
-  wire left_end, flat_end;
-  ik_delay #(.W(2), .N(LAST)) u_end (.clk(clk), .d({left, y == 0}), .q({left_end, flat_end}));
+  wire left_end, exact_end;  // of a vector on the x axis or on the y axis
+  wire [1:0] quarters_end;
+  wire [1:0] quarters = (y == 0) ? {left, 1'b0} : {y[W+3], 1'b1};  // angle of a vector on an axis
+  ik_delay #(.W(4), .N(LAST)) u_end (
+      .clk(clk), .d({left, x == 0 || y == 0, quarters}), .q({left_end, exact_end, quarters_end})
+  );
 
   wire signed [TW-1:0] t = g_turn[FROM].t_i;
   reg [ZW-1:0] z;
@@ -104,7 +109,7 @@ module ik_vector #(
   wire [ZW-1:0] sum_change = z + (CHANGE ^ {ZW{minus}}) + {{(ZW - 1) {1'b0}}, minus};
   wire [ZW-1:0] sum = (g_turn[FROM+1].below == minus) ? sum_both : sum_change;
   always @(posedge clk)
-    if (flat_end) angle <= {left_end, {(ZW - 1) {1'b0}}};
+    if (exact_end) angle <= {quarters_end, {(ZW - 2) {1'b0}}};
     else angle <= {sum[ZW-1] ^ left_end, sum[ZW-2:0]};
 
 endmodule
