@@ -24,13 +24,18 @@ from ..reference.joints import Branch
 from .hands import Floats
 from .swivels import TURN, Circles, beyond
 
-SWIVELS, MOST_SWIVELS = 16, 128
-"""Uniform swivel angles of the first and of the last attempt."""
+SWIVELS = 16
+"""Uniform swivel angles of the first attempt."""
+
+ATTEMPTS = ((32, 0.0), (64, 0.5), (64, 1.0), (64, 3.0))
+"""Further attempts: swivel angles near jumps; distance (rad) kept from the joints at the last attempt's jumps."""
 
 DENSE = 20  # rows on either side of a jump that get more swivel angles
 SPLITS = 16  # values of th1 (th5) tried where only a sum or difference of two joints counts
 SINGULAR = 1e-7  # |sin th2|, |sin th6| below this: only a sum or difference counts
 FREE_STEP, STEP_WEIGHT = 0.1, 100.0
+LATER_STEP, LATER_WEIGHT = 0.8, 1e4  # of further attempts; their free step is a share of the goal
+AVOIDED_WEIGHT = 1e3  # cost of joints that an attempt avoids
 MARGIN, WEIGHTS = 0.1, (0.01, 0.01, 0.001, 0.001, 0.001)
 """Distance from a limit (rad) below which a pose costs; weight of this cost in the search and its refinements."""
 
@@ -89,9 +94,12 @@ class Planner:
         self.circles, self.limits, self.offsets, self.signs = circles, limits, offsets, signs
         self.bounds = np.sort((limits - offsets[:, None]) * signs[:, None], axis=1)  # of th1 .. th7
         self.wide = limits[:, 1] - limits[:, 0] > TURN + joints.ROUNDING
+        turn = (np.ptp(self.bounds, axis=1) >= TURN) & ~self.wide  # such a joint does not cross its limits either
+        self.gaps = self.bounds + turn[:, None] * np.array((SINGULAR, -SINGULAR))
         self.extremes: Any = None
         self.middles: Any = None
-        self.dense = np.ones(len(circles), dtype=bool)
+        self.dense, self.true = np.zeros((2, len(circles)), dtype=bool)
+        self.steps, self.avoided = (FREE_STEP, STEP_WEIGHT), list[tuple[Floats, float]]()
         self.finer = TURN / SWIVELS
         self.corrected: Callable[[Floats, NDArray], tuple[Floats, Floats]] | None = None
         self.copied = np.zeros(7, dtype=bool)  # wide joints whose windings are candidates of their own
@@ -175,22 +183,52 @@ class Planner:
         return parts
 
     def plan(self, phi: Floats | None, branch: NDArray | None, start: Floats | None, goal: float) -> JointPath:
-        """Return the best path of several attempts; each tries twice as many swivel angles near the jumps of the last.
+        """Return the best path of several attempts, until one reaches the goal; each tries more swivel angles near the
+        jumps of the last, and the later ones avoid its joints there.
 
-        The last attempt reaches the goal, is not much better than the one before, or has MOST_SWIVELS angles. phi,
-        branch (N,): given instead of chosen; start (7,): joints before the first row.
+        phi, branch (N,): given instead of chosen; start (7,): joints before the first row.
         """
-        count = SWIVELS
-        best = self._attempt(count, phi, branch, start, goal)
-        while best.largest > goal and phi is None and count < MOST_SWIVELS:
-            count *= 2
-            jumps = np.flatnonzero(best.step > goal)
-            self.dense = np.abs(np.arange(len(self.circles))[:, None] - jumps).min(axis=1) <= DENSE
-            before, path = best.largest, self._attempt(count, phi, branch, start, goal)
-            best = path if path.largest < before else best
-            if best.largest > 0.9 * before:
+        if self.corrected:
+            self.true = np.abs(self.circles.distance[:, None] - self.circles.reach).min(axis=1) < self.circles.slack
+        path, errors = best = self._attempt(SWIVELS, phi, branch, start)
+        for count, radius in ATTEMPTS if phi is None else ATTEMPTS[: bool(self.corrected)]:
+            missed = errors > joints.ROUNDING
+            bad = np.flatnonzero(missed | self._jumps(path, start, goal))
+            if not len(bad):
                 break
-        return best
+            around = np.abs(np.arange(len(self.circles))[:, None] - path.row[bad]).min(axis=1) <= DENSE
+            self.dense |= around
+            self.true |= around & bool(self.corrected)
+            self.steps = LATER_STEP * goal, LATER_WEIGHT
+            if radius:
+                self._avoid(path, bad, radius)
+            path, errors = self._attempt(count, phi, branch, start)
+            best = min(best, (path, errors), key=lambda of: self._rank(of[0], of[1], start))
+        path, errors = best
+        result = self._result(path, start, goal, phi, branch)
+        for n in np.flatnonzero(errors > joints.ROUNDING):
+            result.jumps[int(path.row[n])] = f"the tip misses its pose by {errors[n]:.3g} of the size or rad"
+        return result
+
+    def _rank(self, path: Candidates, errors: Floats, start: Floats | None) -> tuple[int, float]:
+        """Return what is least for the best path: minus the number of rows that reach their pose, and largest step."""
+        return -int((errors <= joints.ROUNDING).sum()), float(np.abs(self._moves(path, start)).max(initial=0))
+
+    def _jumps(self, path: Candidates, start: Floats | None, goal: float) -> NDArray[np.bool_]:
+        """Return True (R,) for steps above the goal between neighbouring rows, which other candidates may avoid."""
+        follows = np.diff(path.row, prepend=-1) == 1
+        return follows & (np.abs(self._moves(path, start)).max(axis=0, initial=0) > goal)
+
+    def _avoid(self, path: Candidates, bad: NDArray, radius: float) -> None:
+        """Let the next attempts avoid joints within ``radius`` (rad) of the path's in the rows of jumps and before."""
+        avoided = np.full((7, len(self.circles)), np.nan)
+        for place in (bad, np.maximum(bad - 1, 0)):
+            avoided[:, path.row[place]] = path.at[:, place]
+        self.avoided.append((avoided, radius))
+
+    def _moves(self, path: Candidates, start: Floats | None) -> Floats:
+        """Return the moves (7, R) of the joints from the row before; of the first row from ``start``, or 0."""
+        return np.diff(path.at, axis=1, prepend=path.at[:, :1] if start is None else start[:, None])
 
     def best(
         self, phi: Floats | None, branch: NDArray | None, near: Floats | None, hint: Floats | None
@@ -237,11 +275,11 @@ class Planner:
         least += np.arange(len(row)) * (shape[1] * shape[2])
         return turns[least], of[least], excess[:, least]
 
-    def _attempt(self, count: int, phi, branch, start, goal) -> JointPath:
+    def _attempt(self, count: int, phi, branch, start) -> tuple[Candidates, Floats]:
         found = self.candidates(count, phi, branch)
         if self.copied.any():
             found = self._with_copies(found)
-        path = self._search(found, start, WEIGHTS[0])
+        path = self._search(found, start, WEIGHTS[0], self.avoided)
         for round, weight in enumerate(WEIGHTS[1:], 1):
             self.finer = TURN / count / 3**round
             if phi is None and len(path.row):
@@ -250,31 +288,34 @@ class Planner:
         settled = self._unwound(path, start)
         if settled is None:
             self.copied |= self.wide & np.isfinite(self.limits).all(axis=1)
-            return self._attempt(count, phi, branch, start, goal)
-        errors = np.zeros(len(path.row))
-        if self.corrected:
-            corrected, errors = self.corrected(settled.T, path.row)
-            self._correct_again(found, path.row, corrected, errors)
-            settled = corrected.T
-        result = self._result(path._replace(at=settled), start, goal, phi, branch)
-        for n in np.flatnonzero(errors > joints.ROUNDING):
-            result.jumps[int(path.row[n])] = f"the tip misses its pose by {errors[n]:.3g} of the size or rad"
-        return result
+            return self._attempt(count, phi, branch, start)
+        path = path._replace(at=settled)
+        return self._on_chain(path) if self.corrected else (path, np.zeros(len(path.row)))
 
-    def _correct_again(self, found: Candidates, row: NDArray, at: Floats, errors: Floats) -> None:
-        """Replace positions (R, 7) and errors (R,) of rows whose correction failed, as it may where the arm is almost
-        straight: of corrections from several candidates, the one nearest to the neighbouring rows is taken."""
+    def _on_chain(self, found: Candidates) -> tuple[Candidates, Floats]:
+        """Return candidates corrected, and their errors (M,)."""
         assert self.corrected
-        for n in np.flatnonzero(errors > joints.ROUNDING):
-            beside = at[[m for m in (n - 1, n + 1) if 0 <= m < len(at) and errors[m] <= joints.ROUNDING]]
-            starts = np.concatenate((found.at[:, found.row == row[n]], beside.T), axis=1)
-            if len(beside):
-                starts = self._closer(starts, np.broadcast_to(beside[0][:, None], starts.shape))
-            some, missed = self.corrected(starts.T, np.full(starts.shape[1], row[n]))
-            costs = self.edges(beside.T[..., None], some.T[:, None]).sum(axis=0) + 1e9 * (missed > joints.ROUNDING)
-            best = costs.argmin()
-            if missed[best] < errors[n]:
-                at[n], errors[n] = some[best], missed[best]
+        at, errors = self.corrected(found.at.T, found.row)
+        return found._replace(at=at.T), errors
+
+    def _reaching(self, found: Candidates) -> Candidates:
+        """Return the candidates, those of the rows ``true`` corrected and without those that then miss their pose.
+
+        Where the exact arm is straight or closed, the true chain may not be, so its elbow starts a little bent.
+        """
+        which = self.true[found.row]
+        if not which.any():
+            return found
+        some = found.only(which)
+        th = (some.at[3] - self.offsets[3]) * self.signs[3]
+        straight = np.sqrt(self.circles.slack / self.circles.reach[some.row, 1])
+        side = np.where(th == 0, 1 - (some.branch & Branch.ELBOW), np.sign(th))
+        bent = np.where(np.abs(th) < straight, side * straight, th)
+        some.at[3] = bent * self.signs[3] + self.offsets[3]
+        some, errors = self._on_chain(some)
+        some = some.only(errors <= joints.ROUNDING)
+        both = Candidates(*(np.concatenate(v, axis=-1) for v in zip(found.only(~which), some, strict=True)))
+        return both.only(np.argsort(both.row, kind="stable"))
 
     def candidates(self, count: int, phi: Floats | None, branch: NDArray | None) -> Candidates:
         """Return the candidates of all rows, with ``phi`` (N,) only at these angles, with ``branch`` (N,) only of these
@@ -315,7 +356,7 @@ class Planner:
         parts: list[list[Floats]] = [[] for _ in range(8)]
         for rows in self.circles.chunks():
             for elbow in (0, 1):
-                some_of = self.circles.arcs(rows, elbow, self.bounds, list(FLIPS[elbow]))[0]
+                some_of = self.circles.arcs(rows, elbow, self.gaps, list(FLIPS[elbow]))[0]
                 for branch, some in zip(FLIPS[elbow], some_of, strict=True):
                     parts[branch].append(some)
         most = max(some.shape[1] for part in parts for some in part)
@@ -358,15 +399,21 @@ class Planner:
                 move = joints.wrap(move)
             np.maximum(most, np.abs(move, out=move), out=most)
             total += np.multiply(move, move, out=move)
-        most -= FREE_STEP
+        free, weight = self.steps
+        most -= free
         np.maximum(most, 0, out=most)
-        total += STEP_WEIGHT * np.multiply(most, most, out=most)
+        total += weight * np.multiply(most, most, out=most)
         return total
 
-    def _search(self, found: Candidates, start: Floats | None, weight: float) -> Candidates:
+    def _search(self, found: Candidates, start: Floats | None, weight: float, avoided=()) -> Candidates:
         """Return the candidate of each row on the path of least cost; rows without candidates are left out."""
+        found = self._reaching(found)
         room = np.minimum(found.at - self.limits[:, :1], self.limits[:, 1:] - found.at)
         nodes = weight * np.maximum(0, 1 - room / MARGIN).sum(axis=0) if weight else np.zeros(len(found.row))
+        for place, radius in avoided:
+            move = found.at - place[:, found.row]
+            move = np.where((self.wide & ~self.copied)[:, None], joints.wrap(move), move)
+            nodes = nodes + AVOIDED_WEIGHT * (np.abs(move).max(axis=0) < radius)
         edges = np.concatenate((np.flatnonzero(np.diff(found.row, prepend=-1)), [len(found.row)]))
         backward: list[NDArray] = []
         cost, before = np.zeros(1), None if start is None else start[:, None]
@@ -418,7 +465,7 @@ class Planner:
         place, phi, branch = np.full((count, 7), np.nan), np.full(count, np.nan), np.zeros(count, dtype=np.int64)
         place[path.row], phi[path.row], branch[path.row] = path.at.T, joints.wrap(path.phi), path.branch
         step, jumps = np.full(count, np.nan), self.impossible(np.flatnonzero(np.isnan(phi)), asked_phi, asked_branch)
-        moves = np.diff(path.at, axis=1, prepend=path.at[:, :1] if start is None else start[:, None])
+        moves = self._moves(path, start)
         step[path.row] = np.abs(moves).max(axis=0, initial=0)
         for n in np.flatnonzero(step[path.row] > goal).tolist():
             jumps[int(path.row[n])] = self._why(path, moves[:, n], n)
