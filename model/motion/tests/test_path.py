@@ -102,6 +102,16 @@ def test_windings():
     assert path.largest > 1 and path.jumps
 
 
+def test_joints_of_exactly_a_turn():
+    """Between the ends of two such joints, which none of them crosses, arcs of swivel angles narrower than the grid."""
+    limits = np.pi * np.array([(-1, 1), (0, 1), (-1, 1), (-0.83, 0), (-1, 1), (-0.5, 0.61), (-0.86, 0.86)])
+    arm = Arm(0.28, 0.26, limits=limits)
+    points, q = arm.forward(curve(arm, "sine", 56, 200))
+    path = arm.path(points, q)
+    check(arm, path, points, q)
+    assert path.largest <= 0.2 and not path.jumps
+
+
 def test_given_branch_and_swivel():
     """The path keeps to given branches and swivel angles; rows that these do not permit have no joints but a reason."""
     points, q = IIWA14.forward(curve(IIWA14, "sine", 4, 60))
