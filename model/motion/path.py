@@ -10,6 +10,10 @@ candidate of each row with the least cost is found by dynamic programming (Viter
 A joint whose range is a turn or less has one value; a step is a plain difference, since it cannot cross the gap. The
 steps of wider joints are taken modulo a turn first, and the values unwrapped; where these leave the limits, the path is
 planned again with all values that are whole turns apart as candidates.
+
+Where a step exceeds the goal, further attempts have more swivel angles around it, charge steps near the goal more, and
+then avoid the joints of the last attempt there. Joints of a nearly exact arm are corrected on its true chain: those of
+the whole path at the end, all candidates of rows near the reach, and in further attempts of rows near jumps.
 """
 
 from collections.abc import Callable
