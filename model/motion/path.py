@@ -28,11 +28,11 @@ from ..reference.joints import Branch
 from .hands import Floats
 from .swivels import TURN, Circles, beyond
 
-SWIVELS = 16
-"""Uniform swivel angles of the first attempt."""
+SWIVELS, MORE_SWIVELS = 16, 32
+"""Uniform swivel angles of the first attempt, and of further attempts near jumps."""
 
-ATTEMPTS = ((32, 0.0), (64, 0.5), (64, 1.0), (64, 3.0))
-"""Further attempts: swivel angles near jumps; distance (rad) kept from the joints at the last attempt's jumps."""
+AVOIDED = (0.0, 0.5, 1.0, 3.0)
+"""Further attempts: distance (rad) that they keep from the joints at the last attempt's jumps."""
 
 DENSE = 20  # rows on either side of a jump that get more swivel angles
 SPLITS = 16  # values of th1 (th5) tried where only a sum or difference of two joints counts
@@ -195,7 +195,7 @@ class Planner:
         if self.corrected:
             self.true = np.abs(self.circles.distance[:, None] - self.circles.reach).min(axis=1) < self.circles.slack
         path, errors = best = self._attempt(SWIVELS, phi, branch, start)
-        for count, radius in ATTEMPTS if phi is None else ATTEMPTS[: bool(self.corrected)]:
+        for radius in AVOIDED if phi is None else AVOIDED[: bool(self.corrected)]:
             missed = errors > joints.ROUNDING
             bad = np.flatnonzero(missed | self._jumps(path, start, goal))
             if not len(bad):
@@ -206,7 +206,7 @@ class Planner:
             self.steps = LATER_STEP * goal, LATER_WEIGHT
             if radius:
                 self._avoid(path, bad, radius)
-            path, errors = self._attempt(count, phi, branch, start)
+            path, errors = self._attempt(MORE_SWIVELS, phi, branch, start)
             best = min(best, (path, errors), key=lambda of: self._rank(of[0], of[1], start))
         path, errors = best
         result = self._result(path, start, goal, phi, branch)
@@ -253,10 +253,10 @@ class Planner:
             return found.only(equal[np.flatnonzero(np.diff(found.row[equal], prepend=-1))])
 
         self.extremes = np.empty((len(self.circles), 0, 2)) if hint is None else np.stack((hint, hint), axis=1)[:, None]
-        found = chosen(self.candidates(SWIVELS, phi, branch))
-        for round in range(1, 5) if phi is None else ():
+        found = chosen(self._reaching(self.candidates(SWIVELS, phi, branch)))
+        for round in range(1, 5) if phi is None and (near is not None or not self.true.any()) else ():
             self.finer = TURN / SWIVELS / 3**round
-            found = chosen(self._around(found, near_extremes=False))
+            found = chosen(self._reaching(self._around(found, near_extremes=False)))
         if near is not None:
             found = found._replace(at=self._closer(found.at, near[found.row].T))
         swivels, branches = np.empty(len(self.circles)), np.empty(len(self.circles), dtype=np.int64)
