@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from ..reference import joints
 from ..reference.joints import Branch
 from .hands import Floats
-from .swivels import TURN, Circles, beyond
+from .swivels import FLIPS, TURN, Circles, beyond
 
 SWIVELS, MORE_SWIVELS = 16, 32
 """Uniform swivel angles of the first attempt, and of further attempts near jumps."""
@@ -46,14 +46,8 @@ MARGIN, WEIGHTS = 0.1, (0.01, 0.01, 0.001, 0.001, 0.001)
 Progress = Callable[[float, int], None]
 """Callback of an attempt: the part that is done, 0 to 1, and the number of swivel angles."""
 
-FLIPS = np.array([(0, 1, 4, 5), (2, 3, 6, 7)])
-"""Branches of each elbow solution."""
-
 OPTIONS = ((joints.SIGNS < 0) | (joints.TURNS > 0))[:, np.arange(8) & ~Branch.ELBOW] + (np.arange(8) & Branch.ELBOW)
 """For joints in branches (7, 8): 1 if the branch turns or negates it, other than by ELBOW, plus 2 for ELBOW."""
-
-BESIDE = np.tan(np.radians((-75, -60, -40, -20, 0, 20, 40, 60, 75)))
-"""Offsets of swivel angles beside the one at which a ball joint is nearest to singular: equal turns of th1 and th3."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -328,8 +322,8 @@ class Planner:
         if phi is not None:
             swivels = np.broadcast_to(phi[:, None, None], (count_of, 1, 2))
         else:
-            self.middles = self._middles() if self.middles is None else self.middles
-            self.extremes = self._extremes() if self.extremes is None else self.extremes
+            self.middles = self.circles.middles(self.gaps) if self.middles is None else self.middles
+            self.extremes = self.circles.extremes() if self.extremes is None else self.extremes
             turns = -np.pi + np.arange(count) * (TURN / count)
             tried = self.dense[:, None] | (np.arange(count) % (count // SWIVELS) == 0)
             grid = np.repeat(np.where(tried, turns, np.nan)[..., None], 2, axis=2)
@@ -344,33 +338,6 @@ class Planner:
         if branch is not None:
             found = found.only(found.branch == branch[found.row])
         return found.only(np.argsort(found.row, kind="stable"))
-
-    def _extremes(self) -> Floats:
-        """Return swivel angles (N, K, 2 elbow solutions) at and near those where th2 or th6 is nearest to singular."""
-        phi, cosine, size = self.circles.extremes()
-        sine = np.sqrt(np.clip(1 - np.square(cosine), 0, 1))
-        beside = (sine / np.sqrt(np.maximum(size, 1e-12))[..., None])[..., None] * BESIDE
-        toward = cosine * (1, -1) > 0  # the side on which the joint comes near 0 or pi
-        used = (BESIDE == 0) | (((sine < 0.4) & toward)[..., None] & (np.abs(beside) < 0.5))
-        swivels = np.where(used, phi[..., None] + beside, np.nan)
-        return np.moveaxis(swivels.reshape(2, len(self.circles), 4 * len(BESIDE)), 0, 2)
-
-    def _middles(self) -> Floats:
-        """Return swivel angles (N, K, 8 branches): of each feasible interval its middle, and its ends inset."""
-        parts: list[list[Floats]] = [[] for _ in range(8)]
-        for rows in self.circles.chunks():
-            for elbow in (0, 1):
-                some_of = self.circles.arcs(rows, elbow, self.gaps, list(FLIPS[elbow]))[0]
-                for branch, some in zip(FLIPS[elbow], some_of, strict=True):
-                    parts[branch].append(some)
-        most = max(some.shape[1] for part in parts for some in part)
-        padded = [
-            [np.pad(some, ((0, 0), (0, most - some.shape[1]), (0, 0)), constant_values=np.nan) for some in part]
-            for part in parts
-        ]
-        first, last = np.moveaxis(np.stack([np.concatenate(part) for part in padded], axis=2), 3, 0)
-        inset = np.minimum(0.05, (last - first) / 2)
-        return np.concatenate((first + inset, (first + last) / 2, last - inset), axis=1)
 
     def _with_copies(self, found: Candidates) -> Candidates:
         """Return the candidates with each copied joint at all its positions within the limits."""
