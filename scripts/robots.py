@@ -3,7 +3,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -77,11 +76,6 @@ def speeds(robot: Arm, path: JointPath, positions: np.ndarray, seconds: np.ndarr
     return Speeds(robot.names, all_moves.max(axis=0), limits, np.count_nonzero(all_moves > limits, axis=0))
 
 
-def _report(progress: Callable[[int, str], None], done: int, rows: int, part: float, count: int) -> None:
-    """Report the rows of earlier paths and a part of this one."""
-    progress(done + int(part * rows), f"{count} swivel angles")
-
-
 def planned(
     robot: Arm, poses: Targets, each: bool = False, progress: Callable[[int, str], None] = lambda rows, text: None
 ) -> tuple[Targets, JointPath]:
@@ -105,7 +99,10 @@ def planned(
     done = 0
     for group in groups:
         some_phi, some_branch = (None if v is None else v[group] for v in (phi, branch))
-        report = partial(_report, progress, done, len(group))
+
+        def report(part: float, count: int, done: int = done, rows: int = len(group)) -> None:
+            progress(done + int(part * rows), f"{count} swivel angles")
+
         how: Any = {"phi": some_phi, "branch": some_branch, "progress": report}
         path = robot.path(poses.position[group], poses.hand[group], **how)
         done += len(group)

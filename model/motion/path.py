@@ -80,6 +80,12 @@ class Candidates(NamedTuple):
     phi: Floats
     at: Floats
 
+    @classmethod
+    def joined(cls, *parts: "Candidates") -> "Candidates":
+        """Return the candidates of several parts, sorted by row."""
+        both = cls(*(np.concatenate(v, axis=-1) for v in zip(*parts, strict=True)))
+        return both.only(np.argsort(both.row, kind="stable"))
+
     def only(self, which: NDArray) -> "Candidates":
         """Return the candidates of a mask or of indices."""
         return Candidates(self.row[which], self.branch[which], self.phi[which], self.at[:, which])
@@ -165,8 +171,7 @@ class Planner:
         at, outside = self.placed(th, *near_of)
         inside = ~outside.any(axis=0)
         at = np.clip(at[:, inside], *self.limits.T[..., None])
-        found = Candidates(row[inside], branch[inside], phi[inside], at)
-        return found.only(np.argsort(found.row, kind="stable"))
+        return Candidates.joined(Candidates(row[inside], branch[inside], phi[inside], at))
 
     def _split(self, ball: int, row, branch, phi, th, near=None) -> list[NDArray]:
         """Return the arguments repeated, with the sum or difference of th1 and th3 (th5, th7) split in several ways."""
@@ -190,8 +195,9 @@ class Planner:
             self.true = np.abs(self.circles.distance[:, None] - self.circles.reach).min(axis=1) < self.circles.slack
         path, errors = best = self._attempt(SWIVELS, phi, branch, start)
         for radius in AVOIDED if phi is None else AVOIDED[: bool(self.corrected)]:
-            missed = errors > joints.ROUNDING
-            bad = np.flatnonzero(missed | self._jumps(path, start, goal))
+            jumps = np.abs(self._moves(path, start)).max(axis=0, initial=0) > goal
+            jumps &= np.diff(path.row, prepend=-1) == 1  # a step over rows without candidates stays
+            bad = np.flatnonzero(jumps | (errors > joints.ROUNDING))
             if not len(bad):
                 break
             around = np.abs(np.arange(len(self.circles))[:, None] - path.row[bad]).min(axis=1) <= DENSE
@@ -211,11 +217,6 @@ class Planner:
     def _rank(self, path: Candidates, errors: Floats, start: Floats | None) -> tuple[int, float]:
         """Return what is least for the best path: minus the number of rows that reach their pose, and largest step."""
         return -int((errors <= joints.ROUNDING).sum()), float(np.abs(self._moves(path, start)).max(initial=0))
-
-    def _jumps(self, path: Candidates, start: Floats | None, goal: float) -> NDArray[np.bool_]:
-        """Return True (R,) for steps above the goal between neighbouring rows, which other candidates may avoid."""
-        follows = np.diff(path.row, prepend=-1) == 1
-        return follows & (np.abs(self._moves(path, start)).max(axis=0, initial=0) > goal)
 
     def _avoid(self, path: Candidates, bad: NDArray, radius: float) -> None:
         """Let the next attempts avoid joints within ``radius`` (rad) of the path's in the rows of jumps and before."""
@@ -305,15 +306,12 @@ class Planner:
         if not which.any():
             return found
         some = found.only(which)
-        th = (some.at[3] - self.offsets[3]) * self.signs[3]
-        straight = np.sqrt(self.circles.slack / self.circles.reach[some.row, 1])
+        th = joints.wrap((some.at[3] - self.offsets[3]) * self.signs[3])
+        bent = np.sqrt(self.circles.slack / self.circles.reach[some.row, 1])
         side = np.where(th == 0, 1 - (some.branch & Branch.ELBOW), np.sign(th))
-        bent = np.where(np.abs(th) < straight, side * straight, th)
-        some.at[3] = bent * self.signs[3] + self.offsets[3]
+        some.at[3] += np.where(np.abs(th) < bent, side * bent - th, 0) * self.signs[3]
         some, errors = self._on_chain(some)
-        some = some.only(errors <= joints.ROUNDING)
-        both = Candidates(*(np.concatenate(v, axis=-1) for v in zip(found.only(~which), some, strict=True)))
-        return both.only(np.argsort(both.row, kind="stable"))
+        return Candidates.joined(found.only(~which), some.only(errors <= joints.ROUNDING))
 
     def candidates(self, count: int, phi: Floats | None, branch: NDArray | None) -> Candidates:
         """Return the candidates of all rows, with ``phi`` (N,) only at these angles, with ``branch`` (N,) only of these
@@ -334,10 +332,8 @@ class Planner:
         if phi is None:
             row, column, of = np.nonzero(np.isfinite(self.middles) & within)
             parts.append(self.solved(row, of, self.middles[row, column, of]))
-        found = Candidates(*(np.concatenate(v, axis=-1) for v in zip(*parts, strict=True)))
-        if branch is not None:
-            found = found.only(found.branch == branch[found.row])
-        return found.only(np.argsort(found.row, kind="stable"))
+        found = Candidates.joined(*parts)
+        return found if branch is None else found.only(found.branch == branch[found.row])
 
     def _with_copies(self, found: Candidates) -> Candidates:
         """Return the candidates with each copied joint at all its positions within the limits."""
