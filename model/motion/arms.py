@@ -122,8 +122,8 @@ class Arm:
     def _planner(self, wrists: Floats, q: Floats) -> Planner:
         """Return a planner of wrist targets (N, 3) with hands (N, 4) in the shoulder's frame."""
         circles = Circles.of(wrists, Hands.checked(q, 0.0, 0), self.d1, self.d2, bent=self.bent)
-        circles, spare = replace(circles, slack=4 * self.misfit[0]), SPARE * bool(self.chain)
-        planner = Planner(circles, self.limits + (-spare, spare), self.offsets, self.signs)
+        circles = replace(circles, slack=4 * self.misfit[0])
+        planner = Planner(circles, self.limits, self.offsets, self.signs, SPARE * bool(self.chain))
         if self.chain:
             planner.corrected = lambda at, rows: self._corrected(at, wrists[rows], q[rows])
         return planner

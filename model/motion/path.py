@@ -92,14 +92,19 @@ class Candidates(NamedTuple):
 
 
 class Planner:
-    """Planner of a path. circles: the poses; limits (7, 2), offsets, signs (7,): of the robot's joints."""
+    """Planner of a path. circles: the poses; limits (7, 2), offsets, signs (7,): of the robot's joints.
 
-    def __init__(self, circles: Circles, limits: Floats, offsets: Floats, signs: Floats) -> None:
-        self.circles, self.limits, self.offsets, self.signs = circles, limits, offsets, signs
+    spare: rad beyond the limits, and up to a turn in all, in which candidates that will be corrected may lie
+    """
+
+    def __init__(self, circles: Circles, limits: Floats, offsets: Floats, signs: Floats, spare: float = 0.0) -> None:
+        self.circles, self.offsets, self.signs = circles, offsets, signs
         self.bounds = np.sort((limits - offsets[:, None]) * signs[:, None], axis=1)  # of th1 .. th7
-        self.wide = limits[:, 1] - limits[:, 0] > TURN + joints.ROUNDING
-        turn = (np.ptp(self.bounds, axis=1) >= TURN) & ~self.wide  # such a joint does not cross its limits either
-        self.gaps = self.bounds + turn[:, None] * np.array((SINGULAR, -SINGULAR))
+        ranges, outward = np.ptp(limits, axis=1), np.array((-1, 1))
+        more = np.clip((TURN - ranges) / 2, 0, spare)[:, None] * outward
+        self.limits, self.wide = limits + more, ranges > TURN + joints.ROUNDING
+        turn = (np.ptp(self.limits, axis=1) > TURN - joints.ROUNDING) & ~self.wide  # these do not cross limits either
+        self.gaps = self.bounds + more - turn[:, None] * SINGULAR * outward
         self.extremes: Any = None
         self.middles: Any = None
         self.dense, self.true = np.zeros((2, len(circles)), dtype=bool)
