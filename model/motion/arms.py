@@ -5,7 +5,8 @@ Joint n of the robot is at signs[n] * th_n + offsets[n], where th_n is an angle 
 built-in arms are in `ROBOTS`, among them `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, with anatomical limits.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import UserDict
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -389,26 +390,16 @@ because the AAOS measures it with the arm held sideways.
 """
 
 
-class Robots(Mapping[str, Arm]):
-    """Built-in arms by name: two of this module, others from files in the folder robots, read when asked for."""
+class Robots(UserDict[str, Any]):
+    """Arms, and paths of URDF files that are read when asked for, by name."""
 
     folder = Path(__file__).with_name("robots")
 
-    def __init__(self, **arms: Arm) -> None:
-        self.arms, self.names = arms, [*arms, *sorted(path.stem for path in self.folder.glob("*.urdf"))]
-
     def __getitem__(self, name: str) -> Arm:
-        if name not in self.names:
-            raise KeyError(name)
-        if name not in self.arms:
-            self.arms[name] = Arm.from_urdf(self.folder / f"{name}.urdf")
-        return self.arms[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.names)
-
-    def __len__(self) -> int:
-        return len(self.names)
+        if isinstance(self.data[name], Path):
+            self.data[name] = Arm.from_urdf(self.data[name])
+        return self.data[name]
 
 
-ROBOTS = Robots(iiwa14=IIWA14, human=HUMAN)
+ROBOTS = Robots(iiwa14=IIWA14, human=HUMAN, **{path.stem: path for path in sorted(Robots.folder.glob("*.urdf"))})
+"""Built-in arms: two of this module, others from files in the folder robots."""

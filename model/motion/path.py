@@ -196,6 +196,12 @@ class Planner:
 
         phi, branch (N,): given instead of chosen; start (7,): joints before the first row.
         """
+
+        def rank(attempt: tuple[Candidates, Floats]) -> tuple[int, float]:
+            """Return minus the number of rows that reach their pose, and the largest step."""
+            path, errors = attempt
+            return -int((errors <= joints.ROUNDING).sum()), float(np.abs(self._moves(path, start)).max(initial=0))
+
         if self.corrected:
             self.true = np.abs(self.circles.distance[:, None] - self.circles.reach).min(axis=1) < self.circles.slack
         path, errors = best = self._attempt(SWIVELS, phi, branch, start)
@@ -205,30 +211,17 @@ class Planner:
             bad = np.flatnonzero(jumps | (errors > joints.ROUNDING))
             if not len(bad):
                 break
-            around = np.abs(np.arange(len(self.circles))[:, None] - path.row[bad]).min(axis=1) <= DENSE
-            self.dense |= around
-            self.true |= around & bool(self.corrected)
+            self.dense |= np.abs(np.arange(len(self.circles))[:, None] - path.row[bad]).min(axis=1) <= DENSE
+            self.true |= self.dense & bool(self.corrected)
             self.steps = LATER_STEP * goal, LATER_WEIGHT
             if radius:
-                self._avoid(path, bad, radius)
+                avoided = np.full((7, len(self.circles)), np.nan)
+                for place in (bad, np.maximum(bad - 1, 0)):  # rows of jumps, and rows before
+                    avoided[:, path.row[place]] = path.at[:, place]
+                self.avoided.append((avoided, radius))
             path, errors = self._attempt(MORE_SWIVELS, phi, branch, start)
-            best = min(best, (path, errors), key=lambda of: self._rank(of[0], of[1], start))
-        path, errors = best
-        result = self._result(path, start, goal, phi, branch)
-        for n in np.flatnonzero(errors > joints.ROUNDING):
-            result.jumps[int(path.row[n])] = f"the tip misses its pose by {errors[n]:.3g} of the size or rad"
-        return result
-
-    def _rank(self, path: Candidates, errors: Floats, start: Floats | None) -> tuple[int, float]:
-        """Return what is least for the best path: minus the number of rows that reach their pose, and largest step."""
-        return -int((errors <= joints.ROUNDING).sum()), float(np.abs(self._moves(path, start)).max(initial=0))
-
-    def _avoid(self, path: Candidates, bad: NDArray, radius: float) -> None:
-        """Let the next attempts avoid joints within ``radius`` (rad) of the path's in the rows of jumps and before."""
-        avoided = np.full((7, len(self.circles)), np.nan)
-        for place in (bad, np.maximum(bad - 1, 0)):
-            avoided[:, path.row[place]] = path.at[:, place]
-        self.avoided.append((avoided, radius))
+            best = min(best, (path, errors), key=rank)
+        return self._result(*best, start, goal, phi, branch)
 
     def _moves(self, path: Candidates, start: Floats | None) -> Floats:
         """Return the moves (7, R) of the joints from the row before; of the first row from ``start``, or 0."""
@@ -319,11 +312,9 @@ class Planner:
         return Candidates.joined(found.only(~which), some.only(errors <= joints.ROUNDING))
 
     def candidates(self, count: int, phi: Floats | None, branch: NDArray | None) -> Candidates:
-        """Return the candidates of all rows, with ``phi`` (N,) only at these angles, with ``branch`` (N,) only of these
-        branches."""
-        count_of = len(self.circles)
+        """Return the candidates of all rows. phi, branch (N,): the only swivel angles and branches, or None."""
         if phi is not None:
-            swivels = np.broadcast_to(phi[:, None, None], (count_of, 1, 2))
+            swivels = np.broadcast_to(phi[:, None, None], (len(phi), 1, 2))
         else:
             self.middles = self.circles.middles(self.gaps) if self.middles is None else self.middles
             self.extremes = self.circles.extremes() if self.extremes is None else self.extremes
@@ -432,7 +423,7 @@ class Planner:
                 texts[n] = f"outside the limits, in branch {best}: {listed}" if listed else "the correction fails"
         return texts
 
-    def _result(self, path: Candidates, start: Floats | None, goal: float, asked_phi, asked_branch) -> JointPath:
+    def _result(self, path: Candidates, errors: Floats, start, goal: float, asked_phi, asked_branch) -> JointPath:
         count = len(self.circles)
         place, phi, branch = np.full((count, 7), np.nan), np.full(count, np.nan), np.zeros(count, dtype=np.int64)
         place[path.row], phi[path.row], branch[path.row] = path.at.T, joints.wrap(path.phi), path.branch
@@ -441,6 +432,8 @@ class Planner:
         step[path.row] = np.abs(moves).max(axis=0, initial=0)
         for n in np.flatnonzero(step[path.row] > goal).tolist():
             jumps[int(path.row[n])] = self._why(path, moves[:, n], n)
+        for n in np.flatnonzero(errors > joints.ROUNDING).tolist():
+            jumps[int(path.row[n])] = f"the tip misses its pose by {errors[n]:.3g} of the size or rad"
         return JointPath(place, phi, branch, step, jumps)
 
     def _why(self, path: Candidates, move: Floats, n: int) -> str:
