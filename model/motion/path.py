@@ -31,14 +31,13 @@ from .swivels import FLIPS, TURN, Circles, beyond
 SWIVELS, MORE_SWIVELS = 16, 32
 """Uniform swivel angles of the first attempt, and of further attempts near jumps."""
 
-AVOIDED = (0.0, 0.5, 1.0, 3.0)
-"""Further attempts: distance (rad) that they keep from the joints at the last attempt's jumps."""
+FURTHER = ((0.0, 0.8), (0.5, 0.6), (0.5, 0.8), (1.0, 0.6), (3.0, 0.8))
+"""Further attempts: distance (rad) kept from joints at the last attempt's jumps; free step, as a part of the goal."""
 
 DENSE = 20  # rows on either side of a jump that get more swivel angles
 SPLITS = 16  # values of th1 (th5) tried where only a sum or difference of two joints counts
 SINGULAR = 1e-7  # |sin th2|, |sin th6| below this: only a sum or difference counts
-FREE_STEP, STEP_WEIGHT = 0.1, 100.0
-LATER_STEP, LATER_WEIGHT = 0.8, 1e4  # of further attempts; their free step is a share of the goal
+FREE_STEP, STEP_WEIGHT, FURTHER_WEIGHT = 0.1, 100.0, 1e4  # the last: of steps in further attempts
 AVOIDED_WEIGHT = 1e3  # cost of joints that an attempt avoids
 MARGIN, WEIGHTS = 0.1, (0.01, 0.01, 0.001, 0.001, 0.001)
 """Distance from a limit (rad) below which a pose costs; weight of this cost in the search and its refinements."""
@@ -205,7 +204,7 @@ class Planner:
         if self.corrected:
             self.true = np.abs(self.circles.distance[:, None] - self.circles.reach).min(axis=1) < self.circles.slack
         path, errors = best = self._attempt(SWIVELS, phi, branch, start)
-        for radius in AVOIDED if phi is None else AVOIDED[: bool(self.corrected)]:
+        for radius, share in FURTHER if phi is None else FURTHER[: bool(self.corrected)]:
             jumps = np.abs(self._moves(path, start)).max(axis=0, initial=0) > goal
             jumps &= np.diff(path.row, prepend=-1) == 1  # a step over rows without candidates stays
             bad = np.flatnonzero(jumps | (errors > joints.ROUNDING))
@@ -213,7 +212,7 @@ class Planner:
                 break
             self.dense |= np.abs(np.arange(len(self.circles))[:, None] - path.row[bad]).min(axis=1) <= DENSE
             self.true |= self.dense & bool(self.corrected)
-            self.steps = LATER_STEP * goal, LATER_WEIGHT
+            self.steps = share * goal, FURTHER_WEIGHT
             if radius:
                 avoided = np.full((7, len(self.circles)), np.nan)
                 for place in (bad, np.maximum(bad - 1, 0)):  # rows of jumps, and rows before
