@@ -5,7 +5,8 @@ Joint n of the robot is at signs[n] * th_n + offsets[n], where th_n is an angle 
 built-in arms are in `ROBOTS`, among them `IIWA14`, a KUKA LBR iiwa 14 R820, and `HUMAN`, with anatomical limits.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import UserDict
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,15 +19,15 @@ from ..io.words import DEFAULT_D1, DEFAULT_D2
 from ..reference import joints
 from ..reference.kinematics import angle_between, conjugate, matrix, multiply, quaternion, rotate
 from .hands import Hands, checked_limits, checked_rows, common_count
-from .path import SWIVELS, JointPath, Planner, Progress
+from .path import JointPath, Planner, Progress
 from .pose import Floats, Pose, solve, swivel
 from .swivels import Circles, Swivels, feasible_swivel
 from .track import Step, Tracker
 from .urdf import SAMPLES, TURN_MISFIT, Chain, arguments, from_axes, nearest, placed
 
 UNIT = joints.UNIT
-SPARE = 5e-3  # rad beyond the limits in which a start for the correction may lie
-CORRECTED, RETRIES = 1e-9, 32  # largest error after the correction, of size or in rad; further starts for larger ones
+SPARE = 0.02  # rad beyond the limits in which a start for the correction may lie
+CORRECTED = 1e-9  # largest error after the correction, of size or in rad; for larger ones all candidates are corrected
 GOAL = 0.2  # largest step of a joint along a path, rad
 BATCH = 128  # poses whose branch and swivel angle are chosen at a time, so that arrays stay in the cache
 CHUNK = 1024  # poses of which only the branch is chosen
@@ -37,6 +38,11 @@ def _vector(name: str, values: ArrayLike, size: int) -> Floats:
     if vector.shape != (size,):
         raise ValueError(f"{name} of the arm: shape {vector.shape}, not ({size},)")
     return vector
+
+
+def _batches(rows: NDArray) -> Iterator[NDArray]:
+    """Yield BATCH rows at a time."""
+    yield from (rows[n : n + BATCH] for n in range(0, len(rows), BATCH))
 
 
 class Arm:
@@ -85,9 +91,7 @@ class Arm:
         self.base, self.mount, self.tip = _vector("base", base, 3), _vector("mount", mount, 4), _vector("tip", tip, 4)
         self.upper, self.fore = _vector("upper", upper, 4), _vector("fore", fore, 4)
         self.velocities, self.chain, self.misfit = _vector("velocities", velocities, 7), chain, misfit
-        exact = self.bent is None and chain is None
-        lengths = self.d1, self.d2, self.tool, self.offsets, self.signs, self.limits, self.base, self.mount, self.tip
-        self._tracker = Tracker(*lengths) if exact else None
+        self._tracker = Tracker(self) if self.bent is None and chain is None else None
 
     @property
     def bounds(self) -> Floats:
@@ -119,8 +123,11 @@ class Arm:
     def _planner(self, wrists: Floats, q: Floats) -> Planner:
         """Return a planner of wrist targets (N, 3) with hands (N, 4) in the shoulder's frame."""
         circles = Circles.of(wrists, Hands.checked(q, 0.0, 0), self.d1, self.d2, bent=self.bent)
-        circles, spare = replace(circles, slack=4 * self.misfit[0]), SPARE * bool(self.chain)
-        return Planner(circles, self.limits + (-spare, spare), self.offsets, self.signs)
+        circles = replace(circles, slack=4 * self.misfit[0])
+        planner = Planner(circles, self.limits, self.offsets, self.signs, SPARE * bool(self.chain))
+        if self.chain:
+            planner.corrected = lambda at, rows: self._corrected(at, wrists[rows], q[rows])
+        return planner
 
     def _branched(self, pose: Pose, branch: ArrayLike) -> Floats:
         """Return th1 .. th7 (7, N) in a branch, a number or (N,), of poses in branch 0."""
@@ -140,33 +147,22 @@ class Arm:
             at[rows] = np.where(found & (pose.flags[rows] & UNREACHABLE == 0), positions, np.nan).T
         return branches, at
 
-    def _tips(self, points: ArrayLike, hand: Any, count: int) -> tuple[Floats, Floats]:
-        """Return the poses of the tip that were asked for: points (N, 3), quaternions (N, 4)."""
-        return np.broadcast_to(points, (count, 3)), np.broadcast_to(Hands.checked(hand, 0.0, 0).q.T, (count, 4))
-
-    def _corrected(self, positions: Floats, points: Floats, hand: Floats) -> tuple[Floats, Floats]:
-        """Return joint positions (N, 7) of the true chain near the given ones for poses of the tip; and errors (N,)."""
+    def _corrected(self, positions: Floats, wrists: Floats, q: Floats) -> tuple[Floats, Floats]:
+        """Return joint positions (N, 7) of the true chain near the given ones for wrist targets (N, 3) with hands
+        (N, 4) in the shoulder's frame; and errors (N,)."""
         assert self.chain
-        return self.chain.corrected(positions, points, matrix(hand))
+        points = self.base + rotate(self.mount, wrists + rotate(q, self.tool))
+        return self.chain.corrected(positions, points, matrix(multiply(multiply(self.mount, q), self.tip)))
 
-    def _retried(self, planner: Planner, points: Floats, hand: Floats, phi: Any, branch: Any) -> tuple[Floats, Floats]:
-        """Return what :meth:`_corrected` does for the planner's poses (R,) from the best of several starts.
+    def _best(self, rows: NDArray, wrists: Floats, q: Floats, given: list, corrected: bool = False) -> tuple:
+        """Return :meth:`Planner.best` of some rows; given: phi, branch and near of all rows, or None.
 
-        phi, branch (R,): given, or None.
+        corrected: the candidates are those of the true chain.
         """
-        found, count = planner.candidates(SWIVELS, phi, branch), len(points)
-        first = np.searchsorted(found.row, np.arange(count))
-        counts = np.bincount(found.row, minlength=count)
-        best, errors = np.full((count, 7), np.nan), np.full(count, np.inf)
-        for start in range(0, RETRIES):
-            rows = np.flatnonzero((counts > start) & (errors > CORRECTED))
-            if not len(rows):
-                break
-            places = first[rows] + start * counts[rows] // min(RETRIES, counts.max())
-            at, error = self._corrected(found.at[:, places].T, points[rows], hand[rows])
-            better = error < errors[rows]
-            best[rows[better]], errors[rows[better]] = at[better], error[better]
-        return best, errors
+        planner = self._planner(wrists[rows], q[rows])
+        planner.true[:] = corrected
+        phi, branch, near = (None if v is None else v[rows] for v in given)
+        return planner.best(phi, branch, near, None if near is None else self._swivel(near, wrists[rows]))
 
     def _swivel(self, positions: Floats, wrists: Floats) -> Floats:
         """Return the swivel angles (N,) that put the elbow on the side that it has at joint positions (N, 7)."""
@@ -233,24 +229,22 @@ class Arm:
             else:
                 branches, at = self._nearest_branches(pose, to)
                 left = np.flatnonzero(np.isnan(at[:, 0]))
-        for rows in (left[n : n + BATCH] for n in range(0, len(left), BATCH)):
-            some = [None if v is None else v[rows] for v in given]
-            some.append(None if to is None else self._swivel(to[rows], wrists[rows]))
-            best, swivels[rows], branches[rows] = self._planner(wrists[rows], q[rows]).best(*some)
+        for rows in _batches(left):
+            best, swivels[rows], branches[rows] = self._best(rows, wrists, q, given)
             at[rows[best.row]] = best.at.T
         pose = pose or solve(wrists, swivels, self.d1, self.d2, hand=q)
         th, missing = joints.settled(self._branched(pose, branches), self.bounds), np.isnan(at[:, 0])
         over = joints.outside(th, self.bounds).T & missing[:, None]
         at[missing] = self.positions(th.T[missing])
         if self.chain:
-            tips, turned = self._tips(points, hand, count)
             within = np.flatnonzero(~over.any(axis=1))
-            at[within], errors = self._corrected(at[within], tips[within], turned[within])
+            at[within], errors = self._corrected(at[within], wrists[within], q[within])
             left = within[errors > CORRECTED]
-            if len(left):
-                some = [None if v is None else v[left] for v in (turns, of)]
-                at[left], errors = self._retried(self._planner(wrists[left], q[left]), tips[left], turned[left], *some)
-                over[left[errors > CORRECTED]] = True
+            for rows in _batches(left):
+                best, *_ = self._best(rows, wrists, q, given, corrected=True)
+                at[rows[best.row]] = best.at.T
+            at[left], errors = self._corrected(at[left], wrists[left], q[left])
+            over[left[errors > CORRECTED]] = True
         elbow, wrist = (self.base + rotate(self.mount, point) for point in (pose.elbow, pose.wrist))
         return replace(
             pose,
@@ -318,9 +312,6 @@ class Arm:
                 raise ValueError(f"start: {name} is {by:.3g} rad outside its limits")
         planner = self._planner(wrists, q)
         planner.progress = progress or planner.progress
-        if self.chain:
-            tips, turns = self._tips(points, hand, len(wrists))
-            planner.corrected = lambda at, rows: self._corrected(at, tips[rows], turns[rows])
         return planner.plan(given_phi, given_branch, before, goal)
 
     def track(self, point: Sequence[float], hand: Sequence[float], positions: Sequence[float]) -> Step:
@@ -399,26 +390,16 @@ because the AAOS measures it with the arm held sideways.
 """
 
 
-class Robots(Mapping[str, Arm]):
-    """Built-in arms by name: two of this module, others from files in the folder robots, read when asked for."""
+class Robots(UserDict[str, Any]):
+    """Arms, and paths of URDF files that are read when asked for, by name."""
 
     folder = Path(__file__).with_name("robots")
 
-    def __init__(self, **arms: Arm) -> None:
-        self.arms, self.names = arms, [*arms, *sorted(path.stem for path in self.folder.glob("*.urdf"))]
-
     def __getitem__(self, name: str) -> Arm:
-        if name not in self.names:
-            raise KeyError(name)
-        if name not in self.arms:
-            self.arms[name] = Arm.from_urdf(self.folder / f"{name}.urdf")
-        return self.arms[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.names)
-
-    def __len__(self) -> int:
-        return len(self.names)
+        if isinstance(self.data[name], Path):
+            self.data[name] = Arm.from_urdf(self.data[name])
+        return self.data[name]
 
 
-ROBOTS = Robots(iiwa14=IIWA14, human=HUMAN)
+ROBOTS = Robots(iiwa14=IIWA14, human=HUMAN, **{path.stem: path for path in sorted(Robots.folder.glob("*.urdf"))})
+"""Built-in arms: two of this module, others from files in the folder robots."""

@@ -10,6 +10,10 @@ candidate of each row with the least cost is found by dynamic programming (Viter
 A joint whose range is a turn or less has one value; a step is a plain difference, since it cannot cross the gap. The
 steps of wider joints are taken modulo a turn first, and the values unwrapped; where these leave the limits, the path is
 planned again with all values that are whole turns apart as candidates.
+
+Where a step exceeds the goal, further attempts have more swivel angles around it, charge steps near the goal more, and
+then avoid the joints of the last attempt there. Joints of a nearly exact arm are corrected on its true chain: those of
+the whole path at the end, all candidates of rows near the reach, and in further attempts of rows near jumps.
 """
 
 from collections.abc import Callable
@@ -22,29 +26,27 @@ from numpy.typing import NDArray
 from ..reference import joints
 from ..reference.joints import Branch
 from .hands import Floats
-from .swivels import TURN, Circles, beyond
+from .swivels import FLIPS, TURN, Circles, beyond
 
-SWIVELS, MOST_SWIVELS = 16, 128
-"""Uniform swivel angles of the first and of the last attempt."""
+SWIVELS, MORE_SWIVELS = 16, 32
+"""Uniform swivel angles of the first attempt, and of further attempts near jumps."""
+
+FURTHER = ((0.0, 0.8), (0.5, 0.6), (0.5, 0.8), (1.0, 0.6), (3.0, 0.8))
+"""Further attempts: distance (rad) kept from joints at the last attempt's jumps; free step, as a part of the goal."""
 
 DENSE = 20  # rows on either side of a jump that get more swivel angles
 SPLITS = 16  # values of th1 (th5) tried where only a sum or difference of two joints counts
 SINGULAR = 1e-7  # |sin th2|, |sin th6| below this: only a sum or difference counts
-FREE_STEP, STEP_WEIGHT = 0.1, 100.0
+FREE_STEP, STEP_WEIGHT, FURTHER_WEIGHT = 0.1, 100.0, 1e4  # the last: of steps in further attempts
+AVOIDED_WEIGHT = 1e3  # cost of joints that an attempt avoids
 MARGIN, WEIGHTS = 0.1, (0.01, 0.01, 0.001, 0.001, 0.001)
 """Distance from a limit (rad) below which a pose costs; weight of this cost in the search and its refinements."""
 
 Progress = Callable[[float, int], None]
 """Callback of an attempt: the part that is done, 0 to 1, and the number of swivel angles."""
 
-FLIPS = np.array([(0, 1, 4, 5), (2, 3, 6, 7)])
-"""Branches of each elbow solution."""
-
 OPTIONS = ((joints.SIGNS < 0) | (joints.TURNS > 0))[:, np.arange(8) & ~Branch.ELBOW] + (np.arange(8) & Branch.ELBOW)
 """For joints in branches (7, 8): 1 if the branch turns or negates it, other than by ELBOW, plus 2 for ELBOW."""
-
-BESIDE = np.tan(np.radians((-75, -60, -40, -20, 0, 20, 40, 60, 75)))
-"""Offsets of swivel angles beside the one at which a ball joint is nearest to singular: equal turns of th1 and th3."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,21 +79,35 @@ class Candidates(NamedTuple):
     phi: Floats
     at: Floats
 
+    @classmethod
+    def joined(cls, *parts: "Candidates") -> "Candidates":
+        """Return the candidates of several parts, sorted by row."""
+        both = cls(*(np.concatenate(v, axis=-1) for v in zip(*parts, strict=True)))
+        return both.only(np.argsort(both.row, kind="stable"))
+
     def only(self, which: NDArray) -> "Candidates":
         """Return the candidates of a mask or of indices."""
         return Candidates(self.row[which], self.branch[which], self.phi[which], self.at[:, which])
 
 
 class Planner:
-    """Planner of a path. circles: the poses; limits (7, 2), offsets, signs (7,): of the robot's joints."""
+    """Planner of a path. circles: the poses; limits (7, 2), offsets, signs (7,): of the robot's joints.
 
-    def __init__(self, circles: Circles, limits: Floats, offsets: Floats, signs: Floats) -> None:
-        self.circles, self.limits, self.offsets, self.signs = circles, limits, offsets, signs
+    spare: rad beyond the limits, and up to a turn in all, in which candidates that will be corrected may lie
+    """
+
+    def __init__(self, circles: Circles, limits: Floats, offsets: Floats, signs: Floats, spare: float = 0.0) -> None:
+        self.circles, self.offsets, self.signs = circles, offsets, signs
         self.bounds = np.sort((limits - offsets[:, None]) * signs[:, None], axis=1)  # of th1 .. th7
-        self.wide = limits[:, 1] - limits[:, 0] > TURN + joints.ROUNDING
+        ranges, outward = np.ptp(limits, axis=1), np.array((-1, 1))
+        more = np.clip((TURN - ranges) / 2, 0, spare)[:, None] * outward
+        self.limits, self.wide = limits + more, ranges > TURN + joints.ROUNDING
+        turn = (np.ptp(self.limits, axis=1) > TURN - joints.ROUNDING) & ~self.wide  # these do not cross limits either
+        self.gaps = self.bounds + more - turn[:, None] * SINGULAR * outward
         self.extremes: Any = None
         self.middles: Any = None
-        self.dense = np.ones(len(circles), dtype=bool)
+        self.dense, self.true = np.zeros((2, len(circles)), dtype=bool)
+        self.steps, self.avoided = (FREE_STEP, STEP_WEIGHT), list[tuple[Floats, float]]()
         self.finer = TURN / SWIVELS
         self.corrected: Callable[[Floats, NDArray], tuple[Floats, Floats]] | None = None
         self.copied = np.zeros(7, dtype=bool)  # wide joints whose windings are candidates of their own
@@ -159,8 +175,7 @@ class Planner:
         at, outside = self.placed(th, *near_of)
         inside = ~outside.any(axis=0)
         at = np.clip(at[:, inside], *self.limits.T[..., None])
-        found = Candidates(row[inside], branch[inside], phi[inside], at)
-        return found.only(np.argsort(found.row, kind="stable"))
+        return Candidates.joined(Candidates(row[inside], branch[inside], phi[inside], at))
 
     def _split(self, ball: int, row, branch, phi, th, near=None) -> list[NDArray]:
         """Return the arguments repeated, with the sum or difference of th1 and th3 (th5, th7) split in several ways."""
@@ -175,22 +190,41 @@ class Planner:
         return parts
 
     def plan(self, phi: Floats | None, branch: NDArray | None, start: Floats | None, goal: float) -> JointPath:
-        """Return the best path of several attempts; each tries twice as many swivel angles near the jumps of the last.
+        """Return the best path of several attempts, until one reaches the goal; each tries more swivel angles near the
+        jumps of the last, and the later ones avoid its joints there.
 
-        The last attempt reaches the goal, is not much better than the one before, or has MOST_SWIVELS angles. phi,
-        branch (N,): given instead of chosen; start (7,): joints before the first row.
+        phi, branch (N,): given instead of chosen; start (7,): joints before the first row.
         """
-        count = SWIVELS
-        best = self._attempt(count, phi, branch, start, goal)
-        while best.largest > goal and phi is None and count < MOST_SWIVELS:
-            count *= 2
-            jumps = np.flatnonzero(best.step > goal)
-            self.dense = np.abs(np.arange(len(self.circles))[:, None] - jumps).min(axis=1) <= DENSE
-            before, path = best.largest, self._attempt(count, phi, branch, start, goal)
-            best = path if path.largest < before else best
-            if best.largest > 0.9 * before:
+
+        def rank(attempt: tuple[Candidates, Floats]) -> tuple[int, float]:
+            """Return minus the number of rows that reach their pose, and the largest step."""
+            path, errors = attempt
+            return -int((errors <= joints.ROUNDING).sum()), float(np.abs(self._moves(path, start)).max(initial=0))
+
+        if self.corrected:
+            self.true = np.abs(self.circles.distance[:, None] - self.circles.reach).min(axis=1) < self.circles.slack
+        path, errors = best = self._attempt(SWIVELS, phi, branch, start)
+        for radius, share in FURTHER if phi is None else FURTHER[: bool(self.corrected)]:
+            jumps = np.abs(self._moves(path, start)).max(axis=0, initial=0) > goal
+            jumps &= np.diff(path.row, prepend=-1) == 1  # a step over rows without candidates stays
+            bad = np.flatnonzero(jumps | (errors > joints.ROUNDING))
+            if not len(bad):
                 break
-        return best
+            self.dense |= np.abs(np.arange(len(self.circles))[:, None] - path.row[bad]).min(axis=1) <= DENSE
+            self.true |= self.dense & bool(self.corrected)
+            self.steps = share * goal, FURTHER_WEIGHT
+            if radius:
+                avoided = np.full((7, len(self.circles)), np.nan)
+                for place in (bad, np.maximum(bad - 1, 0)):  # rows of jumps, and rows before
+                    avoided[:, path.row[place]] = path.at[:, place]
+                self.avoided.append((avoided, radius))
+            path, errors = self._attempt(MORE_SWIVELS, phi, branch, start)
+            best = min(best, (path, errors), key=rank)
+        return self._result(*best, start, goal, phi, branch)
+
+    def _moves(self, path: Candidates, start: Floats | None) -> Floats:
+        """Return the moves (7, R) of the joints from the row before; of the first row from ``start``, or 0."""
+        return np.diff(path.at, axis=1, prepend=path.at[:, :1] if start is None else start[:, None])
 
     def best(
         self, phi: Floats | None, branch: NDArray | None, near: Floats | None, hint: Floats | None
@@ -211,10 +245,10 @@ class Planner:
             return found.only(equal[np.flatnonzero(np.diff(found.row[equal], prepend=-1))])
 
         self.extremes = np.empty((len(self.circles), 0, 2)) if hint is None else np.stack((hint, hint), axis=1)[:, None]
-        found = chosen(self.candidates(SWIVELS, phi, branch))
-        for round in range(1, 5) if phi is None else ():
+        found = chosen(self._reaching(self.candidates(SWIVELS, phi, branch)))
+        for round in range(1, 5) if phi is None and (near is not None or not self.true.any()) else ():
             self.finer = TURN / SWIVELS / 3**round
-            found = chosen(self._around(found, near_extremes=False))
+            found = chosen(self._reaching(self._around(found, near_extremes=False)))
         if near is not None:
             found = found._replace(at=self._closer(found.at, near[found.row].T))
         swivels, branches = np.empty(len(self.circles)), np.empty(len(self.circles), dtype=np.int64)
@@ -237,11 +271,11 @@ class Planner:
         least += np.arange(len(row)) * (shape[1] * shape[2])
         return turns[least], of[least], excess[:, least]
 
-    def _attempt(self, count: int, phi, branch, start, goal) -> JointPath:
+    def _attempt(self, count: int, phi, branch, start) -> tuple[Candidates, Floats]:
         found = self.candidates(count, phi, branch)
         if self.copied.any():
             found = self._with_copies(found)
-        path = self._search(found, start, WEIGHTS[0])
+        path = self._search(found, start, WEIGHTS[0], self.avoided)
         for round, weight in enumerate(WEIGHTS[1:], 1):
             self.finer = TURN / count / 3**round
             if phi is None and len(path.row):
@@ -250,41 +284,39 @@ class Planner:
         settled = self._unwound(path, start)
         if settled is None:
             self.copied |= self.wide & np.isfinite(self.limits).all(axis=1)
-            return self._attempt(count, phi, branch, start, goal)
-        errors = np.zeros(len(path.row))
-        if self.corrected:
-            corrected, errors = self.corrected(settled.T, path.row)
-            self._correct_again(found, path.row, corrected, errors)
-            settled = corrected.T
-        result = self._result(path._replace(at=settled), start, goal, phi, branch)
-        for n in np.flatnonzero(errors > joints.ROUNDING):
-            result.jumps[int(path.row[n])] = f"the tip misses its pose by {errors[n]:.3g} of the size or rad"
-        return result
+            return self._attempt(count, phi, branch, start)
+        path = path._replace(at=settled)
+        return self._on_chain(path) if self.corrected else (path, np.zeros(len(path.row)))
 
-    def _correct_again(self, found: Candidates, row: NDArray, at: Floats, errors: Floats) -> None:
-        """Replace positions (R, 7) and errors (R,) of rows whose correction failed, as it may where the arm is almost
-        straight: of corrections from several candidates, the one nearest to the neighbouring rows is taken."""
+    def _on_chain(self, found: Candidates) -> tuple[Candidates, Floats]:
+        """Return candidates corrected, and their errors (M,)."""
         assert self.corrected
-        for n in np.flatnonzero(errors > joints.ROUNDING):
-            beside = at[[m for m in (n - 1, n + 1) if 0 <= m < len(at) and errors[m] <= joints.ROUNDING]]
-            starts = np.concatenate((found.at[:, found.row == row[n]], beside.T), axis=1)
-            if len(beside):
-                starts = self._closer(starts, np.broadcast_to(beside[0][:, None], starts.shape))
-            some, missed = self.corrected(starts.T, np.full(starts.shape[1], row[n]))
-            costs = self.edges(beside.T[..., None], some.T[:, None]).sum(axis=0) + 1e9 * (missed > joints.ROUNDING)
-            best = costs.argmin()
-            if missed[best] < errors[n]:
-                at[n], errors[n] = some[best], missed[best]
+        at, errors = self.corrected(found.at.T, found.row)
+        return found._replace(at=at.T), errors
+
+    def _reaching(self, found: Candidates) -> Candidates:
+        """Return the candidates, those of the rows ``true`` corrected and without those that then miss their pose.
+
+        Where the exact arm is straight or closed, the true chain may not be, so its elbow starts a little bent.
+        """
+        which = self.true[found.row]
+        if not which.any():
+            return found
+        some = found.only(which)
+        th = joints.wrap((some.at[3] - self.offsets[3]) * self.signs[3])
+        bent = np.sqrt(self.circles.slack / self.circles.reach[some.row, 1])
+        side = np.where(th == 0, 1 - (some.branch & Branch.ELBOW), np.sign(th))
+        some.at[3] += np.where(np.abs(th) < bent, side * bent - th, 0) * self.signs[3]
+        some, errors = self._on_chain(some)
+        return Candidates.joined(found.only(~which), some.only(errors <= joints.ROUNDING))
 
     def candidates(self, count: int, phi: Floats | None, branch: NDArray | None) -> Candidates:
-        """Return the candidates of all rows, with ``phi`` (N,) only at these angles, with ``branch`` (N,) only of these
-        branches."""
-        count_of = len(self.circles)
+        """Return the candidates of all rows. phi, branch (N,): the only swivel angles and branches, or None."""
         if phi is not None:
-            swivels = np.broadcast_to(phi[:, None, None], (count_of, 1, 2))
+            swivels = np.broadcast_to(phi[:, None, None], (len(phi), 1, 2))
         else:
-            self.middles = self._middles() if self.middles is None else self.middles
-            self.extremes = self._extremes() if self.extremes is None else self.extremes
+            self.middles = self.circles.middles(self.gaps) if self.middles is None else self.middles
+            self.extremes = self.circles.extremes() if self.extremes is None else self.extremes
             turns = -np.pi + np.arange(count) * (TURN / count)
             tried = self.dense[:, None] | (np.arange(count) % (count // SWIVELS) == 0)
             grid = np.repeat(np.where(tried, turns, np.nan)[..., None], 2, axis=2)
@@ -295,37 +327,8 @@ class Planner:
         if phi is None:
             row, column, of = np.nonzero(np.isfinite(self.middles) & within)
             parts.append(self.solved(row, of, self.middles[row, column, of]))
-        found = Candidates(*(np.concatenate(v, axis=-1) for v in zip(*parts, strict=True)))
-        if branch is not None:
-            found = found.only(found.branch == branch[found.row])
-        return found.only(np.argsort(found.row, kind="stable"))
-
-    def _extremes(self) -> Floats:
-        """Return swivel angles (N, K, 2 elbow solutions) at and near those where th2 or th6 is nearest to singular."""
-        phi, cosine, size = self.circles.extremes()
-        sine = np.sqrt(np.clip(1 - np.square(cosine), 0, 1))
-        beside = (sine / np.sqrt(np.maximum(size, 1e-12))[..., None])[..., None] * BESIDE
-        toward = cosine * (1, -1) > 0  # the side on which the joint comes near 0 or pi
-        used = (BESIDE == 0) | (((sine < 0.4) & toward)[..., None] & (np.abs(beside) < 0.5))
-        swivels = np.where(used, phi[..., None] + beside, np.nan)
-        return np.moveaxis(swivels.reshape(2, len(self.circles), 4 * len(BESIDE)), 0, 2)
-
-    def _middles(self) -> Floats:
-        """Return swivel angles (N, K, 8 branches): of each feasible interval its middle, and its ends inset."""
-        parts: list[list[Floats]] = [[] for _ in range(8)]
-        for rows in self.circles.chunks():
-            for elbow in (0, 1):
-                some_of = self.circles.arcs(rows, elbow, self.bounds, list(FLIPS[elbow]))[0]
-                for branch, some in zip(FLIPS[elbow], some_of, strict=True):
-                    parts[branch].append(some)
-        most = max(some.shape[1] for part in parts for some in part)
-        padded = [
-            [np.pad(some, ((0, 0), (0, most - some.shape[1]), (0, 0)), constant_values=np.nan) for some in part]
-            for part in parts
-        ]
-        first, last = np.moveaxis(np.stack([np.concatenate(part) for part in padded], axis=2), 3, 0)
-        inset = np.minimum(0.05, (last - first) / 2)
-        return np.concatenate((first + inset, (first + last) / 2, last - inset), axis=1)
+        found = Candidates.joined(*parts)
+        return found if branch is None else found.only(found.branch == branch[found.row])
 
     def _with_copies(self, found: Candidates) -> Candidates:
         """Return the candidates with each copied joint at all its positions within the limits."""
@@ -358,15 +361,21 @@ class Planner:
                 move = joints.wrap(move)
             np.maximum(most, np.abs(move, out=move), out=most)
             total += np.multiply(move, move, out=move)
-        most -= FREE_STEP
+        free, weight = self.steps
+        most -= free
         np.maximum(most, 0, out=most)
-        total += STEP_WEIGHT * np.multiply(most, most, out=most)
+        total += weight * np.multiply(most, most, out=most)
         return total
 
-    def _search(self, found: Candidates, start: Floats | None, weight: float) -> Candidates:
+    def _search(self, found: Candidates, start: Floats | None, weight: float, avoided=()) -> Candidates:
         """Return the candidate of each row on the path of least cost; rows without candidates are left out."""
+        found = self._reaching(found)
         room = np.minimum(found.at - self.limits[:, :1], self.limits[:, 1:] - found.at)
         nodes = weight * np.maximum(0, 1 - room / MARGIN).sum(axis=0) if weight else np.zeros(len(found.row))
+        for place, radius in avoided:
+            move = found.at - place[:, found.row]
+            move = np.where((self.wide & ~self.copied)[:, None], joints.wrap(move), move)
+            nodes = nodes + AVOIDED_WEIGHT * (np.abs(move).max(axis=0) < radius)
         edges = np.concatenate((np.flatnonzero(np.diff(found.row, prepend=-1)), [len(found.row)]))
         backward: list[NDArray] = []
         cost, before = np.zeros(1), None if start is None else start[:, None]
@@ -413,15 +422,17 @@ class Planner:
                 texts[n] = f"outside the limits, in branch {best}: {listed}" if listed else "the correction fails"
         return texts
 
-    def _result(self, path: Candidates, start: Floats | None, goal: float, asked_phi, asked_branch) -> JointPath:
+    def _result(self, path: Candidates, errors: Floats, start, goal: float, asked_phi, asked_branch) -> JointPath:
         count = len(self.circles)
         place, phi, branch = np.full((count, 7), np.nan), np.full(count, np.nan), np.zeros(count, dtype=np.int64)
         place[path.row], phi[path.row], branch[path.row] = path.at.T, joints.wrap(path.phi), path.branch
         step, jumps = np.full(count, np.nan), self.impossible(np.flatnonzero(np.isnan(phi)), asked_phi, asked_branch)
-        moves = np.diff(path.at, axis=1, prepend=path.at[:, :1] if start is None else start[:, None])
+        moves = self._moves(path, start)
         step[path.row] = np.abs(moves).max(axis=0, initial=0)
         for n in np.flatnonzero(step[path.row] > goal).tolist():
             jumps[int(path.row[n])] = self._why(path, moves[:, n], n)
+        for n in np.flatnonzero(errors > joints.ROUNDING).tolist():
+            jumps[int(path.row[n])] = f"the tip misses its pose by {errors[n]:.3g} of the size or rad"
         return JointPath(place, phi, branch, step, jumps)
 
     def _why(self, path: Candidates, move: Floats, n: int) -> str:

@@ -26,6 +26,12 @@ from .pose import Axis, Floats, Order, direction, hanging, solve, to_z
 CHUNK = 1024
 TURN = 2 * np.pi
 
+FLIPS = np.array([(0, 1, 4, 5), (2, 3, 6, 7)])
+"""Branches of each elbow solution."""
+
+BESIDE = np.tan(np.radians((-75, -60, -40, -20, 0, 20, 40, 60, 75)))
+"""Offsets of swivel angles beside the one at which a ball joint is nearest to singular: equal turns of th1 and th3."""
+
 
 @dataclass(frozen=True, eq=False)
 class Swivels:
@@ -129,9 +135,15 @@ def feasible_swivel(
         (some,), over = circles.arcs(rows, elbow[rows], bounds, [branches[rows]])
         intervals.append(some)
         over_limit.append(over)
-    most = max(1, *(some.shape[1] for some in intervals))
-    padded = [np.pad(p, ((0, 0), (0, most - p.shape[1]), (0, 0)), constant_values=np.nan) for p in intervals]
-    return Swivels(np.concatenate(padded), np.concatenate(over_limit), circles.distance, circles.reach, hanging(axis))
+    return Swivels(_padded(intervals), np.concatenate(over_limit), circles.distance, circles.reach, hanging(axis))
+
+
+def _padded(intervals: list[Floats]) -> Floats:
+    """Return intervals (n, K, 2) of several parts as one array, filled up with nan to the largest K."""
+    most = max(some.shape[1] for some in intervals)
+    return np.concatenate(
+        [np.pad(p, ((0, 0), (0, most - p.shape[1]), (0, 0)), constant_values=np.nan) for p in intervals]
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,15 +208,29 @@ class Circles:
         qs, qw = np.moveaxis(ends[:, 0] * np.cos(half) + ends[:, 1] * np.sin(half), 0, 2)
         return joints.angles(qs, self.flexion[elbow.astype(int), row], qw)
 
-    def extremes(self) -> tuple[Floats, Floats, Floats]:
-        """Return swivel angles (2, N, 2 balls, 2) at which cos th2 and cos th6 are largest and smallest, those cosines,
-        and half their difference R (2, N, 2 balls): cos th2 = C + R cos(phi - phi of the largest)."""
+    def extremes(self) -> Floats:
+        """Return swivel angles (N, K, 2 elbow solutions) at and near those where th2 or th6 is nearest to singular."""
         stations = self.ends[:, :, 0], (self.ends[:, :, 0] + self.ends[:, :, 1]) * 0.5**0.5, self.ends[:, :, 1]
-        at_0, at_quarter, at_half = ((np.square(q) * (1, -1, -1, 1)).sum(axis=-1) for q in stations)
-        constant, cosine = (at_0 + at_half) / 2, (at_0 - at_half) / 2
-        sine = at_quarter - constant
-        size, phi = np.hypot(sine, cosine), np.arctan2(sine, cosine)
-        return np.stack((phi, phi + np.pi), axis=-1), np.stack((constant + size, constant - size), axis=-1), size
+        at_0, at_quarter, at_half = ((np.square(q) * (1, -1, -1, 1)).sum(axis=-1)[..., None] for q in stations)
+        middle = (at_0 + at_half) / 2
+        size = np.hypot(at_quarter - middle, at_0 - middle)
+        phi = np.arctan2(at_quarter - middle, at_0 - middle) + (0, np.pi)  # of the largest and smallest cosine
+        cosine = middle + size * (1, -1)
+        sine = np.sqrt(np.clip(1 - np.square(cosine), 0, 1))
+        beside = (sine / np.sqrt(np.maximum(size, 1e-12)))[..., None] * BESIDE
+        toward = cosine * (1, -1) > 0  # the side on which the joint comes near 0 or pi
+        used = (BESIDE == 0) | (((sine < 0.4) & toward)[..., None] & (np.abs(beside) < 0.5))
+        swivels = np.where(used, phi[..., None] + beside, np.nan)
+        return np.moveaxis(swivels.reshape(2, len(self), 4 * len(BESIDE)), 0, 2)
+
+    def middles(self, bounds: Floats) -> Floats:
+        """Return swivel angles (N, K, 8 branches): of each feasible interval its middle, and its ends inset."""
+        arcs = [[self.arcs(rows, elbow, bounds, list(FLIPS[elbow]))[0] for rows in self.chunks()] for elbow in (0, 1)]
+        intervals = _padded([part[n] for parts in arcs for n in range(4) for part in parts])
+        of_branch = intervals.reshape(8, len(self), *intervals.shape[1:])[FLIPS.ravel().argsort()]
+        first, last = of_branch.transpose(3, 1, 2, 0)
+        inset = np.minimum(0.05, (last - first) / 2)
+        return np.concatenate((first + inset, (first + last) / 2, last - inset), axis=1)
 
     def arcs(self, rows: slice, elbow: NDArray | int, bounds: Floats, branches: list) -> tuple[list[Floats], NDArray]:
         """Return for each of ``branches``, numbers or (n,), the intervals (n, K, 2) of swivel angles of some poses, and

@@ -9,14 +9,16 @@ smallest is taken. With n toward the wrist and v across it toward the elbow, the
 
 from collections.abc import Sequence
 from math import atan2, copysign, cos, hypot, inf, pi, remainder, sin, sqrt
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..reference.joints import ROUNDING
 from ..reference.kinematics import conjugate, multiply
-from .hands import Floats
 from .path import SINGULAR
+
+if TYPE_CHECKING:
+    from .arms import Arm
 
 TURN = 2 * pi
 
@@ -50,25 +52,14 @@ def axes(q: Sequence[float]) -> tuple[Vector, Vector, Vector]:
 
 
 class Tracker:
-    """Constants of an exact arm with straight links, as plain numbers; for the arguments see :class:`Arm`."""
+    """Constants of an exact arm with straight links, as plain numbers."""
 
-    def __init__(
-        self,
-        d1: float,
-        d2: float,
-        tool: Floats,
-        offsets: Floats,
-        signs: Floats,
-        limits: Floats,
-        base: Floats,
-        mount: Floats,
-        tip: Floats,
-    ) -> None:
-        self.d1, self.d2, self.tool, self.base = d1, d2, tuple(tool.tolist()), tuple(base.tolist())
-        self.frame = axes(conjugate(mount).tolist())
-        turned = multiply(multiply(conjugate(mount), np.eye(4)), conjugate(tip))
+    def __init__(self, arm: "Arm") -> None:
+        self.d1, self.d2, self.tool, self.base = arm.d1, arm.d2, tuple(arm.tool.tolist()), tuple(arm.base.tolist())
+        self.frame = axes(conjugate(arm.mount).tolist())
+        turned = multiply(multiply(conjugate(arm.mount), np.eye(4)), conjugate(arm.tip))
         self.turn = tuple(map(tuple, turned.T.tolist()))  # matrix (4, 4) of the product mount~ hand tip~
-        self.joints = list(zip(offsets.tolist(), signs.tolist(), *limits.T.tolist(), strict=True))
+        self.joints = list(zip(arm.offsets.tolist(), arm.signs.tolist(), *arm.limits.T.tolist(), strict=True))
 
     def _placed(self, th: Sequence[float], branch: int, present: Sequence[float]) -> tuple[float, list[float]]:
         """Return the largest step and the positions in a branch for angles of branch 0; step inf outside the limits."""

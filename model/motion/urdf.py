@@ -76,7 +76,8 @@ class Chain:
 
         Newton's steps, damped near singular poses: dq = J' (J J' + mu)^-1 e with mu = 1e-3 |e|^2 + 1e-14.
         """
-        at, (low, high) = positions.copy(), self.limits.T
+        low, high = self.limits.T
+        at = np.clip(positions, low, high)
         free, errors = np.ones(at.shape, dtype=bool), np.zeros(len(at))
         rows = np.arange(len(at))
         for _ in range(ROUNDS + 1):

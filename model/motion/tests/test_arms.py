@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test robots from URDF files, and the built-in robots, against products of the joints' rotations along the chain."""
+"""Test robots from URDF files, and the built-in robots, against products of the joints' rotations along the chain, and
+in release tests against pinocchio's forward kinematics and the poses that ssik solves within the limits."""
 
 import numpy as np
 import pytest
@@ -90,6 +91,9 @@ def moved(joint, xyz=None, axis=None):
     return chain
 
 
+END = '<joint name="j9" type="fixed"><parent link="l7"/><child link="end"/></joint>'  # a second last link
+
+
 @pytest.mark.parametrize(
     ("chain", "given", "message"),
     [
@@ -106,33 +110,25 @@ def moved(joint, xyz=None, axis=None):
         (IIWA, {"replaced": ("</robot>", "")}, "not a URDF"),
         (IIWA, {"replaced": (' type="fixed"', "")}, "not a URDF"),
         (IIWA, {"replaced": ('"l7"', '"tip"')}, "no chain of joints"),  # a joint is its own parent
+        (IIWA, {"replaced": ("<axis", '<mimic joint="j2"/><axis')}, "joint j1 mimics j2"),
+        (IIWA, {"replaced": ("0 0 0.42", "0 0 ${d1}")}, r"joint j4: origin xyz '0 0 \$\{d1\}' is not 3 numbers"),
+        (
+            IIWA,
+            {"replaced": ('revolute"><parent link="base', 'floating"><parent link="base'), "base": None},
+            "6 joints between l1 and tip",
+        ),
+        (
+            IIWA,
+            {"replaced": ("</robot>", f"{END}</robot>"), "tip": None},
+            "no unique link for tip: end, tip; choose with TIP=",
+        ),
     ],
 )
 def test_refused_chains(chain, given, message, tmp_path):
     path = urdf(tmp_path / "arm.urdf", chain, **{k: v for k, v in given.items() if k in ("kind", "limits")})
     path.write_text(path.read_text().replace(*given.get("replaced", ("", ""))))
     with pytest.raises(ValueError, match=f"arm.urdf: .*{message}"):
-        Arm.from_urdf(path, "base", given.get("tip", "tip"))
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (('<axis xyz="0 0 1"/><limit', '<mimic joint="j2"/><axis xyz="0 0 1"/><limit'), "joint j1 mimics j2"),
-        (('xyz="0 0 0.42"', 'xyz="0 0 ${d1}"'), r"joint j4: origin xyz '0 0 \$\{d1\}' is not 3 numbers"),
-        (('type="revolute"><parent link="base"', 'type="floating"><parent link="base"'), "6 joints between l1 and tip"),
-        (
-            ("</robot>", '<joint name="j9" type="fixed"><parent link="l7"/><child link="end"/></joint></robot>'),
-            "no unique link for tip: end, tip; choose with TIP=",
-        ),
-    ],
-)
-def test_refused_files(change, message, tmp_path):
-    path = urdf(tmp_path / "arm.urdf", IIWA)
-    assert change[0] in path.read_text()
-    path.write_text(path.read_text().replace(*change, 1))
-    with pytest.raises(ValueError, match=f"arm.urdf: {message}"):
-        Arm.from_urdf(path)
+        Arm.from_urdf(path, given.get("base", "base"), given.get("tip", "tip"))
 
 
 def test_files_with_more_than_the_arm(tmp_path):
@@ -194,11 +190,11 @@ def test_nearly_exact_arms(chain, warned, tmp_path, recwarn):
     for pose in (arm.solve(points, q), arm.solve(points, q, near=th)):
         assert not pose.over_limit.any() and (np.abs(pose.joints) <= 2.9).all()
         assert_same(tips(chain, pose.joints), (points, m), 1e-9)
-    time = np.linspace(0, 1, 60)[:, None]
-    points, q = arm.forward(th[200] + time * (th[201] - th[200]) / 4)
-    path = arm.path(points, q)
-    assert_same(tips(chain, path.joints), (points, matrix(q)), 1e-9)
-    assert path.largest < 0.2 and not path.jumps
+    for kind, seed in (("line", 8), ("sine", 3)):  # almost straight rows that one branch of the shoulder does not reach
+        points, q = arm.forward(curve(arm, kind, seed, 200))
+        path = arm.path(points, q)
+        assert_same(tips(chain, path.joints), (points, matrix(q)), 1e-9)
+        assert path.largest < 0.2 and not path.jumps
 
 
 def test_corrections_at_limits(tmp_path):
@@ -274,3 +270,53 @@ def test_straight_arms(arm):
     for phi in np.linspace(-3.1, 3.1, 60):
         within = (np.mod(phi - first, 2 * np.pi) <= last - first).any(axis=1)
         assert (within == ~arm.solve(points, q, phi, 0).over_limit.any(axis=1)).all()
+
+
+BEYOND = 0.3  # rad beyond the limits of half of the poses, so that some cannot be solved
+
+
+@pytest.fixture(params=["iiwa14", *(path.stem for path in sorted(ROBOTS.folder.glob("*.urdf")))])
+def robot(request, tmp_path):
+    """Return the file of a robot, its arm, and tips: points (N, 3), orientations (N, 4), 100 in its limits first."""
+    path = ROBOTS.folder / f"{request.param}.urdf"
+    if request.param == "iiwa14":
+        chain, tip = bones(SERIAL, (0, 0, 0.36)), ((0, 0, 0.126), O)
+        path = urdf(tmp_path / "iiwa14.urdf", chain, tip, IIWA14.limits.tolist())
+    arm, random = Arm.from_urdf(path), np.random.default_rng(7)
+    beyond = np.repeat([0.0, BEYOND], 100)[:, None]
+    low, high = np.clip(arm.limits.T, -np.pi, np.pi)
+    th = random.uniform(low - beyond, high + beyond, (200, 7))
+    th[::10, 3] *= 0.01  # almost straight
+    return path, arm, *arm.forward(np.where(beyond > 0, th, np.clip(th, low, high)))
+
+
+@pytest.mark.release
+@pytest.mark.needs("arms")
+def test_pinocchio_reaches_the_same_tips(robot):
+    import pinocchio as pin
+
+    path, arm, points, q = robot
+    model = pin.buildModelFromUrdf(str(path))
+    data, frame = model.createData(), model.getFrameId("tip")
+    pose = arm.solve(points, q)
+    solved = np.flatnonzero(~pose.over_limit.any(axis=1))
+    assert set(range(100)) <= set(solved.tolist())
+    for n in solved:
+        pin.framesForwardKinematics(model, data, pose.joints[n])
+        np.testing.assert_allclose(data.oMf[frame].translation, points[n], rtol=0, atol=1e-9)
+        np.testing.assert_allclose(data.oMf[frame].rotation, matrix(q[n]), rtol=0, atol=1e-9)
+
+
+@pytest.mark.release
+@pytest.mark.needs("arms")
+def test_what_ssik_solves_is_solved(robot):
+    from ssik import Manipulator
+
+    path, arm, points, q = robot
+    other, pose, target, solved = Manipulator.from_urdf(path, base="base", ee="tip"), arm.solve(points, q), np.eye(4), 0
+    for n, turn in enumerate(matrix(q)):
+        target[:3, :3], target[:3, 3] = turn, points[n]
+        answers = other.solve(target, max_solutions=1)
+        solved += bool(answers)
+        assert not answers or not pose.over_limit[n].any(), f"ssik solves pose {n}: {answers[0].q.tolist()}"
+    assert solved > 80

@@ -57,15 +57,15 @@ def test_no_jump(name, kind):
 @pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 60), marks=pytest.mark.release)], ids=["one", "all"])
 @pytest.mark.parametrize("name", ROBOTS)
 def test_lines_and_sines(name, seeds):
-    """Lines between random joints and sines over 95 % of the range are followed; few jump, and slightly."""
+    """Lines between random joints and sines over 95 % of the range are followed; at most one of 118 jumps, slightly."""
     arm, jumping = ROBOTS[name], 0
     for kind, seed in itertools.product(("line", "sine"), seeds):
         points, q = arm.forward(curve(arm, kind, seed, 200, 1.0 if kind == "line" else 0.95))
         path = arm.path(points, q)
         check(arm, path, points, q, 1e-9)
-        assert set(np.flatnonzero(path.step > 0.2).tolist()) == set(path.jumps) and path.largest < 0.3, (kind, seed)
+        assert set(np.flatnonzero(path.step > 0.2).tolist()) == set(path.jumps) and path.largest < 0.22, (kind, seed)
         jumping += bool(path.jumps)
-    assert jumping <= 0.05 * 2 * len(seeds)
+    assert jumping <= 0.01 * 2 * len(seeds)
 
 
 @pytest.mark.parametrize("tilts", [(1,), (5,), (1, 5), (3,)], ids=str)
@@ -96,10 +96,20 @@ def test_windings():
     path = arm.path(*arm.forward(joints))
     check(arm, path, *arm.forward(joints))
     (jump,) = path.jumps.values()
-    assert 1 < path.largest < 6.4 and jump.startswith("joint 7 moves by ")
+    assert 1 < path.largest < 6.4 and f"moves by {path.largest:.3g} rad" in jump
     path = arm.path(points, q, start=[0.3, 0.9, 0.2, 1.1, 0.4, 0.8, 2 * np.pi - 5.9])  # would end at 12.2
     check(arm, path, points, q)
     assert path.largest > 1 and path.jumps
+
+
+def test_joints_of_exactly_a_turn():
+    """Between the ends of two such joints, which none of them crosses, arcs of swivel angles narrower than the grid."""
+    limits = np.pi * np.array([(-1, 1), (0, 1), (-1, 1), (-0.83, 0), (-1, 1), (-0.5, 0.61), (-0.86, 0.86)])
+    arm = Arm(0.28, 0.26, limits=limits)
+    points, q = arm.forward(curve(arm, "sine", 56, 200))
+    path = arm.path(points, q)
+    check(arm, path, points, q)
+    assert path.largest <= 0.2 and not path.jumps
 
 
 def test_given_branch_and_swivel():
