@@ -1,7 +1,7 @@
 // Inputs Q2.30 and binary angles; results binary angles, one turn = 2^32.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Small design around ik_arm: one robot of fixed lengths and joint limits, here those of an LBR iiwa 14. `go` high for
+// Small design around ik_arm: a robot of fixed lengths and joint limits, here an LBR iiwa 14. `go` high for
 // one clock sends a hand pose; `done` is high for one clock with its joints. Throughput: one pose per clock.
 `default_nettype none
 

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: Apache-2.0
--- hand_top.v in VHDL: ik_arm for one robot of fixed lengths and joint limits, here those of an LBR iiwa 14.
+-- hand_top.v in VHDL: ik_arm for a robot of fixed lengths and joint limits, here an LBR iiwa 14.
 
 library ieee;
 use ieee.std_logic_1164.all;

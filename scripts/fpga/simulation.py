@@ -121,7 +121,7 @@ JOB_CLOCKS, JOB_RECORDS = 2500, 160
 """Clocks from one job of ``ik_axi`` to the next, and records of a job, a multiple of the records of a burst."""
 
 BEATS = 32
-"""Beats of a full burst of ``ik_axi``: 8 records of 32 bytes on 64 bits; twice as many with ARM = 1."""
+"""Beats of a full burst of ``ik_axi``: 8 records of 32 bytes on 64 bits; with ARM = 1, 64 beats."""
 
 HELD = 300
 """Clocks for which a hand pose stays at the inputs, because the core loads the pose's words during a lap."""

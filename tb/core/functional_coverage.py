@@ -63,7 +63,7 @@ KINDS = {"lean": WRISTS, "arm": [(pose,) for pose in POSES], "choose": [(choice,
 
 
 def source(datapath: str) -> str:
-    """Return the datapath whose targets and kinds are also those of ``datapath``."""
+    """Return the datapath from which ``datapath`` takes its example targets and kinds."""
     path = MODELS[datapath]
     return "choose" if path.chooses else "arm" if path.side else "lean"
 
