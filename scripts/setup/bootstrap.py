@@ -35,6 +35,7 @@ PROGRAMS = {
     "cc": ["cc"],
     "clang": ["clang"],
     "ghdl": ["ghdl"],
+    "asic": ["sta", "/usr/share/qflow/tech/osu018/osu018_stdcells.lib"],
 }
 PROGRAMS.update({extra: [] for extra in EXTRAS}, browser=["chromium"], table6=["cc"], litex=["riscv64-unknown-elf-gcc"])
 # Programs that commands can do without: they are installed only where apt-get is allowed.
@@ -47,6 +48,8 @@ PACKAGE = {
     "dot": "graphviz",
     "cc": "g++",
     "/usr/bin/verilator_bin": "verilator",
+    "sta": "opensta",
+    "/usr/share/qflow/tech/osu018/osu018_stdcells.lib": "qflow-tech-osu018",
     "riscv64-unknown-elf-gcc": "gcc-riscv64-unknown-elf",
 }
 # Extra -> its programs that compile themselves at their first run. Set-up makes that run, because two first runs at
@@ -101,7 +104,7 @@ def install_packages(packages, required=True):
 def missing(needs, optional=False):
     """Return the programs of these needs that are not installed: the required or, if `optional`, the optional ones."""
     programs = [program for need in needs for program in PROGRAMS[need] if (program in OPTIONAL) == optional]
-    return [program for program in programs if which(program) is None]
+    return [program for program in programs if which(program) is None and not os.path.isfile(program)]
 
 
 def stamp_of(ready):
