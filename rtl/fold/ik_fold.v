@@ -85,7 +85,7 @@ module ik_fold #(
   wire [2*D-1:0] p;
   wire [5:0] w_place, n, pairs;
   wire [9:0] flag_nodes;
-  ik_fold_datapath #(.W(W), .TILE(TILE), .D(D), .XW(XW)) u_datapath (
+  ik_fold_datapath #(.W(W), .TILE(TILE), .D(D), .XW(XW), .WORDS(WORDS)) u_datapath (
       .clk(clk), .go(go),
       .a_at(step[AT_A+:BITS_A]), .b_at(step[AT_B+:BITS_B]), .r_at(step[AT_R+:BITS_R]), .b_count(step[AT_B_COUNT]),
       .b_constant(1'b0), .a_bend(step[AT_A_BEND]), .b_place(step[AT_B_PLACE+:BITS_B_PLACE]),

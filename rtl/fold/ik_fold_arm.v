@@ -125,7 +125,7 @@ module ik_fold_arm #(
   wire [5:0] w_place, n, pairs;
   wire [9:0] flag_nodes;
   // A constant replaces a word of a bad hand: 1 or 0.
-  ik_fold_datapath #(.W(W), .TILE(TILE), .D(D), .XW(XW)) u_datapath (
+  ik_fold_datapath #(.W(W), .TILE(TILE), .D(D), .XW(XW), .WORDS(WORDS)) u_datapath (
       .clk(clk), .go(go),
       .a_at(step[AT_A+:BITS_A]), .b_at(step[AT_B+:BITS_B]), .r_at(step[AT_R+:BITS_R]), .b_count(step[AT_B_COUNT]),
       .b_constant(b_by == B_BY_BAD_HAND && hand_is_bad), .a_bend(step[AT_A_BEND]),

@@ -13,7 +13,8 @@ module ik_fold_datapath #(
     parameter integer W    = 24,  // word length of the core
     parameter integer TILE = 18,  // multiplier tile width: 18 or 16
     parameter integer D    = 33,  // width of a word: mantissa and sign, ROOT_FRAC + 4
-    parameter integer XW   = 50   // width of an exact sum: 2 W + 2
+    parameter integer XW   = 50,  // width of an exact sum: 2 W + 2
+    parameter integer WORDS = 32  // of the memory that the program uses
 ) (
     input  wire           clk,
     input  wire           go,
@@ -89,11 +90,11 @@ module ik_fold_datapath #(
   localparam integer DOWN = INDEX_BITS + 2;
   wire [SEEN-1:0] a;
   wire [RW-1:0] row_word;
-  wire a_second, b_second, w_second;
+  wire a_zero, a_second, b_second, w_second;
   assign w_place = {w_at[5:1], w_at[0] ^ w_second};
-  ik_fold_memory #(.D(D), .AD(SEEN), .DOWN(DOWN), .RW(RW)) u_memory (
+  ik_fold_memory #(.D(D), .AD(SEEN), .DOWN(DOWN), .RW(RW), .WORDS(WORDS)) u_memory (
       .clk(clk), .go(go),
-      .a_at({a_at[6:1], a_at[0] ^ a_second}),
+      .a_at({a_at[6] ^ a_zero, a_at[5:1], a_at[0] ^ a_second}),
       .b_at(b_count ? {1'b1, n} : {b_at[6] ^ b_constant, b_at[5:1], b_at[0] ^ b_second}), .r_at(r_at),
       .a(a), .b(b), .r(row_word),
       .w_en(w_en), .w_at(w_place), .w(w)
@@ -171,7 +172,7 @@ module ik_fold_datapath #(
       .clk(clk), .go(go), .sign(sign), .sum_below_0(t[XW-1]), .word_below_0(word_below_0),
       .phi_loaded(phi_loaded), .phi_below_0(phi_below_0), .e_set(e_set), .zero(zero),
       .none(none), .a_by(a_by), .b_by(b_by), .w_by(w_by), .s_by(s_by), .minus_by(minus_by),
-      .a_second(a_second), .b_second(b_second), .w_second(w_second), .s_other(s_other), .minus(minus),
+      .a_zero(a_zero), .a_second(a_second), .b_second(b_second), .w_second(w_second), .s_other(s_other), .minus(minus),
       .clamp(clamp), .closed(closed), .nodes(flag_nodes), .flags(flags)
   );
   wire unused = &{1'b0, sum};

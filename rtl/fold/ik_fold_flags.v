@@ -25,6 +25,7 @@ module ik_fold_flags (
     input  wire [1:0] s_by,
     input  wire [3:0] minus_by,
     // Choices of the current step
+    output wire       a_zero,
     output wire       a_second,
     output wire       b_second,
     output wire       w_second,
@@ -75,7 +76,8 @@ module ik_fold_flags (
   assign nodes = {k_1, bend_swap, away, closed, clamp, too_near, too_far, at_shoulder, on_axis, bad_length};
   assign flags = {3'b000, bad_length, at_shoulder, on_axis, too_near, too_far};
 
-  assign a_second = (a_by == A_BY_U_Y && u_y) || (a_by == A_BY_AT_SHOULDER && at_shoulder) || (a_by == A_BY_CLAMP && clamp);
+  assign a_zero = (a_by == A_BY_AT_SHOULDER && at_shoulder) || (a_by == A_BY_CLAMP && clamp);
+  assign a_second = a_by == A_BY_U_Y && u_y;
   assign b_second = (b_by == B_BY_SIN_EL && sin_el) || (b_by == B_BY_BEND_SWAP && bend_swap);
   assign w_second = (w_by == W_BY_U_Y && u_y) || (w_by == W_BY_SIN_EL && sin_el) || (w_by == W_BY_BEND_SWAP && bend_swap);
   assign s_other = (s_by == S_BY_ON_AXIS && on_axis) || (s_by == S_BY_AT_SHOULDER && at_shoulder)

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // No rounding; words of D bits. a returns their high bits, r the bits below the sign.
-// 64 read/write words, initially 0, followed by the constants 2^(1-n), n = 0 to 63, but -2 for n = 0, and 2^(1-n+DOWN)
-// from n = AD on, which underflows to 0. Three copies, one per read port.
+// Read/write words at the addresses 0 to 63, followed by the constants 2^(1-n), n = 0 to 63, but -2 for n = 0, and
+// 2^(1-n+DOWN) from n = AD on, which underflows to 0. The address n + 32 may be another one of the word n.
+// Three copies, one per read port. With the macro IK_NO_INITIAL, for chips without initial values, one copy of WORDS
+// words, and constants from logic.
 // Throughput: three reads and one write per clock with go high.
 // Latency: 1 clock from address to word. A word can be read in the clock after its write.
 `default_nettype none
@@ -12,7 +14,8 @@ module ik_fold_memory #(
     parameter integer D  = 33,  // width of a word
     parameter integer AD = 33,  // high bits read as a
     parameter integer DOWN = 12,  // shift applied to small powers
-    parameter integer RW = 12   // bits below the sign that select a table row
+    parameter integer RW = 12,  // bits below the sign that select a table row
+    parameter integer WORDS = 32  // read/write words in use
 ) (
     input  wire          clk,
     input  wire          go,    // clock enable
@@ -30,6 +33,26 @@ module ik_fold_memory #(
     input  wire [ D-1:0] w
 );
 
+  function [D-1:0] power(input integer k);
+    power = {1'b1, {(D - 1) {1'b0}}} >> ((k < AD) ? k : k - DOWN);
+  endfunction
+
+`ifdef IK_NO_INITIAL
+
+  reg [D-1:0] words[0:WORDS-1];
+  wire [D-1:0] a_word = a_at[6] ? power(a_at[5:0]) : words[a_at[4:0]];
+  wire [D-1:0] r_word = words[r_at[4:0]];
+  always @(posedge clk) begin
+    if (go) begin
+      a <= a_word[D-1-:AD];
+      b <= b_at[6] ? power(b_at[5:0]) : words[b_at[4:0]];
+      r <= r_word[D-2-:RW];
+    end
+    if (go && w_en) words[w_at[4:0]] <= w;
+  end
+
+`else
+
   (* no_rw_check, ram_style = "block" *)
   reg [AD-1:0] mem_a[0:127];
   (* no_rw_check, ram_style = "block" *)
@@ -37,17 +60,10 @@ module ik_fold_memory #(
   (* no_rw_check, ram_style = "block" *)
   reg [RW-1:0] mem_r[0:63];
 
-  function [D-1:0] power(input integer k);
-    power = {1'b1, {(D - 1) {1'b0}}} >> ((k < AD) ? k : k - DOWN);
-  endfunction
-
   integer i;
   reg [D-1:0] word;
   initial begin
     for (i = 0; i < 64; i = i + 1) begin
-      mem_a[i] = {AD{1'b0}};
-      mem_b[i] = {D{1'b0}};
-      mem_r[i] = {RW{1'b0}};
       word = power(i);
       mem_a[64+i] = word[D-1-:AD];
       mem_b[64+i] = word;
@@ -66,6 +82,8 @@ module ik_fold_memory #(
       mem_r[w_at] <= w[D-2-:RW];
     end
   end
+
+`endif
 
 endmodule
 

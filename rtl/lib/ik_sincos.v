@@ -93,7 +93,8 @@ module ik_sincos #(
     end
   endfunction
 
-  // Rows are computed as constants of EACH rows: nested loops in `initial` exceed the limits of some tools.
+  // Rows are computed as constants of EACH rows: nested loops in `initial` exceed the limits of some tools. With
+  // IK_NO_INITIAL, rows are constant nets.
   localparam integer EACH = 32;
   function [2*XW*EACH-1:0] vectors(input integer first);
     integer k;
@@ -103,12 +104,22 @@ module ik_sincos #(
     end
   endfunction
 
+`ifdef IK_NO_INITIAL
+  wire [2*XW-1:0] start[0:(1<<FIRST)-1];
+`else
   reg [2*XW-1:0] start[0:(1<<FIRST)-1];
-  integer n;
+`endif
+  genvar n;
   generate
     for (i = 0; i < (1 << FIRST); i = i + EACH) begin : g_rows
       localparam [2*XW*EACH-1:0] ROWS = vectors(i);
-      initial for (n = 0; n < EACH; n = n + 1) start[i+n] = ROWS[2*XW*n+:2*XW];
+      for (n = 0; n < EACH; n = n + 1) begin : g_row
+`ifdef IK_NO_INITIAL
+        assign start[i+n] = ROWS[2*XW*n+:2*XW];
+`else
+        initial start[i+n] = ROWS[2*XW*n+:2*XW];
+`endif
+      end
     end
   endgenerate
 

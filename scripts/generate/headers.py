@@ -15,7 +15,7 @@ from model.dataflow.angles import TABLE_BITS, atan_table
 from model.dataflow.datapaths import MODELS
 from model.dataflow.fixed import nodes
 from model.dataflow.fold import steps as timing
-from model.dataflow.fold.program import PROGRAMS, SCHEDULES, Program, codes, fields, program, schedules
+from model.dataflow.fold.program import PROGRAMS, SCHEDULES, WORDS, Program, codes, fields, program, schedules
 from model.dataflow.fold.shown import shown
 from model.dataflow.fold.steps import Operand, Pick, Selector
 from model.dataflow.formats import GUARD, INNER_FRAC, ROOT_FRACS, WIDTHS, Latency, inner_frac
@@ -149,15 +149,17 @@ def _after(made: Program) -> str:
 
 def fold_program(of: str) -> str:
     made, arm = [program(longest, of)[1] for longest in schedules(of)], of != "fold"
-    last = made[0].results[1] // made[0].period
-    size, later = (made[0].period - 1).bit_length(), " and ".join(map(str, range(1, last + 1)))
+    laps = made[0].results[1] // made[0].period
+    size, later = (made[0].period - 1).bit_length(), " and ".join(map(str, range(1, laps + 1)))
     lap = _pick(p.period for p in made), _pick(f"{size}'d{p.period - 1}" for p in made)
     events = {"HOLD": [p.results[0] - 1 for p in made], "FIRST": [p.results[0] for p in made]}
     events["LAST"] = [p.results[1] for p in made]
     laps = {name: _pick(at // p.period for at, p in zip(clocks, made, strict=True)) for name, clocks in events.items()}
     after = _pick(f"136'h{_after(p)}" for p in made) if arm else ""
     tables = dict(zip(("short", "long") if arm else ("",), map(_rows, made), strict=True))
-    return BODIES.fold_program(of, later, size, lap, laps, min(schedules(of)), after, NO_STEP if arm else None, tables)
+    words = 1 + max(place % WORDS for p in made for place in p.places.values())
+    last = NO_STEP if arm else None
+    return BODIES.fold_program(of, later, size, lap, laps, words, min(schedules(of)), after, last, tables)
 
 
 def _operand(of: Operand | None) -> str:

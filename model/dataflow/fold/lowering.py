@@ -263,7 +263,7 @@ class Lowering:
         unit = mask.name if mask else ""
         a: str | Pick = cosine.name
         if mask:
-            a = self.picks[cosine.name] = Pick(cosine.name, Selector(unit))
+            a = self.picks[cosine.name] = Pick(cosine.name, Selector(unit), constant=ZERO)
         minus = Selector(cosine.name, True, unless=unit)
         self.terms[node.name] = Step(node.name, a, HALF, "word", "length", addend_by=Selector(unit), minus=minus)
 
@@ -286,7 +286,7 @@ class Lowering:
         self.terms[length] = replace(self.terms[length], write=Write(self.picks[length]))
         a: str | Pick = sine.name
         if none:
-            a = self.picks[sine.name] = Pick(sine.name, Selector(none.name))
+            a = self.picks[sine.name] = Pick(sine.name, Selector(none.name), constant=ZERO)
         name = f"{sine.name}/2"
         small = Step(name, a, HALF, cut="word", write=Write(Pick(first, flag, not second_larger)))
         if mask and not none:  # where the mask is set, both parts are 1/2

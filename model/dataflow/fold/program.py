@@ -38,7 +38,8 @@ class Schedule:
 
 
 WIDTH = 24  # any word length: the steps are the same at each
-PLACES = 64  # read/write words of the memory; 64 powers of two follow
+PLACES = 64  # places of read/write words; 64 powers of two follow
+WORDS = 32  # read/write words: a word has two places, n and n + 32
 
 
 @cache
@@ -135,7 +136,7 @@ def lives(steps: list[Placed], loads: dict[str, int]) -> dict[str, tuple[int, in
     return {name: (clock, last.get(name, clock)) for name, clock in first.items()}
 
 
-CONSTANTS = {ONE: range(1, 2), ZERO: range(48, PLACES)}
+CONSTANTS = {ONE: range(1, 2), ZERO: range(WORDS + 16, PLACES)}
 """Constant of a :class:`Pick` -> places n that the other word may have: the word ``PLACES`` further, 2^(1-n), has to be
 the constant.  From n = 48 on it is 0 at any word length."""
 
@@ -146,16 +147,16 @@ def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[st
     picks = {of.pair: of.constant for of in operands if isinstance(of, Pick)}
     doubles = {name for name, constant in picks.items() if not constant}
     life = lives(steps, loads)
-    taken: list[set[int]] = [set() for _ in range(PLACES)]
+    taken: list[set[int]] = [set() for _ in range(WORDS)]
     places = {}
     for name in sorted(life, key=lambda n: (not picks.get(n), n not in doubles, life[n])):
         first, last = life[name]
         if last - first >= period:
             raise ConflictError(f"{name} lives {last - first} clocks, too long for a lap of {period}")
-        double = name in doubles  # its second word may be a constant: it takes two places for the whole lap
+        double = name in doubles
         wanted = {clock % period for clock in (range(period) if double else range(first, last + 1))}
-        for place in CONSTANTS.get(picks.get(name, ""), range(0, PLACES, 1 + double)):
-            both = taken[place : place + 1 + double]
+        for place in CONSTANTS.get(picks.get(name, ""), range(0, WORDS, 1 + double)):
+            both = taken[place % WORDS :][: 1 + double]
             if not any(words & wanted for words in both):
                 break
         else:

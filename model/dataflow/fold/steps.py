@@ -64,8 +64,8 @@ NEVER, ALWAYS, NO_COUNT = Selector(), Selector("always"), Selector("n_0")
 class Pick:
     """One of two memory words that the flag selects: the first or, if ``second``, the other; a set flag swaps the two.
 
-    The words have adjacent places: the larger and the smaller part of a rotation, or a word and 0.  But if the other
-    word is a ``constant``, it is :data:`.program.PLACES` further and takes no place."""
+    The words have adjacent places: the larger and the smaller part of a rotation.  But if the other word is a
+    ``constant``, it is :data:`.program.PLACES` further and takes no place."""
 
     pair: str
     flag: Selector
