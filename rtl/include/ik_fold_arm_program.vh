@@ -14,8 +14,8 @@ localparam integer LAST_LAP = 2;
 localparam integer WORDS = 29;  // of the memory
 localparam [135:0] AFTER = SHORT ? 136'h04_07_08_05_10_01_0b_0e_0f_0c_02_00_03_0d_09_06_0a : 136'h03_08_09_04_07_05_0c_0f_10_0d_01_00_02_0e_0a_06_0b;
 
-// Rows are initial values; with the macro IK_NO_INITIAL they are constant nets.
-`ifdef IK_NO_INITIAL
+// Rows are initial values; with the macro IK_NET_TABLES they are constant nets.
+`ifdef IK_NET_TABLES
 `define IK_ROM wire
 `define IK_ROW assign
 `else

@@ -11,8 +11,8 @@ localparam integer FIRST_LAP = 1;
 localparam integer LAST_LAP = 1;
 localparam integer WORDS = 18;  // of the memory
 
-// Rows are initial values; with the macro IK_NO_INITIAL they are constant nets.
-`ifdef IK_NO_INITIAL
+// Rows are initial values; with the macro IK_NET_TABLES they are constant nets.
+`ifdef IK_NET_TABLES
 `define IK_ROM wire
 `define IK_ROW assign
 `else

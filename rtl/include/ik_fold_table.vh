@@ -10,8 +10,8 @@ localparam integer SINE_ROUNDING = (1 << (SINE_SUM_FRAC - SINE_FRAC - 1)) >> (SI
 localparam [ROW_BITS-1:0] ROOT = {{(ROW_BITS - 32) {1'b0}}, ROOT_ROUNDING} << (C1_BITS + C2_BITS);
 localparam [ROW_BITS-1:0] SINE = {{(ROW_BITS - 32) {1'b0}}, SINE_ROUNDING} << (C1_BITS + C2_BITS);
 
-// Rows are initial values; with the macro IK_NO_INITIAL they are constant nets.
-`ifdef IK_NO_INITIAL
+// Rows are initial values; with the macro IK_NET_TABLES they are constant nets.
+`ifdef IK_NET_TABLES
 `define IK_ROM wire
 `define IK_ROW assign
 `else

@@ -27,8 +27,8 @@ localparam integer ROUNDING = 1 << (SUM_FRAC - F - 1);
 localparam [SPARE-1:0] LOWEST = ROUNDING[SPARE-1:0];
 localparam [ROW_BITS-1:0] ADD = {{(ROW_BITS - 32) {1'b0}}, ROUNDING} >> SPARE << (C1_BITS + C2_BITS);
 
-// Rows are initial values; with the macro IK_NO_INITIAL they are constant nets.
-`ifdef IK_NO_INITIAL
+// Rows are initial values; with the macro IK_NET_TABLES they are constant nets.
+`ifdef IK_NET_TABLES
 `define IK_ROM wire
 `define IK_ROW assign
 `else

@@ -57,7 +57,7 @@ FOLD, FOLD16 = ({key: MODELS[name].parameters[key] for key in ("DATAPATH", "TILE
 MEMORY = ("xc2vp", "xc7", "ecp5")
 SMALL = ("ecp5-12k", "xc7", "gowin")
 FOLDED_MEMORY = ("fold_memory", "fold_arm_memory")
-ASIC, STANDARD_CELLS = "asic", (("fold16", 18), ("fold", 24), ("fold_arm", 24))
+ASIC, STANDARD_CELLS = "asic", (("fold16", 18), ("fold", 24), ("fold_arm", 24), ("lean", 18))
 """Group of designs of standard cells, which `make asic` measures; their datapaths and word lengths."""
 
 

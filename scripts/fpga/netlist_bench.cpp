@@ -14,6 +14,8 @@ int main(int, char **arguments) {
     const auto number = [&](int k) { return strtoul(arguments[k], nullptr, 10); };
     const unsigned long settle = number(1), valid = number(2), ready = number(3);
     VerilatedContext context;
+    context.randReset(2);  // random initial values, where the model is compiled for them
+    context.randSeed(1);
     Vtop top(&context);
     unsigned long clock = 0, differ = 0, first = 0, results = 0;
     uint64_t before = 0;  // the core's input pins before the clock's edge

@@ -45,14 +45,19 @@ SYNTHESIZE = {
     "ecp5-12k": PERIOD + _ECP5,
     "up5k": "synth_ice40 -device u -dsp -top {top}",
     "gowin": PERIOD + "synth_gowin -family gw2a -noiopads -top {top}",
-    "osu018": "synth -flatten -top {top}; memory_map; opt -full; techmap; opt; "
-    f"dfflibmap -liberty {OSU018}; abc -liberty {OSU018} -D 6000 -constr abc.constr; opt_clean -purge; "
-    f"tee -o area.json stat -liberty {OSU018} -json; design -save mapped; splitnets -ports; "
+    "osu018": "proc; setattr -unset init w:*; synth -booth -flatten -noabc -top {top}; opt -full; "
+    f"dfflibmap -liberty {OSU018}; abc -liberty {OSU018} -D 6000 -constr abc.constr -script abc.script; "
+    f"opt_clean -purge; tee -o area.json stat -liberty {OSU018} -json; design -save mapped; splitnets -ports; "
     "write_verilog -noattr -simple-lhs mapped.v; design -load mapped",
 }
 """Family -> Yosys commands. OpenSTA reads ports of one bit only."""
 
-MACROS = {"ecp5": " -DIK_LOGIC_TILES"}
+ABC = """strash; &get -n; &fraig -x; &put; scorr; dc2 -l; dc2 -l; dc2 -l
+&get -n; &dch -f; &nf {D}; &put; buffer -N 24; upsize {D}; dnsize {D}
+"""
+"""ABC's commands for standard cells. Those of Yosys map the logic as it was before scorr and dc2."""
+
+MACROS = {"ecp5": " -DIK_LOGIC_TILES", "osu018": " -DIK_NO_INITIAL"}
 """Family -> options that define Verilog macros. With IK_LOGIC_TILES, small tiles are built from logic: at W = 24 and 32
 the lean datapath has more products than the ECP5-85k has multipliers."""
 
@@ -130,7 +135,7 @@ class Run:
             timing = f"read_liberty {OSU018}; read_verilog mapped.v; link_design {self.top}; read_sdc {SDC.name}; "
             timing += "report_checks -digits 4; exit"
             constraints = "set_driving_cell BUFX4\nset_load 0.05\n"
-            return {"abc.constr": constraints, "sta.tcl": timing, SDC.name: SDC.read_text()}
+            return {"abc.constr": constraints, "abc.script": ABC, "sta.tcl": timing, SDC.name: SDC.read_text()}
         return {SRL16_MAP.name: SRL16_MAP.read_text()} if self.family == "xc2vp" else {}
 
     def key(self) -> str:

@@ -156,7 +156,8 @@ def simulated(
     short = (place / "gate.v").stat().st_size < SHORT
     command = ["nice", "verilator", "--cc", "--exe", "--build", "-O3", "--prefix", "Vtop", "--top-module", "bench"]
     ignored = "fatal", "lint", "SPECIFYIGN", "MINTYPMAXDLY", "UNOPTFLAT"
-    command += [*(f"-Wno-{warning}" for warning in ignored), "--x-initial", "0", "--x-assign", "0"]
+    initial = "unique" if family == "osu018" else "0"  # registers and memories of an FPGA start at 0
+    command += [*(f"-Wno-{warning}" for warning in ignored), "--x-initial", initial, "--x-assign", "0"]
     command += ["--Mdir", str(place / "obj"), f"-I{folder}", f"-I{models.parent}", "-CFLAGS", "-std=gnu++20"]
     command += ["--output-split", "0" if short else "20000"]
     command += map(str, (place / "bench.v", place / "gate.v", HERE / "cells.v", models, HERE / "netlist_bench.cpp"))

@@ -2,7 +2,7 @@
 """Test power-up: outputs are defined before the first clock, and nothing depends on the initial state.
 
 Icarus starts registers as X; there, test_nothing_depends_on_the_start only checks the ports. Verilator starts
-registers, memories and X at random; there, several seeds also run streams and jobs.
+registers, memories and X at random; there, several seeds also run streams and jobs.  A netlist starts in both ways.
 """
 
 import re
@@ -13,11 +13,12 @@ from cocotb.triggers import Timer
 
 from model.dataflow.datapaths import MODELS
 from tb.core.test_streams import SETS
-from tb.sim.env import simulator
+from tb.formal.tools import yosys
+from tb.sim.env import ROOT, simulator
 from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.shared import SECONDS, passes
-from tb.sim.sources import headers, sources
+from tb.sim.sources import closure, headers, sources
 from tb.sim.timeout import timed_test
 
 ALWAYS_READY = ("m_axi_rready", "m_axi_bready")
@@ -114,3 +115,28 @@ def test_a_reset_of_one_clock_replaces_initial_values(top, parameters, tmp_path)
     env = {"COCOTB_TEST_FILTER": BARE, "IK_RESET": "0"}
     options = {"toplevel": top, "module": MODULES[top], "parameters": parameters, "env": env, "root": tmp_path}
     passes("-".join(["bare", top, *map(str, parameters.values())]), name="bare", **options)
+
+
+@pytest.mark.slow
+@pytest.mark.needs("fpga")
+@pytest.mark.parametrize("name", ["fold16", "fold_arm16"])
+def test_a_netlist_needs_no_initial_values(name, tmp_path):
+    """Test gates in place of the core, made with IK_NO_INITIAL and without initial values, and a reset of one clock."""
+    path = MODELS[name]
+    parameters = {"W": 18, "TAG_W": 3, **path.parameters}
+    core = copy_rtl(tmp_path) / "rtl" / "fold" / f"{path.entity}.v"
+    header = re.search(r".*?\n\);", core.read_text(), re.S)[0]
+    ports = re.findall(r"^    (?:in|out)put .*?(\w+),? *(?://.*)?$", header, re.M)
+    files = [str(file.relative_to(ROOT)) for file in closure(path.entity) if file.suffix == ".v"]
+    values = "".join(f" -chparam {key} {value}" for key, value in parameters.items() if f"integer {key} " in header)
+    folder = ROOT / "build" / "netlists"
+    lines = [f"read_verilog -defer -DIK_NO_INITIAL -Irtl/include {' '.join(files)}"]
+    lines += [f"hierarchy -check -top {path.entity}{values}", "proc", "setattr -unset init w:*"]
+    lines += [f"synth -flatten -top {path.entity}", "setattr -unset init w:*"]
+    lines += [f"rename {path.entity} gates", f"write_verilog -noattr {folder.relative_to(ROOT)}/{name}.v"]
+    assert not yosys(folder, name, lines, SECONDS)
+    instance = f"  gates u_gates ({', '.join(f'.{port}({port})' for port in ports)});\n  wire go = u_gates.go;"
+    core.write_text(f"{header}\n{instance}\nendmodule\n{(folder / f'{name}.v').read_text()}")
+    env = {"COCOTB_TEST_FILTER": f"after=few|{EVERY.replace('False', 'True')}", "IK_RESET": "0"}
+    options = {"toplevel": path.top, "module": MODULES[path.top], "parameters": parameters, "env": env}
+    passes(f"netlist-{name}", name="netlist", root=tmp_path, **options)
