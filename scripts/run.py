@@ -18,8 +18,7 @@ from scripts.paper.tables import table_of_datapaths
 from scripts.score_tables import table_of_many, table_of_one, verdict
 from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file
 
-PREDICTED = 5000
-"""Most targets with predicted errors, whose computation takes longer than everything else."""
+PREDICTED = 5000  # most targets with predicted errors, whose computation takes longer than everything else
 
 
 @command(

@@ -24,16 +24,7 @@ from model.io import trajectories
 from model.io.files import EULER, Place, read_csv
 from model.io.flags import ARM_FLAG_BITS
 from model.io.scoring import Score, score, score_json, tables
-from model.io.words import (
-    ARM_FIELDS,
-    JOINTS,
-    RESULT_FIELDS,
-    Targets,
-    angle_doubt,
-    binary_angles,
-    result_values,
-    to_words,
-)
+from model.io.words import ARM_FIELDS, RESULT_FIELDS, Targets, angle_doubt, binary_angles, result_values, to_words
 from model.motion import arms, gltf
 from model.motion import clip as clips
 from model.motion.clip import TORSO, Clip, Motion
@@ -96,8 +87,7 @@ def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[
     return {name: arguments.out / name for name in chosen} if len(chosen) > 1 else {chosen[0]: arguments.out}
 
 
-WHOLE_ARM = {"lean": "arm", "fold": "fold_arm"}
-"""Datapath of wrist targets -> the one of hand poses."""
+WHOLE_ARM = {"lean": "arm", "fold": "fold_arm"}  # datapath of wrist targets -> the one of hand poses
 
 CHOOSING = {"arm": "choose", "fold_arm": "fold_choose"}
 """Datapath of hand poses -> the same with the choice of a branch."""
@@ -348,14 +338,14 @@ def speeds_of(item: Prepared, result: Score) -> Speeds:
 
 def quaternions(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the results of a run as Qs (N, 4) in the user's frame and Qe (N, 4)."""
-    first = 0 if item.targets.hand is None else len(JOINTS)
+    first = 0 if item.targets.hand is None else len(joints.JOINTS)
     values = result_values(ran.results[:, first : first + len(RESULT_FIELDS)], width)
     return item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
 
 
 def by_joints(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return Qs, Qe and Qh (N, 4), computed from the seven joint angles of a run. Qs and Qh are in the user's frame."""
-    th, targets = ran.results[:, : len(JOINTS)].T * (2 * np.pi / 2**width), item.targets
+    th, targets = ran.results[:, : len(joints.JOINTS)].T * (2 * np.pi / 2**width), item.targets
     qe = np.array((np.sin(th[3] / 2), -np.cos(th[3] / 2), 0 * th[3], 0 * th[3])).T
     _, qh = joints.reached(th, targets.d1, targets.d2, targets.tool)
     return targets.from_core(joints.turned(*th[:3]).T), qe, targets.from_core(qh)
@@ -408,8 +398,7 @@ def outputs(out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], *o
     return output(out, paths, sources(prepared))
 
 
-Done = Sequence[Sequence[tuple[Run, Score]]]
-"""For each datapath, the run and the score of each trajectory."""
+Done = Sequence[Sequence[tuple[Run, Score]]]  # for each datapath, the run and the score of each trajectory
 
 
 def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], done: Done) -> None:

@@ -263,11 +263,8 @@ class Arm:
             place, turn, _ = self.chain.forward(checked_rows("positions", positions, 7))
             return place, quaternion(turn)
         th = self.angles(checked_rows("positions", positions, 7)).T
-        qs = multiply(joints.turned(*th[:3]).T, self.upper)
-        qf = multiply(qs, joints.turned(0 * th[3], th[3], 0 * th[3]).T)
-        qh = multiply(multiply(qf, self.fore), joints.turned(*th[4:]).T)
-        point = rotate(qs, (0, 0, self.d1)) + rotate(qf, (0, 0, self.d2)) + rotate(qh, self.tool)
-        return self.base + rotate(self.mount, point), multiply(self.mount, multiply(qh, self.tip))
+        point, q = joints.reached(th, self.d1, self.d2, self.tool, self.upper, self.fore)
+        return self.base + rotate(self.mount, point), multiply(self.mount, multiply(q, self.tip))
 
     def feasible_swivel(self, points: ArrayLike, hand: ArrayLike, branch: ArrayLike = 0) -> Swivels:
         """Return the swivel angles for which all joints are within their limits.  Raises ValueError."""

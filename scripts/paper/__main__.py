@@ -39,8 +39,7 @@ from scripts.paper.derivation.proofs import ProofError, Step, aligned, derive, f
 from scripts.paper.table6 import __main__ as table6
 from tb.sim.env import GENERATED
 
-STEPS = {"derivation": paper.STEPS, "lean": lean.STEPS}
-"""Page of the derivation -> its steps."""
+STEPS = {"derivation": paper.STEPS, "lean": lean.STEPS}  # page of the derivation -> its steps
 
 SHOWN = GENERATED / "figures"
 

@@ -15,8 +15,7 @@ TARGETS = 100
 FIRST_US, ALL_US, SOFTWARE_US = 5.0, 6.0, 860.0
 """Times of the paper for TARGETS targets (us): its pipeline to the first and the last result, its software."""
 
-LUTS, MHZ, STAGES = 30_000, 100, 550
-"""LUT4, clock (MHz) and latency (clocks) of the paper's pipeline."""
+LUTS, MHZ, STAGES = 30_000, 100, 550  # LUT4, clock (MHz) and latency (clocks) of the paper's pipeline
 
 CHIP, CHIP_LUTS, CHIP_MULTIPLIERS = "2VP70", 66_176, 328
 """Virtex-II Pro 2VP70: name, LUT4 (33088 slices of two), 18x18 multipliers (Xilinx DS083)."""

@@ -45,26 +45,13 @@ from scripts.trajectory import Prepared, quaternions
 from tb.sim.simulate import Run
 
 HERE = Path(__file__).parent
-SCRIPTS = ("arm", "figure", "paper", "plots", "report")
-"""Scripts of the page in dependency order."""
-
-DIGITS = 7
-"""Significant digits of the numbers in the page."""
-
-MOST_ROWS = 12
-"""Largest number of rows that jump which the table lists."""
-
-MOST_ARMS = 4
-"""Largest number of arms of different lengths that are drawn together; with more, only the moving arm is drawn."""
-
-NEAR = 1e-4
-"""Largest geometric error, as a fraction of the reach, at which an entity near a singular pose is still drawn."""
-
-STEPS = 4000
-"""Units per diagonal of the figure's bounding box. A unit is smaller than a pixel."""
-
-BODY, UPPER, FORE, HEAD = range(4)
-"""Body parts. A node carries the part of the bone that ends there."""
+SCRIPTS = ("arm", "figure", "paper", "plots", "report")  # scripts of the page in dependency order
+DIGITS = 7  # significant digits of the numbers in the page
+MOST_ROWS = 12  # largest number of rows that jump which the table lists
+MOST_ARMS = 4  # arms of different lengths that are drawn together; with more, only the moving arm is drawn
+NEAR = 1e-4  # largest geometric error / reach at which an entity near a singular pose is still drawn
+STEPS = 4000  # units per diagonal of the figure's bounding box; a unit is smaller than a pixel
+BODY, UPPER, FORE, HEAD = range(4)  # body parts; a node carries the part of the bone that ends there
 
 
 def _numbers(array: np.ndarray, digits: int = DIGITS) -> Any:

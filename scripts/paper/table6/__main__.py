@@ -46,18 +46,13 @@ from tb.sim.simulate import SimulationError, simulate
 FIGURES = GENERATED / "table6.json"
 PAGE = GENERATED / "table6.md"
 
-TARGETS, SEED = 1_000_000, 1
-"""Number of random targets, and their seed."""
-REPEATS = 7
-"""Number of measurements from which a median is taken."""
-SHORT = 0.02
-"""Minimum duration of a measurement (s). A faster function is repeated within one measurement."""
+TARGETS, SEED = 1_000_000, 1  # number of random targets, and their seed
+REPEATS = 7  # number of measurements from which a median is taken
+SHORT = 0.02  # minimum duration of a measurement (s). A faster function is repeated within one measurement.
 
 WIDTH, DATAPATH = 32, "lean"
-BUS, LATENCY = 128, 34
-"""Bus width (bits) and memory latency (clocks) of the memory-to-memory path."""
-CHUNK = 20_000
-"""Random targets per run of the bit-true model."""
+BUS, LATENCY = 128, 34  # bus width (bits) and memory latency (clocks) of the memory-to-memory path
+CHUNK = 20_000  # random targets per run of the bit-true model
 STREAMS = "stream to stream"
 """Name of the path through `ik_axis`. The other path, memory to memory, is through `ik_axi`."""
 

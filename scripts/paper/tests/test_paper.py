@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that derivations hold, that all pages of `make paper` but table 6 are up to date and match the dataflow, and that
-errors in print, algebra or dataflow are found."""
+"""Tests that derivations hold, that all pages of `make paper` but table 6 are up to date, and that errors in print,
+algebra or dataflow are found."""
 
 import re
 from copy import copy
