@@ -6,10 +6,9 @@ warning (exit status 0). With --strict, as for a release, it is a failure (exit 
 """
 
 import sys
-from types import SimpleNamespace
 
 from scripts import formal, soak
-from scripts.console import command, switch
+from scripts.console import Options, command, switch
 from scripts.fpga import designs
 from scripts.generate.render import read_table
 
@@ -39,7 +38,7 @@ def stale(page: str) -> list[str]:
     passes="done",
     fails="stale, with --strict",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     count = 0
     for page, (writer, *_) in PAGES.items():
         if names := stale(page):

@@ -43,6 +43,10 @@ EVERY = 5.0  # seconds between progress lines if stderr is no terminal
 RECENT = 120.0  # seconds over which a rate is averaged
 
 
+class Options(SimpleNamespace):
+    """Values of a command's options by name; `given` is the set of names that the command line contains."""
+
+
 class InputError(click.ClickException):
     """Bad input. The message is one line for the user."""
 
@@ -74,11 +78,11 @@ def _options_of_make(parser: click.Command, words: Iterable[str]) -> Iterator[st
             yield option if switches[option] else f"{option}={value}"
 
 
-def _parsed(parser: click.Command, program: str, arguments: Sequence[str]) -> SimpleNamespace:
-    """Return a namespace of all option values; `given` is the set of option names that the command line contains."""
+def _parsed(parser: click.Command, program: str, arguments: Sequence[str]) -> Options:
+    """Return the values of all options. Raises InputError for a word length that a datapath lacks."""
     with parser.make_context(program, [*_options_of_make(parser, arguments)]) as context:
         given = {name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE}
-        options = SimpleNamespace(**context.params, given=given)
+        options = Options(**context.params, given=given)
     chosen = (context.params.get(name) for name in ("datapath", "width"))
     paths, widths = (value if isinstance(value, (list, tuple)) else [value] for value in chosen)
     for path in (MODELS[name] for name in paths if name in MODELS):
@@ -95,7 +99,7 @@ def command(
     *,
     passes: str = "all is well",
     fails: str = "a check fails",
-) -> Callable[[Callable[[SimpleNamespace], int]], Callable[..., int]]:
+) -> Callable[[Callable[[Options], int]], Callable[..., int]]:
     """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status.
 
     After an error, `main` prints one line that begins with `name`. If make started the command, the line shows options
@@ -106,7 +110,7 @@ def command(
     parser = click.Command(name, params=[*options], help=about, epilog=epilog, context_settings=CONTEXT)
     words = {word for option in options for word in option.opts}
 
-    def main_of(work: Callable[[SimpleNamespace], int]) -> Callable[..., int]:
+    def main_of(work: Callable[[Options], int]) -> Callable[..., int]:
         module = work.__globals__["__spec__"]
         program = f"python -m {module.name.removesuffix('.__main__')}" if module else name
 
@@ -179,7 +183,7 @@ def sim_option(default: str = SIMULATORS[0]) -> click.Option:
     return option("--sim", "simulator", click.Choice(SIMULATORS), default=default)
 
 
-def choose_simulator(options: SimpleNamespace, targets: int) -> None:
+def choose_simulator(options: Options, targets: int) -> None:
     """Set --sim to verilator for many targets, which it simulates natively, unless --sim or --waves is given. Print how
     many targets are simulated."""
     chosen = "sim" in options.given

@@ -13,10 +13,9 @@ from dataclasses import asdict
 from datetime import date
 from functools import partial
 from os import cpu_count
-from types import SimpleNamespace
 
 from model.io.files import write_atomically
-from scripts.console import InputError, command, option, switch
+from scripts.console import InputError, Options, command, option, switch
 from scripts.generate.render import read_table, render
 from tb.formal.proofs import TASKS
 from tb.formal.task import Outcome, Task, digest_of
@@ -80,7 +79,7 @@ def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> tuple[Outcome, s
     ],
     passes="all is proved",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     for name in options.only:
         if not any(task.name.startswith(name) for task in TASKS):
             raise InputError(f"argument --only: no proof {name!r}; --list prints their names")

@@ -9,11 +9,10 @@ OUT/paper, and prints them next to tables 5 and 6 of the paper.
 """
 
 import sys
-from types import SimpleNamespace
 
 from model.io import trajectories
 from scripts import trajectory
-from scripts.console import MOST_DATAPATHS, command, show, switch, trajectory_options
+from scripts.console import MOST_DATAPATHS, Options, command, show, switch, trajectory_options
 from scripts.paper.tables import table_of_datapaths
 from scripts.score_tables import table_of_many, table_of_one, verdict
 from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file
@@ -32,7 +31,7 @@ PREDICTED = 5000  # most targets with predicted errors, whose computation takes 
     passes="all trajectories pass",
     fails="one fails",
 )
-def main(arguments: SimpleNamespace) -> int:
+def main(arguments: Options) -> int:
     if arguments.list:
         for name in (*trajectories.TRAJECTORIES, *trajectories.HANDS):
             print(f"{name:14} {trajectories.describe(name)}")

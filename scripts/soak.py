@@ -17,7 +17,6 @@ import sys
 from datetime import date
 from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -28,8 +27,8 @@ from model.io.files import write_atomically
 from model.io.flags import CORE_FLAGS, UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, SPECIAL, hand_poses, hands, mixed, region
 from model.io.words import ARM_FIELDS
-from scripts import parallel
-from scripts.console import InputError, Stopped, command, core_options, option, output, progress, show, switch, whole
+from scripts import console, parallel
+from scripts.console import InputError, Options, command, core_options, option, output, progress, show, switch, whole
 from scripts.generate.render import error, read_table, render
 from scripts.score_tables import table_of_soak
 from tb.core import worst_targets
@@ -124,7 +123,7 @@ def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.nda
     return words[chosen[:KEPT]]
 
 
-def _worst(options: SimpleNamespace) -> int:
+def _worst(options: Options) -> int:
     datapath, width, beyond = options.datapath, options.width, False
     listed = worst_targets.groups(worst_targets.read(worst_targets.LIST)) if options.keep else {}
     rows = listed.pop((datapath, width), [])
@@ -168,7 +167,7 @@ def _keep(core: Core, of: str, totals: Found) -> None:
     write_atomically(PAGE, render("soak", flags=[*CORE_FLAGS], rows=rows))
 
 
-def _soak(arguments: SimpleNamespace) -> int:
+def _soak(arguments: Options) -> int:
     hardest_path = arguments.out / "hardest.csv"
     with output(arguments.out, [hardest_path]):
         lists = [hardest_path, *([worst_targets.LIST] if arguments.keep else [])]
@@ -199,7 +198,7 @@ def _soak(arguments: SimpleNamespace) -> int:
                 rate = totals.targets / meter.task.elapsed
         except parallel.BrokenOffError as error:
             raise parallel.BrokenOffError(f"{error}, in chunk {number} of {name} or later") from None
-        except Stopped:
+        except console.Stopped:
             print(f"soak: stopped; {totals.targets} targets passed; --from {number} resumes", file=sys.stderr)
             raise
         if failed:
@@ -221,7 +220,7 @@ def _soak(arguments: SimpleNamespace) -> int:
 
 
 @command("soak", "Run random targets of all kinds and compare every node with the model.", OPTIONS)
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     if options.special and (others := sorted(options.given & {"targets", "seed"})):
         raise InputError(f"argument --{others[0]}: not allowed with --special")
     if options.special:

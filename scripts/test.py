@@ -9,11 +9,10 @@ Each test is in one gate. With Verilator, only tests that start a simulator run;
 import difflib
 import os
 import sys
-from types import SimpleNamespace
 
 import click
 
-from scripts.console import InputError, command, option, sim_option, switch
+from scripts.console import InputError, Options, command, option, sim_option, switch
 from tb.sim.env import CORES, ROOT
 from tb.sim.sources import sources
 
@@ -47,7 +46,7 @@ PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "-
     passes="all tests pass",
     fails="a test fails",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     marks = "not release" if options.only else GATES[options.gate]
     if options.sim == "verilator" and options.gate != "browser":
         marks += " and sim"

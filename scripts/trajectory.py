@@ -11,7 +11,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager as ContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,7 +31,7 @@ from model.motion.hands import limit_words
 from model.motion.path import JointPath
 from model.motion.pose import elbow_jumps, hanging, soft_reach, swivel, to_z
 from model.reference import joints
-from scripts.console import InputError, choose_simulator, output, progress
+from scripts.console import InputError, Options, choose_simulator, output, progress
 from scripts.robots import Speeds, planned, speeds, times
 from tb.sim.simulate import Run, simulate
 
@@ -73,7 +72,7 @@ class Prepared:
         return self.words if self.targets.hand is None else fixed.of_hands(self.words[:, :-1], width)[0]
 
 
-def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[str, Path]:
+def datapaths(arguments: Options, prepared: Sequence[Prepared]) -> dict[str, Path]:
     """Return a dict: datapath to run -> folder of its results. Without --datapath, the paper's scenario runs on both
     dataflows, other wrist targets on lean. Hand poses run on the whole arm of the datapath, which paper lacks: raises
     InputError."""
@@ -113,7 +112,7 @@ def _kind(name: str) -> str:
     raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}")
 
 
-def _load(arguments: SimpleNamespace) -> list[Prepared]:
+def _load(arguments: Options) -> list[Prepared]:
     """Load the trajectories that --trajectory selects. Raises InputError or TargetError."""
     name, width, axis = arguments.trajectory, arguments.width, arguments.axis or "z"
     kind = _kind(name)
@@ -154,7 +153,7 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     return [Prepared(one, *to_words(one, width), notes=notes) for one in turned]
 
 
-def _robot(arguments: SimpleNamespace) -> arms.Arm | None:
+def _robot(arguments: Options) -> arms.Arm | None:
     """Return the arm that --robot selects, or None. Raises InputError, and OSError for a file that cannot be read."""
     name, ends = arguments.robot, (arguments.base, arguments.tip)
     if name is None or name in arms.ROBOTS:
@@ -171,7 +170,7 @@ def _robot(arguments: SimpleNamespace) -> arms.Arm | None:
         raise InputError(f"argument --robot: {error}") from None
 
 
-def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | None, notes: tuple[str, ...]) -> Prepared:
+def _of_hands(arguments: Options, targets: Targets, robot: arms.Arm | None, notes: tuple[str, ...]) -> Prepared:
     """Prepare a trajectory of hand poses. Raises InputError or TargetError."""
     if arguments.soft is not None:
         raise InputError("argument --soft: applies to wrist targets, not to hand poses")
@@ -213,7 +212,7 @@ def _jumps(targets: Targets, path: JointPath) -> Iterator[str]:
         yield f"{len(path.jumps) - JUMPS} more such rows"
 
 
-def _of_clip(arguments: SimpleNamespace) -> Prepared:
+def _of_clip(arguments: Options) -> Prepared:
     """Prepare the limbs of a clip as one stream of targets. Raises TargetError."""
     clip = clips.read(Path(arguments.trajectory), arguments.up)
     limbs = clips.arms(clip, arguments.arm or "both", arguments.joints, arguments.limb or "arms")
@@ -244,7 +243,7 @@ def _guided(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Tar
     return targets
 
 
-def prepare(arguments: SimpleNamespace) -> list[Prepared]:
+def prepare(arguments: Options) -> list[Prepared]:
     """Load the trajectories and print warnings. Raises InputError or TargetError."""
     prepared = _load(arguments)
     for item in prepared:
@@ -275,9 +274,7 @@ def doubts(targets: Targets, free: bool) -> Iterator[str]:
         yield f"the elbow jumps at {at}, because the wrist passes close to the reference axis; {better}"
 
 
-def simulated(
-    arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None
-) -> list[Run]:
+def simulated(arguments: Options, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None) -> list[Run]:
     """Run all trajectories through a datapath in one simulation. Near planned joints, the core chooses the branch.
     Raises SimulationError."""
     total = sum(len(item.words) for item in prepared)
@@ -297,7 +294,7 @@ def simulated(
 
 
 def score_runs(
-    arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool = True
+    arguments: Options, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool = True
 ) -> list[tuple[Run, Score]]:
     """Return each run with its score; if `predict` is set, scores of wrist targets contain predicted errors."""
     core = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim}

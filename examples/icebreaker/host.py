@@ -15,7 +15,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from types import SimpleNamespace
 
 import click
 import numpy as np
@@ -24,7 +23,7 @@ import serial
 from examples.icebreaker.frames import WIDTH, Answers, frame
 from model.dataflow import fixed
 from model.dataflow.datapaths import FOLD16
-from scripts.console import POSITIVE, InputError, command, option, progress, show, trajectory_options, whole
+from scripts.console import POSITIVE, InputError, Options, command, option, progress, show, trajectory_options, whole
 from scripts.score_tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import SCORES, Prepared, csv_paths, outputs, prepare, score_runs, write_results
 from tb.sim.simulate import LONG, Run, SimulationError
@@ -129,7 +128,7 @@ def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
     passes="all trajectories pass",
     fails="one fails or the board does not answer",
 )
-def main(parsed: SimpleNamespace) -> int:
+def main(parsed: Options) -> int:
     parsed.sim, parsed.datapath, parsed.width = "icebreaker", FOLD16.name, WIDTH
     prepared = prepare(parsed)
     out = parsed.out

@@ -11,7 +11,6 @@ import logging
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import click
 import numpy as np
@@ -20,7 +19,7 @@ from model.dataflow import fixed
 from model.io import trajectories
 from model.io.stimuli import hand_poses, random_reachable
 from model.io.words import ARM_RECORDS, FIELDS, RECORDS, Targets, to_words
-from scripts.console import WORD_LENGTH, InputError, command, option, switch
+from scripts.console import WORD_LENGTH, InputError, Options, command, option, switch
 from tb.sim.job import SimulationError
 
 
@@ -91,7 +90,7 @@ def run(out: Path) -> bool:
     ],
     passes="all words equal the model's",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     try:
         from examples.litex import soc
     except ImportError as error:

@@ -19,7 +19,6 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import click
@@ -30,7 +29,7 @@ from model.dataflow import fixed
 from model.dataflow.lean import SECTIONS as LEAN_SECTIONS
 from model.dataflow.nodes import Node
 from model.dataflow.paper import SECTIONS
-from scripts.console import InputError, command, option
+from scripts.console import InputError, Options, command, option
 from scripts.generate import flow
 from scripts.generate.flow import WIDTH, added, delays, kind, longest_path, operands, operation, start
 from scripts.generate.render import render, update
@@ -156,7 +155,7 @@ PARTS = {"derivation": derivation, "operations": operations, "figures": figures}
     "Write the pages of comparison with the paper.",
     [option("--only", "one part  [default: all]", click.Choice([*PARTS, "table6"]))],
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     parts = [options.only] if options.only else [*PARTS, "table6"]
     try:
         for part in filter(PARTS.get, parts):

@@ -21,7 +21,6 @@ import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -38,7 +37,7 @@ from model.reference.cga import e3
 from model.reference.equations import swivel_normal
 from model.reference.kinematics import conjugate, rotate
 from scripts import trajectory
-from scripts.console import MOST_DATAPATHS, command, trajectory_options
+from scripts.console import MOST_DATAPATHS, Options, command, trajectory_options
 from scripts.generate.render import TEMPLATES
 from scripts.score_tables import figures, verdict
 from scripts.trajectory import Prepared, quaternions
@@ -367,7 +366,7 @@ def page(
     passes="all trajectories pass",
     fails="one fails",
 )
-def main(parsed: SimpleNamespace) -> int:
+def main(parsed: Options) -> int:
     path = parsed.out / "report.html"
     prepared = trajectory.prepare(parsed)
     folders = trajectory.datapaths(parsed, prepared)

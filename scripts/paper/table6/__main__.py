@@ -22,7 +22,6 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import click
@@ -33,7 +32,7 @@ from model.io.scoring import hand_errors
 from model.io.stimuli import random_reachable
 from model.io.trajectories import make
 from model.io.words import FIELDS, Targets, from_words, result_values, to_words
-from scripts.console import InputError, command, option, switch
+from scripts.console import InputError, Options, command, option, switch
 from scripts.fpga.designs import clock, load
 from scripts.generate.pages import measured
 from scripts.generate.render import render
@@ -193,7 +192,7 @@ def write(figures: dict[str, Any]) -> int:
     passes="all is measured",
     fails="the RTL differs from its model",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     kept = json.loads(FIGURES.read_text())
     if options.page:
         return write(kept)
