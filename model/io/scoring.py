@@ -56,6 +56,11 @@ def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
     }
 
 
+def singular_distance(targets: Targets) -> np.ndarray:
+    """Return the distance (N,), rad, of each pose from the nearest singular pose; 0 for an unreachable target."""
+    return np.min(list(singular_distances(targets).values()), axis=0)
+
+
 def hand_errors(answers: np.ndarray, targets: Targets) -> np.ndarray:
     """Return the hand errors / reach (N,) of results (N, 6) in double precision."""
     _, wrist = forward(answers[:, :4], answers[:, 4:], targets.d1, targets.d2)

@@ -13,7 +13,7 @@ import pytest
 from model.bounds.tolerances import REGULAR
 from model.io.files import read_csv
 from model.io.flags import AT_SHOULDER, ON_AXIS, TOO_FAR, TOO_NEAR, expected_flags
-from model.io.scoring import score, score_json, singular_distances, tables
+from model.io.scoring import score, score_json, singular_distance, singular_distances, tables
 from model.io.trajectories import make
 from model.io.words import FIELDS, RESULT_FIELDS, Targets, from_words, result_values, to_words
 from model.reference.equations import solve_clamped
@@ -76,8 +76,8 @@ def arm(x, y=0.0, z=0.0, phi=3.0, d1=0.33, d2=0.27):
     ],
 )
 def test_singular_distance(pose, distance, nearest):
+    assert singular_distance(arm(**pose)) == pytest.approx([distance], abs=1e-7)
     distances = singular_distances(arm(**pose))
-    assert np.min(list(distances.values())) == pytest.approx(distance, abs=1e-7)
     assert nearest is None or min(distances, key=lambda name: distances[name][0]) == nearest
 
 

@@ -7,7 +7,7 @@ import pytest
 from model.bounds import tolerances
 from model.dataflow import fixed
 from model.io.flags import expected_flags
-from model.io.scoring import singular_distances
+from model.io.scoring import singular_distance
 from model.io.words import from_words, result_values
 from scripts.paper.table6.compiled import Solver
 from tb.core.worst_targets import chunk
@@ -32,8 +32,7 @@ def test_the_model_agrees_with_c(width, equations):
     words = words[expected_flags(words, width) == 0]
     if equations == "paper":
         shorter, longer = np.sort(words[:, 4:].astype(float)).T
-        distances = singular_distances(from_words(words, 0, width, "words"))
-        regular = np.min([*distances.values()], axis=0) >= tolerances.REGULAR_DISTANCE
+        regular = singular_distance(from_words(words, 0, width, "words")) >= tolerances.REGULAR_DISTANCE
         words = words[regular & (shorter >= UNEQUAL * longer)]
     assert len(words) > 3000
     values, expected = result_values(fixed.run(words, width, "lean").results, width), answers(words, width, equations)
