@@ -10,6 +10,7 @@ import itertools
 import os
 import re
 import signal
+import subprocess
 import sys
 import tempfile
 import threading
@@ -32,8 +33,7 @@ from model.io.words import DEFAULT_D1, DEFAULT_D2, TargetError
 from model.motion import arms
 from model.motion import clip as clips
 from model.motion.pose import NAMED_AXES, Axis, parse_axis
-from scripts.setup import installed
-from tb.sim.env import CORES, SIMULATORS
+from tb.sim.env import CORES, ROOT, SIMULATORS
 from tb.sim.simulate import LONG, SimulationError
 from tb.sim.subprocesses import end_with_parent
 
@@ -184,6 +184,12 @@ def switch(name: str, about: str) -> click.Option:
 
 def sim_option(default: str = SIMULATORS[0]) -> click.Option:
     return option("--sim", "simulator", click.Choice(SIMULATORS), default=default)
+
+
+def installed(need: str) -> bool:
+    """Install what a command needs, such as ``verilator``, unless it is there; return whether it is there then."""
+    words = [sys.executable, "-ES", ROOT / "scripts" / "setup" / "bootstrap.py", need]
+    return subprocess.run(words, check=False).returncode == 0
 
 
 def choose_simulator(options: Options, targets: int) -> None:
