@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that table 6's software agrees with the model, its C program in long double with the bit-true model, and the page
-with the figures. No test asserts a time."""
+"""Tests that table 6's software agrees with the model, its C program in long double with the bit-true model, and its
+page with the figures. No test asserts a time."""
 
 import json
 
