@@ -89,7 +89,7 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
         "lengths": _numbers(lengths),
         "arm": arms,
         "normal": _numbers(targets.points_from_core(swivel_normal(asked.x, asked.y, asked.z, asked.phi))),
-        "paper": entity_data(item, width),
+        "paper": entities(item, width),
         "hands": hand_data(item, *done[0]) if targets.hand is not None else None,
         **first,
         "beside": others,
@@ -181,10 +181,10 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     }
 
 
-def entities(item: Prepared, width: int) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Return the entities by name: vectors (N, 3) in the user's frame, angles (N,) in rad, and lengths (N,).
+def entities(item: Prepared, width: int) -> list[dict[str, list[Any]]]:
+    """Return the page's entities by name: vectors (N, 3) in the user's frame, angles (N,) in rad, and lengths (N,).
 
-    Points and lengths are relative to the reach; directions are unit vectors. Undefined entities are nan.
+    Points and lengths are relative to the reach; directions are unit vectors. An undefined number is None.
     """
     asked = from_words(item.core_words(width), 0, width, item.targets.name)
     lengths = [values / asked.reach for values in (asked.x, asked.y, asked.z, asked.d1, asked.d2)]
@@ -223,19 +223,14 @@ def entities(item: Prepared, width: int) -> tuple[dict[str, np.ndarray], dict[st
     for values in (*turns, *angles.values()):
         values[~home] = np.nan
     shown = {name: item.targets.points_from_core(values) for name, values in vectors.items()}
-    return shown, angles, {"radius": radius}
+    return [
+        {name: np.where(np.isfinite(values), np.round(values, 4), None).tolist() for name, values in named.items()}
+        for named in (shown, angles, {"radius": radius})
+    ]
 
 
 def _vector(mv: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return mv.e1, mv.e2, mv.e3
-
-
-def entity_data(item: Prepared, width: int) -> list[dict[str, list[Any]]]:
-    """Return the page's vectors, angles and lengths: by name, a list over the targets, None for an undefined number."""
-    return [
-        {name: np.where(np.isfinite(values), np.round(values, 4), None).tolist() for name, values in named.items()}
-        for named in entities(item, width)
-    ]
 
 
 def place(up: str) -> np.ndarray:
