@@ -9,8 +9,6 @@ For example, `--only jax-gpu` on a machine with a GPU adds the rows that need a 
 --hardware counts clocks and keeps the software times; --page only writes the page.
 """
 
-from __future__ import annotations
-
 import datetime
 import json
 import os
