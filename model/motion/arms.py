@@ -246,16 +246,9 @@ class Arm:
             at[left], errors = self._corrected(at[left], wrists[left], q[left])
             over[left[errors > CORRECTED]] = True
         elbow, wrist = (self.base + rotate(self.mount, point) for point in (pose.elbow, pose.wrist))
-        return replace(
-            pose,
-            qs=multiply(self.mount, pose.qs),
-            elbow=elbow,
-            wrist=wrist,
-            hand=wrist + rotate(self.mount, rotate(q, self.tool)),
-            joints=at,
-            over_limit=over,
-            branch=branches,
-        )
+        hand = wrist + rotate(self.mount, rotate(q, self.tool))
+        places: dict[str, Any] = {"elbow": elbow, "wrist": wrist, "hand": hand}
+        return replace(pose, qs=multiply(self.mount, pose.qs), joints=at, over_limit=over, branch=branches, **places)
 
     def forward(self, positions: ArrayLike) -> tuple[Floats, Floats]:
         """Return points (N, 3) and orientations (N, 4) of the tip for joint positions (N, 7), rad."""
@@ -326,9 +319,8 @@ class Arm:
         pose = self.solve(point, hand, near=positions)
         if pose.over_limit.any() or (pose.flags & UNREACHABLE).any() and not self.chain:
             return Step(None, 0, np.inf, self.reasons(point, hand).get(0, "out of reach"))
-        slow = Step(
-            tuple(pose.joints[0].tolist()), int(pose.branch[0]), float(np.abs(pose.joints[0] - positions).max())
-        )
+        at = pose.joints[0]
+        slow = Step(tuple(at.tolist()), int(pose.branch[0]), float(np.abs(at - positions).max()))
         return step if step and step.joints and step.largest <= slow.largest else slow
 
     def continuous_joints(self, positions: ArrayLike) -> Floats:

@@ -41,18 +41,9 @@ def _times(targets: int, us: float) -> str:
 def _paper(targets: int) -> dict[str, str]:
     """Return a dict: row of the table -> the paper's figure, with times for a number of targets."""
     us = FIRST_US + targets / MHZ
-    return {
-        "LUT4": f"~{LUTS}",
-        PART: of_chip(LUTS),
-        "18x18 multipliers": "-",
-        "clock (MHz)": str(MHZ),
-        RATE: "1",
-        LATENCY: f"~{STAGES}",
-        CLOCKS: "-",
-        FIRST: f"{FIRST_US:g}",
-        ALL: f"{us:g}",
-        TIMES: _times(targets, us),
-    }
+    rows = {"LUT4": f"~{LUTS}", PART: of_chip(LUTS), "18x18 multipliers": "-", "clock (MHz)": str(MHZ), RATE: "1"}
+    rows |= {LATENCY: f"~{STAGES}", CLOCKS: "-"}
+    return rows | {FIRST: f"{FIRST_US:g}", ALL: f"{us:g}", TIMES: _times(targets, us)}
 
 
 def _core(result: Score, flags: np.ndarray, more: Sequence[tuple[str, ...]], data: dict) -> dict[str, str]:
