@@ -14,6 +14,7 @@ orientation. Poses with a reach below 1 do not count, because the host scales ev
 
 import os
 import sys
+from collections import Counter
 from datetime import date
 from functools import partial
 from pathlib import Path
@@ -112,12 +113,11 @@ def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.n
 def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.ndarray:
     """Return up to `KEPT` targets, those with the largest errors first, and at most `ALIKE` of one kind. `unit` chooses
     the row of :func:`hand_errors`."""
-    seen: dict[bytes, int] = {}
-    chosen = []
+    seen, chosen = Counter(), []
     for n in np.argsort(-hand_errors(words, width, datapath)[0, unit], kind="stable").tolist():
         row = np.delete(words[n, :7], 3)
         kind = np.concatenate([np.sign(row), np.frexp(row.astype(float))[1] // 2]).tobytes()
-        seen[kind] = seen.get(kind, 0) + 1
+        seen[kind] += 1
         if seen[kind] <= ALIKE:
             chosen.append(n)
     return words[chosen[:KEPT]]
