@@ -13,23 +13,8 @@ from .motion.swivels import Swivels, continuous_core_angles, feasible_swivel
 from .reference.joints import Branch
 from .reference.kinematics import continuous
 
-__all__ = [
-    "Arm",
-    "Branch",
-    "Flag",
-    "JointPath",
-    "Pose",
-    "Swivels",
-    "arms",
-    "continuous",
-    "continuous_core_angles",
-    "feasible_swivel",
-    "forward",
-    "hanging",
-    "soft_reach",
-    "solve",
-    "swivel",
-    "swivel_toward",
-]
+__all__ = ["Arm", "Branch", "Flag", "JointPath", "Pose", "Swivels", "arms"]
+__all__ += ["continuous", "continuous_core_angles", "feasible_swivel", "forward", "hanging", "soft_reach", "solve"]
+__all__ += ["swivel", "swivel_toward"]
 
 __version__ = "2.0.0"

@@ -5,11 +5,8 @@ A page carries digests of the code that it describes; comments and white space d
 warning (exit status 0). With --strict, as for a release, it is a failure (exit status 1).
 """
 
-import sys
-from types import SimpleNamespace
-
 from scripts import formal, soak
-from scripts.console import command, switch
+from scripts.console import Options, command, switch
 from scripts.fpga import designs
 from scripts.generate.render import read_table
 
@@ -39,7 +36,7 @@ def stale(page: str) -> list[str]:
     passes="done",
     fails="stale, with --strict",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     count = 0
     for page, (writer, *_) in PAGES.items():
         if names := stale(page):
@@ -47,7 +44,3 @@ def main(options: SimpleNamespace) -> int:
             print(f"warning: {page} is stale; regenerate it with `{writer}`: {', '.join(names)} changed")
     print(f"{len(PAGES) - count} of {len(PAGES)} pages are up to date")
     return 1 if count and options.strict else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -10,6 +10,7 @@ import itertools
 import os
 import re
 import signal
+import subprocess
 import sys
 import tempfile
 import threading
@@ -32,8 +33,7 @@ from model.io.words import DEFAULT_D1, DEFAULT_D2, TargetError
 from model.motion import arms
 from model.motion import clip as clips
 from model.motion.pose import NAMED_AXES, Axis, parse_axis
-from scripts.setup import installed
-from tb.sim.env import CORES, SIMULATORS
+from tb.sim.env import CORES, ROOT, SIMULATORS
 from tb.sim.simulate import LONG, SimulationError
 from tb.sim.subprocesses import end_with_parent
 
@@ -41,6 +41,10 @@ PLAIN_COLUMNS = 120  # characters in a line of a table that is not printed on a 
 MOST_DATAPATHS = 3  # largest number of datapaths that a command compares
 EVERY = 5.0  # seconds between progress lines if stderr is no terminal
 RECENT = 120.0  # seconds over which a rate is averaged
+
+
+class Options(SimpleNamespace):
+    """Values of a command's options by name; `given` is the set of names that the command line contains."""
 
 
 class InputError(click.ClickException):
@@ -74,11 +78,11 @@ def _options_of_make(parser: click.Command, words: Iterable[str]) -> Iterator[st
             yield option if switches[option] else f"{option}={value}"
 
 
-def _parsed(parser: click.Command, program: str, arguments: Sequence[str]) -> SimpleNamespace:
-    """Return a namespace of all option values; `given` is the set of option names that the command line contains."""
+def _parsed(parser: click.Command, program: str, arguments: Sequence[str]) -> Options:
+    """Return the values of all options. Raises InputError for a word length that a datapath lacks."""
     with parser.make_context(program, [*_options_of_make(parser, arguments)]) as context:
         given = {name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE}
-        options = SimpleNamespace(**context.params, given=given)
+        options = Options(**context.params, given=given)
     chosen = (context.params.get(name) for name in ("datapath", "width"))
     paths, widths = (value if isinstance(value, (list, tuple)) else [value] for value in chosen)
     for path in (MODELS[name] for name in paths if name in MODELS):
@@ -95,8 +99,9 @@ def command(
     *,
     passes: str = "all is well",
     fails: str = "a check fails",
-) -> Callable[[Callable[[SimpleNamespace], int]], Callable[..., int]]:
-    """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status.
+) -> Callable[[Callable[[Options], int]], Callable[..., int]]:
+    """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status. If
+    the function's module is the program, `main` runs at once, so the function is the module's last.
 
     After an error, `main` prints one line that begins with `name`. If make started the command, the line shows options
     as make variables. passes, fails: meanings of exit status 0 and 1, for --help.
@@ -106,7 +111,7 @@ def command(
     parser = click.Command(name, params=[*options], help=about, epilog=epilog, context_settings=CONTEXT)
     words = {word for option in options for word in option.opts}
 
-    def main_of(work: Callable[[SimpleNamespace], int]) -> Callable[..., int]:
+    def main_of(work: Callable[[Options], int]) -> Callable[..., int]:
         module = work.__globals__["__spec__"]
         program = f"python -m {module.name.removesuffix('.__main__')}" if module else name
 
@@ -132,6 +137,8 @@ def command(
             print(f"{name}: {line}", file=sys.stderr)
             return status
 
+        if work.__module__ == "__main__":
+            sys.exit(main())
         return main
 
     return main_of
@@ -179,7 +186,13 @@ def sim_option(default: str = SIMULATORS[0]) -> click.Option:
     return option("--sim", "simulator", click.Choice(SIMULATORS), default=default)
 
 
-def choose_simulator(options: SimpleNamespace, targets: int) -> None:
+def installed(need: str) -> bool:
+    """Install what a command needs, such as ``verilator``, unless it is there; return whether it is there then."""
+    words = [sys.executable, "-ES", ROOT / "scripts" / "setup" / "bootstrap.py", need]
+    return subprocess.run(words, check=False).returncode == 0
+
+
+def choose_simulator(options: Options, targets: int) -> None:
     """Set --sim to verilator for many targets, which it simulates natively, unless --sim or --waves is given. Print how
     many targets are simulated."""
     chosen = "sim" in options.given

@@ -17,10 +17,9 @@ from collections.abc import Iterable
 from datetime import date
 from fnmatch import fnmatchcase
 from importlib.metadata import version
-from types import SimpleNamespace
 
 from model.io.files import write_atomically
-from scripts.console import InputError, command, switch
+from scripts.console import InputError, Options, command, switch
 from scripts.generate.render import render
 from tb.core.functional_coverage import BINS
 from tb.sim.coverage import Point, read
@@ -125,7 +124,7 @@ def page(counts: Counter[Point], reasons: dict[Point, str]) -> str:
     passes="all points are reached or waived",
     fails="one is not, a waiver matches no unreached point, or a test fails",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     if not options.again and (status := run()):
         raise SimulationError(f"pytest ended with status {status}")
     if not (counts := read(COUNTS)):
@@ -137,7 +136,3 @@ def main(options: SimpleNamespace) -> int:
         write_atomically(PAGE, page(counts, reasons))
         print(f"wrote {PAGE.name}")
     return 1 if unexpected else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

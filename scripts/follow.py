@@ -11,11 +11,10 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from types import SimpleNamespace
 
 from model.dataflow.datapaths import MODELS
 from model.dataflow.nodes import Node
-from scripts.console import InputError, command, option, output, switch, trajectory_options, whole
+from scripts.console import InputError, Options, command, option, output, switch, trajectory_options, whole
 from scripts.trajectory import datapaths, prepare, simulated, sources
 from scripts.waves import ALIGNED, VCD, WAVES, Recording, column, differences, model_bits, read, write_waves
 from tb.sim.job import Difference, answer, hexadecimal, value
@@ -79,7 +78,7 @@ def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterat
     passes="every node of the target equals the model",
     fails="one differs",
 )
-def main(arguments: SimpleNamespace) -> int:
+def main(arguments: Options) -> int:
     item, *others = prepare(arguments)
     target, total = arguments.target, len(item.words)
     if others:
@@ -115,7 +114,3 @@ def main(arguments: SimpleNamespace) -> int:
     if arguments.waves:
         print(*(f"wrote {file}" for file in written), sep="\n")
     return 1 if ours else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

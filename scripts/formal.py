@@ -7,16 +7,14 @@ Each proof that succeeds updates its row of docs/generated/proofs.md; its full t
 """
 
 import json
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from datetime import date
 from functools import partial
 from os import cpu_count
-from types import SimpleNamespace
 
 from model.io.files import write_atomically
-from scripts.console import InputError, command, option, switch
+from scripts.console import InputError, Options, command, option, switch
 from scripts.generate.render import read_table, render
 from tb.formal.proofs import TASKS
 from tb.formal.task import Outcome, Task, digest_of
@@ -80,7 +78,7 @@ def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> tuple[Outcome, s
     ],
     passes="all is proved",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     for name in options.only:
         if not any(task.name.startswith(name) for task in TASKS):
             raise InputError(f"argument --only: no proof {name!r}; --list prints their names")
@@ -102,7 +100,3 @@ def main(options: SimpleNamespace) -> int:
     if proved:
         write_page(proved)
     return 0 if len(proved) == len(chosen) else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())

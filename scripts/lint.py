@@ -17,11 +17,10 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 
 import click
 
-from scripts.console import InputError, command
+from scripts.console import InputError, Options, command
 from tb.sim.env import ROOT, environment
 from tb.sim.sources import RULES, includes, sources
 
@@ -155,7 +154,7 @@ def unkept(names: Sequence[str]) -> str:
     passes="no finding",
     fails="a finding",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     every = [*sources(), *(path for name in FOLDERS for path in sorted((ROOT / name).glob("*.v")))]
     if unknown := set(options.modules) - {source.stem for source in every}:
         raise InputError(f"no module {', '.join(sorted(unknown))}")
@@ -173,7 +172,3 @@ def main(options: SimpleNamespace) -> int:
             failed += bool(messages)
             print(f"{'FAIL' if messages else 'ok  '} {name}", *filter(None, [messages]), sep="\n", flush=True)
     return 1 if failed else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -13,13 +13,12 @@ import sys
 from dataclasses import asdict
 from datetime import date
 from pathlib import Path
-from types import SimpleNamespace
 
 from rich.table import Table
 
 from model.io.files import write_atomically
 from scripts import parallel
-from scripts.console import InputError, Stopped, command, option, progress, show, switch, whole
+from scripts.console import InputError, Options, Stopped, command, option, progress, show, switch, whole
 from scripts.generate.render import commit, render
 from tb.mutation import campaign
 from tb.mutation.campaign import COLUMNS, SURVIVED
@@ -44,7 +43,7 @@ HEAD = ("file", "mutants", *COLUMNS)
     ],
     fails="one survives",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     if options.keep and options.only:
         raise InputError("argument --keep: not allowed with --only")
     if not any(options.only in path.relative_to(ROOT).as_posix() for path in sources()):
@@ -78,7 +77,3 @@ def main(options: SimpleNamespace) -> int:
         write_atomically(PAGE, render("mutants", mean=mean, survivors=sorted(survivors), **about))
         print(f"wrote {PAGE.name}")
     return 1 if survivors else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -19,9 +19,8 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from types import SimpleNamespace
 
-from scripts.console import InputError, command, option, whole
+from scripts.console import InputError, Options, command, option, whole
 from tb.sim.env import ROOT
 from tb.sim.simulate import SimulationError
 from tb.sim.sources import digest
@@ -135,7 +134,7 @@ def _checked(client: str, payload: bytes):
     [FARM, option("--jobs", "pieces of work at a time", whole(1), default=os.cpu_count(), metavar="N")],
     fails="the worker fails",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     if not options.farm:
         raise InputError("argument --farm: the address of the scheduler is missing, as in tcp://scheduler:8786")
     words = [options.farm, "--nworkers", str(options.jobs), "--nthreads", "1", "--no-dashboard"]
@@ -144,7 +143,3 @@ def main(options: SimpleNamespace) -> int:
     env = os.environ | {"DASK_DISTRIBUTED__WORKER__DAEMON": "False"}
     os.chdir(ROOT)
     os.execve(sys.executable, [sys.executable, "-m", "dask", "worker", *words], env)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

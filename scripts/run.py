@@ -8,18 +8,14 @@ Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.j
 OUT/paper, and prints them next to tables 5 and 6 of the paper.
 """
 
-import sys
-from types import SimpleNamespace
-
 from model.io import trajectories
 from scripts import trajectory
-from scripts.console import MOST_DATAPATHS, command, show, switch, trajectory_options
+from scripts.console import MOST_DATAPATHS, Options, command, show, switch, trajectory_options
 from scripts.paper.tables import table_of_datapaths
 from scripts.score_tables import table_of_many, table_of_one, verdict
 from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file
 
-PREDICTED = 5000
-"""Most targets with predicted errors, whose computation takes longer than everything else."""
+PREDICTED = 5000  # most targets with predicted errors, whose computation takes longer than everything else
 
 
 @command(
@@ -33,7 +29,7 @@ PREDICTED = 5000
     passes="all trajectories pass",
     fails="one fails",
 )
-def main(arguments: SimpleNamespace) -> int:
+def main(arguments: Options) -> int:
     if arguments.list:
         for name in (*trajectories.TRAJECTORIES, *trajectories.HANDS):
             print(f"{name:14} {trajectories.describe(name)}")
@@ -66,7 +62,3 @@ def main(arguments: SimpleNamespace) -> int:
         tables = [folder / kind for folder in folders.values() for kind in kinds]
     print(*(f"wrote {path}" for path in (*tables, out / trajectory.SCORES, *waves)), sep="\n")
     return verdict("run", [result for ran in done for _, result in ran])
-
-
-if __name__ == "__main__":
-    sys.exit(main())

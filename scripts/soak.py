@@ -14,10 +14,10 @@ orientation. Poses with a reach below 1 do not count, because the host scales ev
 
 import os
 import sys
+from collections import Counter
 from datetime import date
 from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -28,8 +28,8 @@ from model.io.files import write_atomically
 from model.io.flags import CORE_FLAGS, UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, SPECIAL, hand_poses, hands, mixed, region
 from model.io.words import ARM_FIELDS
-from scripts import parallel
-from scripts.console import InputError, Stopped, command, core_options, option, output, progress, show, switch, whole
+from scripts import console, parallel
+from scripts.console import InputError, Options, command, core_options, option, output, progress, show, switch, whole
 from scripts.generate.render import error, read_table, render
 from scripts.score_tables import table_of_soak
 from tb.core import worst_targets
@@ -113,18 +113,17 @@ def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.n
 def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.ndarray:
     """Return up to `KEPT` targets, those with the largest errors first, and at most `ALIKE` of one kind. `unit` chooses
     the row of :func:`hand_errors`."""
-    seen: dict[bytes, int] = {}
-    chosen = []
+    seen, chosen = Counter(), []
     for n in np.argsort(-hand_errors(words, width, datapath)[0, unit], kind="stable").tolist():
         row = np.delete(words[n, :7], 3)
         kind = np.concatenate([np.sign(row), np.frexp(row.astype(float))[1] // 2]).tobytes()
-        seen[kind] = seen.get(kind, 0) + 1
+        seen[kind] += 1
         if seen[kind] <= ALIKE:
             chosen.append(n)
     return words[chosen[:KEPT]]
 
 
-def _worst(options: SimpleNamespace) -> int:
+def _worst(options: Options) -> int:
     datapath, width, beyond = options.datapath, options.width, False
     listed = worst_targets.groups(worst_targets.read(worst_targets.LIST)) if options.keep else {}
     rows = listed.pop((datapath, width), [])
@@ -168,7 +167,7 @@ def _keep(core: Core, of: str, totals: Found) -> None:
     write_atomically(PAGE, render("soak", flags=[*CORE_FLAGS], rows=rows))
 
 
-def _soak(arguments: SimpleNamespace) -> int:
+def _soak(arguments: Options) -> int:
     hardest_path = arguments.out / "hardest.csv"
     with output(arguments.out, [hardest_path]):
         lists = [hardest_path, *([worst_targets.LIST] if arguments.keep else [])]
@@ -199,7 +198,7 @@ def _soak(arguments: SimpleNamespace) -> int:
                 rate = totals.targets / meter.task.elapsed
         except parallel.BrokenOffError as error:
             raise parallel.BrokenOffError(f"{error}, in chunk {number} of {name} or later") from None
-        except Stopped:
+        except console.Stopped:
             print(f"soak: stopped; {totals.targets} targets passed; --from {number} resumes", file=sys.stderr)
             raise
         if failed:
@@ -221,7 +220,7 @@ def _soak(arguments: SimpleNamespace) -> int:
 
 
 @command("soak", "Run random targets of all kinds and compare every node with the model.", OPTIONS)
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     if options.special and (others := sorted(options.given & {"targets", "seed"})):
         raise InputError(f"argument --{others[0]}: not allowed with --special")
     if options.special:
@@ -231,7 +230,3 @@ def main(options: SimpleNamespace) -> int:
     if options.worst and options.datapath not in SEARCHED:
         raise InputError(f"argument --worst: only for {' and '.join(SEARCHED)}")
     return _worst(options) if options.worst else _soak(options)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -14,9 +14,8 @@ import sys
 import tempfile
 from collections import Counter
 from functools import partial
-from types import SimpleNamespace
 
-from scripts.console import command, option, progress, sim_option, whole
+from scripts.console import Options, command, option, progress, sim_option, whole
 from scripts.parallel import shared
 from tb.axi.instances import CORE, ECHO, FOLDED, echoing, named, run_in_process
 from tb.sim.env import ROOT
@@ -56,7 +55,7 @@ def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
         option("--processes", "parallel pieces", whole(1), default=os.cpu_count(), metavar="N"),
     ],
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     echoing(ECHO_PLACE)
     numbers = range(options.from_, options.from_ + -(-options.jobs // PIECE))
     jobs, targets = Counter(), 0
@@ -75,7 +74,3 @@ def main(options: SimpleNamespace) -> int:
         print(f"{what:48} {right:7d} jobs")
     print(f"{jobs.total()} jobs, {targets} targets, seed {options.seed}, {options.sim}: pass")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

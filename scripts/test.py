@@ -9,11 +9,10 @@ Each test is in one gate. With Verilator, only tests that start a simulator run;
 import difflib
 import os
 import sys
-from types import SimpleNamespace
 
 import click
 
-from scripts.console import InputError, command, option, sim_option, switch
+from scripts.console import InputError, Options, command, option, sim_option, switch
 from tb.sim.env import CORES, ROOT
 from tb.sim.sources import sources
 
@@ -27,6 +26,20 @@ GATES = {
 
 BROWSER = ["scripts/report/tests/browser_test_report.py", "scripts/playground/tests/browser_test_playground.py"]
 PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder"]
+
+
+def selection(only: str) -> list[str]:
+    """Return pytest's arguments for a file, a module of rtl/ or a pattern. Raises InputError for an unknown module."""
+    modules = [path.stem for path in sources()]
+    if (ROOT / only.partition("::")[0]).exists():
+        return [only]
+    if only in modules:
+        return ["tb", f"--module={only}", "--exitfirst", "-n0"]  # in order, the module's own bench first
+    if only.startswith("ik_") and only.isidentifier() and not any(only in module for module in modules):
+        raise InputError(
+            f"argument --only: no module {only}; near: {', '.join(difflib.get_close_matches(only, modules))}"
+        )
+    return ["-k", only]
 
 
 @command(
@@ -47,7 +60,7 @@ PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "-
     passes="all tests pass",
     fails="a test fails",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     marks = "not release" if options.only else GATES[options.gate]
     if options.sim == "verilator" and options.gate != "browser":
         marks += " and sim"
@@ -57,21 +70,3 @@ def main(options: SimpleNamespace) -> int:
     os.chdir(ROOT)
     os.environ.update(SIM=options.sim, IK_CORES=options.cores, IK_WAVES="1" * options.waves)
     os.execv(PYTEST[0], [*PYTEST, *words, "-m", marks])
-
-
-def selection(only: str) -> list[str]:
-    """Return pytest's arguments for a file, a module of rtl/ or a pattern. Raises InputError for an unknown module."""
-    modules = [path.stem for path in sources()]
-    if (ROOT / only.partition("::")[0]).exists():
-        return [only]
-    if only in modules:
-        return ["tb", f"--module={only}", "--exitfirst", "-n0"]  # in order, the module's own bench first
-    if only.startswith("ik_") and only.isidentifier() and not any(only in module for module in modules):
-        raise InputError(
-            f"argument --only: no module {only}; near: {', '.join(difflib.get_close_matches(only, modules))}"
-        )
-    return ["-k", only]
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager as ContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,16 +23,7 @@ from model.io import trajectories
 from model.io.files import EULER, Place, read_csv
 from model.io.flags import ARM_FLAG_BITS
 from model.io.scoring import Score, score, score_json, tables
-from model.io.words import (
-    ARM_FIELDS,
-    JOINTS,
-    RESULT_FIELDS,
-    Targets,
-    angle_doubt,
-    binary_angles,
-    result_values,
-    to_words,
-)
+from model.io.words import ARM_FIELDS, RESULT_FIELDS, Targets, angle_doubt, binary_angles, result_values, to_words
 from model.motion import arms, gltf
 from model.motion import clip as clips
 from model.motion.clip import TORSO, Clip, Motion
@@ -41,7 +31,7 @@ from model.motion.hands import limit_words
 from model.motion.path import JointPath
 from model.motion.pose import elbow_jumps, hanging, soft_reach, swivel, to_z
 from model.reference import joints
-from scripts.console import InputError, choose_simulator, output, progress
+from scripts.console import InputError, Options, choose_simulator, output, progress
 from scripts.robots import Speeds, planned, speeds, times
 from tb.sim.simulate import Run, simulate
 
@@ -82,7 +72,7 @@ class Prepared:
         return self.words if self.targets.hand is None else fixed.of_hands(self.words[:, :-1], width)[0]
 
 
-def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[str, Path]:
+def datapaths(arguments: Options, prepared: Sequence[Prepared]) -> dict[str, Path]:
     """Return a dict: datapath to run -> folder of its results. Without --datapath, the paper's scenario runs on both
     dataflows, other wrist targets on lean. Hand poses run on the whole arm of the datapath, which paper lacks: raises
     InputError."""
@@ -96,8 +86,7 @@ def datapaths(arguments: SimpleNamespace, prepared: Sequence[Prepared]) -> dict[
     return {name: arguments.out / name for name in chosen} if len(chosen) > 1 else {chosen[0]: arguments.out}
 
 
-WHOLE_ARM = {"lean": "arm", "fold": "fold_arm"}
-"""Datapath of wrist targets -> the one of hand poses."""
+WHOLE_ARM = {"lean": "arm", "fold": "fold_arm"}  # datapath of wrist targets -> the one of hand poses
 
 CHOOSING = {"arm": "choose", "fold_arm": "fold_choose"}
 """Datapath of hand poses -> the same with the choice of a branch."""
@@ -123,7 +112,7 @@ def _kind(name: str) -> str:
     raise InputError(f"argument --trajectory: unknown trajectory {name!r}; valid: {valid}")
 
 
-def _load(arguments: SimpleNamespace) -> list[Prepared]:
+def _load(arguments: Options) -> list[Prepared]:
     """Load the trajectories that --trajectory selects. Raises InputError or TargetError."""
     name, width, axis = arguments.trajectory, arguments.width, arguments.axis or "z"
     kind = _kind(name)
@@ -164,7 +153,7 @@ def _load(arguments: SimpleNamespace) -> list[Prepared]:
     return [Prepared(one, *to_words(one, width), notes=notes) for one in turned]
 
 
-def _robot(arguments: SimpleNamespace) -> arms.Arm | None:
+def _robot(arguments: Options) -> arms.Arm | None:
     """Return the arm that --robot selects, or None. Raises InputError, and OSError for a file that cannot be read."""
     name, ends = arguments.robot, (arguments.base, arguments.tip)
     if name is None or name in arms.ROBOTS:
@@ -181,7 +170,7 @@ def _robot(arguments: SimpleNamespace) -> arms.Arm | None:
         raise InputError(f"argument --robot: {error}") from None
 
 
-def _of_hands(arguments: SimpleNamespace, targets: Targets, robot: arms.Arm | None, notes: tuple[str, ...]) -> Prepared:
+def _of_hands(arguments: Options, targets: Targets, robot: arms.Arm | None, notes: tuple[str, ...]) -> Prepared:
     """Prepare a trajectory of hand poses. Raises InputError or TargetError."""
     if arguments.soft is not None:
         raise InputError("argument --soft: applies to wrist targets, not to hand poses")
@@ -223,7 +212,7 @@ def _jumps(targets: Targets, path: JointPath) -> Iterator[str]:
         yield f"{len(path.jumps) - JUMPS} more such rows"
 
 
-def _of_clip(arguments: SimpleNamespace) -> Prepared:
+def _of_clip(arguments: Options) -> Prepared:
     """Prepare the limbs of a clip as one stream of targets. Raises TargetError."""
     clip = clips.read(Path(arguments.trajectory), arguments.up)
     limbs = clips.arms(clip, arguments.arm or "both", arguments.joints, arguments.limb or "arms")
@@ -254,7 +243,7 @@ def _guided(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Tar
     return targets
 
 
-def prepare(arguments: SimpleNamespace) -> list[Prepared]:
+def prepare(arguments: Options) -> list[Prepared]:
     """Load the trajectories and print warnings. Raises InputError or TargetError."""
     prepared = _load(arguments)
     for item in prepared:
@@ -285,9 +274,7 @@ def doubts(targets: Targets, free: bool) -> Iterator[str]:
         yield f"the elbow jumps at {at}, because the wrist passes close to the reference axis; {better}"
 
 
-def simulated(
-    arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None
-) -> list[Run]:
+def simulated(arguments: Options, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None) -> list[Run]:
     """Run all trajectories through a datapath in one simulation. Near planned joints, the core chooses the branch.
     Raises SimulationError."""
     total = sum(len(item.words) for item in prepared)
@@ -307,7 +294,7 @@ def simulated(
 
 
 def score_runs(
-    arguments: SimpleNamespace, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool = True
+    arguments: Options, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool = True
 ) -> list[tuple[Run, Score]]:
     """Return each run with its score; if `predict` is set, scores of wrist targets contain predicted errors."""
     core = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim}
@@ -348,14 +335,14 @@ def speeds_of(item: Prepared, result: Score) -> Speeds:
 
 def quaternions(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the results of a run as Qs (N, 4) in the user's frame and Qe (N, 4)."""
-    first = 0 if item.targets.hand is None else len(JOINTS)
+    first = 0 if item.targets.hand is None else len(joints.JOINTS)
     values = result_values(ran.results[:, first : first + len(RESULT_FIELDS)], width)
     return item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
 
 
 def by_joints(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return Qs, Qe and Qh (N, 4), computed from the seven joint angles of a run. Qs and Qh are in the user's frame."""
-    th, targets = ran.results[:, : len(JOINTS)].T * (2 * np.pi / 2**width), item.targets
+    th, targets = ran.results[:, : len(joints.JOINTS)].T * (2 * np.pi / 2**width), item.targets
     qe = np.array((np.sin(th[3] / 2), -np.cos(th[3] / 2), 0 * th[3], 0 * th[3])).T
     _, qh = joints.reached(th, targets.d1, targets.d2, targets.tool)
     return targets.from_core(joints.turned(*th[:3]).T), qe, targets.from_core(qh)
@@ -408,8 +395,7 @@ def outputs(out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], *o
     return output(out, paths, sources(prepared))
 
 
-Done = Sequence[Sequence[tuple[Run, Score]]]
-"""For each datapath, the run and the score of each trajectory."""
+Done = Sequence[Sequence[tuple[Run, Score]]]  # for each datapath, the run and the score of each trajectory
 
 
 def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], done: Done) -> None:

@@ -14,11 +14,9 @@ number, so a save file shows only the highest 64 bits of a longer word.
 """
 
 import os
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 
 import click
 import numpy as np
@@ -31,7 +29,7 @@ from model.dataflow.formats import Format
 from model.dataflow.nodes import Limits, Node
 from model.io.files import Place
 from model.io.words import JOINTS, TargetError
-from scripts.console import WORD_LENGTH, command, output
+from scripts.console import WORD_LENGTH, Options, command, output
 from tb.sim.job import Difference, answer
 from tb.sim.waves import Signals
 
@@ -274,12 +272,8 @@ def align(
     passes="the save file is written",
     fails="not used",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     with output(options.save.parent, [options.save], [options.vcd]) as files:
         dumpfile = os.path.relpath(options.vcd, options.save.parent)
         write_save_file(options.vcd, options.datapath, options.width, files(options.save), dumpfile)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -10,12 +10,10 @@ The board drops frames (frames.py) with a wrong CRC. The host sends unanswered t
 """
 
 import os
-import sys
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from types import SimpleNamespace
 
 import click
 import numpy as np
@@ -24,7 +22,7 @@ import serial
 from examples.icebreaker.frames import WIDTH, Answers, frame
 from model.dataflow import fixed
 from model.dataflow.datapaths import FOLD16
-from scripts.console import POSITIVE, InputError, command, option, progress, show, trajectory_options, whole
+from scripts.console import POSITIVE, InputError, Options, command, option, progress, show, trajectory_options, whole
 from scripts.score_tables import table_of_many, table_of_one, verdict
 from scripts.trajectory import SCORES, Prepared, csv_paths, outputs, prepare, score_runs, write_results
 from tb.sim.simulate import LONG, Run, SimulationError
@@ -129,7 +127,7 @@ def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
     passes="all trajectories pass",
     fails="one fails or the board does not answer",
 )
-def main(parsed: SimpleNamespace) -> int:
+def main(parsed: Options) -> int:
     parsed.sim, parsed.datapath, parsed.width = "icebreaker", FOLD16.name, WIDTH
     prepared = prepare(parsed)
     out = parsed.out
@@ -147,7 +145,3 @@ def main(parsed: SimpleNamespace) -> int:
     for path in (*csv_paths(out, prepared), out / SCORES):
         print(f"wrote {path}")
     return verdict("icebreaker", scores)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -9,9 +9,7 @@ the UART.
 
 import logging
 import subprocess
-import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import click
 import numpy as np
@@ -20,7 +18,7 @@ from model.dataflow import fixed
 from model.io import trajectories
 from model.io.stimuli import hand_poses, random_reachable
 from model.io.words import ARM_RECORDS, FIELDS, RECORDS, Targets, to_words
-from scripts.console import WORD_LENGTH, InputError, command, option, switch
+from scripts.console import WORD_LENGTH, InputError, Options, command, option, switch
 from tb.sim.job import SimulationError
 
 
@@ -91,7 +89,7 @@ def run(out: Path) -> bool:
     ],
     passes="all words equal the model's",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     try:
         from examples.litex import soc
     except ImportError as error:
@@ -101,7 +99,3 @@ def main(options: SimpleNamespace) -> int:
     soc.build(out, options.width, options.bus, options.arm, optimize=options.targets > 10)
     soc.load(out, header(options.targets, options.width, options.arm))
     return 0 if run(out) else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())

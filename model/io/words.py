@@ -29,8 +29,7 @@ LENGTHS = ("x", "y", "z", *ARMS)
 ARM_FIELDS = ("hand_x", "hand_y", "hand_z", "phi", "d1", "d2", "tool", "qh_w", "qh_i", "qh_j", "qh_k")
 """Fields of a target word of the whole arm, lowest bits first; all but phi have width-2 fraction bits."""
 
-WRIST_FIELDS = ("qw_w", "qw_i", "qw_j", "qw_k")
-"""Components of the wrist's quaternion."""
+WRIST_FIELDS = ("qw_w", "qw_i", "qw_j", "qw_k")  # components of the wrist's quaternion
 
 ARM_RESULT_FIELDS = (*JOINTS, *RESULT_FIELDS, *WRIST_FIELDS)
 """Fields of a result word of the whole arm, lowest bits first."""
@@ -41,9 +40,7 @@ CHOICE_FIELDS = (*(f"joint_{k}" for k in range(1, 8)), *RESULT_FIELDS, *WRIST_FI
 REFERENCES = tuple(f"ref_{k}" for k in range(1, 8))
 """Reference joints of a hand pose, for the choice of its branch; binary angles."""
 
-DEFAULT_D1 = 0.33
-DEFAULT_D2 = 0.27
-"""Bone lengths of the default arm (m); its reach is 0.6 m, as in the paper."""
+DEFAULT_D1, DEFAULT_D2 = 0.33, 0.27  # bone lengths of the default arm (m); its reach is 0.6 m, as in the paper
 
 LENGTH_TOLERANCE = 2.0**-8
 """Largest difference of a hand quaternion's length from 1; beyond it, `ik_arm` sets the flag bad_hand."""
@@ -337,8 +334,6 @@ class Records:
         return self._unpacked(records, len(self.results))[0] >> (32 - width)
 
 
-RECORDS = Records(32, 6, FIELDS, RESULT_FIELDS)
-"""Records of ``ik_axi``."""
+RECORDS = Records(32, 6, FIELDS, RESULT_FIELDS)  # records of ``ik_axi``
 
-ARM_RECORDS = Records(64, 7, ARM_FIELDS, (*JOINTS, *RESULT_FIELDS))
-"""Records of ``ik_axi`` with ARM = 1."""
+ARM_RECORDS = Records(64, 7, ARM_FIELDS, (*JOINTS, *RESULT_FIELDS))  # records of ``ik_axi`` with ARM = 1

@@ -246,16 +246,9 @@ class Arm:
             at[left], errors = self._corrected(at[left], wrists[left], q[left])
             over[left[errors > CORRECTED]] = True
         elbow, wrist = (self.base + rotate(self.mount, point) for point in (pose.elbow, pose.wrist))
-        return replace(
-            pose,
-            qs=multiply(self.mount, pose.qs),
-            elbow=elbow,
-            wrist=wrist,
-            hand=wrist + rotate(self.mount, rotate(q, self.tool)),
-            joints=at,
-            over_limit=over,
-            branch=branches,
-        )
+        hand = wrist + rotate(self.mount, rotate(q, self.tool))
+        places: dict[str, Any] = {"elbow": elbow, "wrist": wrist, "hand": hand}
+        return replace(pose, qs=multiply(self.mount, pose.qs), joints=at, over_limit=over, branch=branches, **places)
 
     def forward(self, positions: ArrayLike) -> tuple[Floats, Floats]:
         """Return points (N, 3) and orientations (N, 4) of the tip for joint positions (N, 7), rad."""
@@ -263,11 +256,8 @@ class Arm:
             place, turn, _ = self.chain.forward(checked_rows("positions", positions, 7))
             return place, quaternion(turn)
         th = self.angles(checked_rows("positions", positions, 7)).T
-        qs = multiply(joints.turned(*th[:3]).T, self.upper)
-        qf = multiply(qs, joints.turned(0 * th[3], th[3], 0 * th[3]).T)
-        qh = multiply(multiply(qf, self.fore), joints.turned(*th[4:]).T)
-        point = rotate(qs, (0, 0, self.d1)) + rotate(qf, (0, 0, self.d2)) + rotate(qh, self.tool)
-        return self.base + rotate(self.mount, point), multiply(self.mount, multiply(qh, self.tip))
+        point, q = joints.reached(th, self.d1, self.d2, self.tool, self.upper, self.fore)
+        return self.base + rotate(self.mount, point), multiply(self.mount, multiply(q, self.tip))
 
     def feasible_swivel(self, points: ArrayLike, hand: ArrayLike, branch: ArrayLike = 0) -> Swivels:
         """Return the swivel angles for which all joints are within their limits.  Raises ValueError."""
@@ -329,9 +319,8 @@ class Arm:
         pose = self.solve(point, hand, near=positions)
         if pose.over_limit.any() or (pose.flags & UNREACHABLE).any() and not self.chain:
             return Step(None, 0, np.inf, self.reasons(point, hand).get(0, "out of reach"))
-        slow = Step(
-            tuple(pose.joints[0].tolist()), int(pose.branch[0]), float(np.abs(pose.joints[0] - positions).max())
-        )
+        at = pose.joints[0]
+        slow = Step(tuple(at.tolist()), int(pose.branch[0]), float(np.abs(at - positions).max()))
         return step if step and step.joints and step.largest <= slow.largest else slow
 
     def continuous_joints(self, positions: ArrayLike) -> Floats:

@@ -28,8 +28,7 @@ from ..reference.joints import Branch
 from .hands import Floats
 from .swivels import FLIPS, TURN, Circles, beyond
 
-SWIVELS, MORE_SWIVELS = 16, 32
-"""Uniform swivel angles of the first attempt, and of further attempts near jumps."""
+SWIVELS, MORE_SWIVELS = 16, 32  # uniform swivel angles of the first attempt, and of further attempts near jumps
 
 FURTHER = ((0.0, 0.8), (0.5, 0.6), (0.5, 0.8), (1.0, 0.6), (3.0, 0.8))
 """Further attempts: distance (rad) kept from joints at the last attempt's jumps; free step, as a part of the goal."""

@@ -26,8 +26,7 @@ from .pose import Axis, Floats, Order, direction, hanging, solve, to_z
 CHUNK = 1024
 TURN = 2 * np.pi
 
-FLIPS = np.array([(0, 1, 4, 5), (2, 3, 6, 7)])
-"""Branches of each elbow solution."""
+FLIPS = np.array([(0, 1, 4, 5), (2, 3, 6, 7)])  # branches of each elbow solution
 
 BESIDE = np.tan(np.radians((-75, -60, -40, -20, 0, 20, 40, 60, 75)))
 """Offsets of swivel angles beside the one at which a ball joint is nearest to singular: equal turns of th1 and th3."""

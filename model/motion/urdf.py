@@ -280,15 +280,6 @@ def from_axes(axes: Floats, points: Floats, end: Floats, straight: float = TOLER
     to_hand = matrix(about(0, -tilt(a[4], a[5], a[6]))) @ wrist_frame.T
     th = np.array((0, tilt(a[0], a[1], a[2]), spin(upper) or 0, flexion, spin(fore) or 0, tilt(a[4], a[5], a[6]), 0))
     turns = quaternion(np.stack((mount, to_hand @ end[:3, :3], upper, fore)))
-    return {
-        "d1": d1,
-        "d2": d2,
-        "tool": to_hand @ reach,
-        "offsets": -signs * th,
-        "signs": signs,
-        "base": shoulder,
-        "mount": turns[0],
-        "tip": turns[1],
-        "upper": UNIT if spin(upper) is not None else turns[2],
-        "fore": UNIT if spin(fore) is not None else turns[3],
-    }
+    links = [UNIT if spin(link) is not None else turn for link, turn in ((upper, turns[2]), (fore, turns[3]))]
+    arm = {"d1": d1, "d2": d2, "tool": to_hand @ reach, "offsets": -signs * th, "signs": signs, "base": shoulder}
+    return arm | {"mount": turns[0], "tip": turns[1], "upper": links[0], "fore": links[1]}

@@ -80,11 +80,9 @@ TEXT: dict[str, dict[str, str]] = {
 }
 """Equation -> line -> right-hand side as printed. (17) repeats (16); the first of its two lines sign is `sign_raw`."""
 
-LENGTH_RANGE = (1e-15, 1e15)
-"""Accepted arm lengths: products of six lengths stay within the range of doubles."""
+LENGTH_RANGE = (1e-15, 1e15)  # accepted arm lengths: products of six lengths stay within the range of doubles
 
-REACH_TOLERANCE = 1e-9
-"""Largest distance of a target out of reach that `solve` accepts, relative to d1+d2."""
+REACH_TOLERANCE = 1e-9  # largest distance of a target out of reach that `solve` accepts, relative to d1+d2
 
 _FUNCTIONS = {
     "sqrt": lambda v: np.sqrt(np.maximum(v, 0.0)),  # tmp1, 0 for a straight or closed arm, may round below 0

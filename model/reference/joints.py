@@ -26,6 +26,7 @@ class Branch(IntFlag):
     WRIST = 4  # th5 + pi, -th6, th7 + pi
 
 
+UNIT = (1.0, 0.0, 0.0, 0.0)  # quaternion
 JOINTS = tuple(f"th{k}" for k in range(1, 8))
 
 BRANCHES = tuple(f"branch_{name.lower()}" for name in Branch.__members__)  # names of the bits of a branch, lowest first
@@ -113,12 +114,13 @@ def turned(a, b, c):
     )
 
 
-def reached(joints, d1, d2, tool):
-    """Return the hand's point (N, 3) and orientation (N, 4) at joints (7, N); tool (N, 3) is in the hand's frame."""
-    upper = turned(*joints[:3])
-    fore = product(upper, turned(0 * joints[3], joints[3], 0 * joints[3]))
-    hand = product(fore, turned(*joints[4:])).T
-    bones = (upper.T, d1), (fore.T, d2)
+def reached(joints, d1, d2, tool, upper=UNIT, fore=UNIT):
+    """Return the hand's point (N, 3) and orientation (N, 4) at joints (7, N); tool (N, 3) is in the hand's frame.
+    upper, fore: as in :func:`bent`."""
+    upper = product(turned(*joints[:3]), upper)
+    straight = product(upper, turned(0 * joints[3], joints[3], 0 * joints[3]))
+    hand = product(product(straight, fore), turned(*joints[4:])).T
+    bones = (upper.T, d1), (straight.T, d2)
     return sum(rotate(q, (0.0, 0.0, 1.0)) * np.reshape(d, (-1, 1)) for q, d in bones) + rotate(hand, tool), hand
 
 
@@ -159,8 +161,6 @@ def settled(joints, limits, beyond=None):
             result[c] = np.where(moved, wrap(sign * (both - first)), joints[c])
     return result
 
-
-UNIT = (1.0, 0.0, 0.0, 0.0)  # quaternion
 
 STRAIGHT = 1e-7
 """Angle (rad): :func:`settled` treats th2 and th6 as 0 or pi if they are nearer than this. It is so large because th4

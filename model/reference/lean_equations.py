@@ -25,8 +25,7 @@ from ..io.words import RESULT_FIELDS
 from .equations import check_lengths, columns, pose_flags
 
 _SPLIT = 2.0**27 + 1
-_LEAST, _MOST = 1e-280, 1e280
-"""Range of squared lengths for which :func:`solve_direct` needs no integers."""
+_LEAST, _MOST = 1e-280, 1e280  # range of squared lengths for which :func:`solve_direct` needs no integers
 
 
 def _integers(values):

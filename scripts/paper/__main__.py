@@ -19,7 +19,6 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import click
@@ -30,7 +29,7 @@ from model.dataflow import fixed
 from model.dataflow.lean import SECTIONS as LEAN_SECTIONS
 from model.dataflow.nodes import Node
 from model.dataflow.paper import SECTIONS
-from scripts.console import InputError, command, option
+from scripts.console import InputError, Options, command, option
 from scripts.generate import flow
 from scripts.generate.flow import WIDTH, added, delays, kind, longest_path, operands, operation, start
 from scripts.generate.render import render, update
@@ -39,8 +38,7 @@ from scripts.paper.derivation.proofs import ProofError, Step, aligned, derive, f
 from scripts.paper.table6 import __main__ as table6
 from tb.sim.env import GENERATED
 
-STEPS = {"derivation": paper.STEPS, "lean": lean.STEPS}
-"""Page of the derivation -> its steps."""
+STEPS = {"derivation": paper.STEPS, "lean": lean.STEPS}  # page of the derivation -> its steps
 
 SHOWN = GENERATED / "figures"
 
@@ -157,7 +155,7 @@ PARTS = {"derivation": derivation, "operations": operations, "figures": figures}
     "Write the pages of comparison with the paper.",
     [option("--only", "one part  [default: all]", click.Choice([*PARTS, "table6"]))],
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     parts = [options.only] if options.only else [*PARTS, "table6"]
     try:
         for part in filter(PARTS.get, parts):
@@ -166,7 +164,3 @@ def main(options: SimpleNamespace) -> int:
         print(error, file=sys.stderr)
         return 1
     return table6.main([]) if "table6" in parts else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

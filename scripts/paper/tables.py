@@ -15,8 +15,7 @@ TARGETS = 100
 FIRST_US, ALL_US, SOFTWARE_US = 5.0, 6.0, 860.0
 """Times of the paper for TARGETS targets (us): its pipeline to the first and the last result, its software."""
 
-LUTS, MHZ, STAGES = 30_000, 100, 550
-"""LUT4, clock (MHz) and latency (clocks) of the paper's pipeline."""
+LUTS, MHZ, STAGES = 30_000, 100, 550  # LUT4, clock (MHz) and latency (clocks) of the paper's pipeline
 
 CHIP, CHIP_LUTS, CHIP_MULTIPLIERS = "2VP70", 66_176, 328
 """Virtex-II Pro 2VP70: name, LUT4 (33088 slices of two), 18x18 multipliers (Xilinx DS083)."""
@@ -42,18 +41,9 @@ def _times(targets: int, us: float) -> str:
 def _paper(targets: int) -> dict[str, str]:
     """Return a dict: row of the table -> the paper's figure, with times for a number of targets."""
     us = FIRST_US + targets / MHZ
-    return {
-        "LUT4": f"~{LUTS}",
-        PART: of_chip(LUTS),
-        "18x18 multipliers": "-",
-        "clock (MHz)": str(MHZ),
-        RATE: "1",
-        LATENCY: f"~{STAGES}",
-        CLOCKS: "-",
-        FIRST: f"{FIRST_US:g}",
-        ALL: f"{us:g}",
-        TIMES: _times(targets, us),
-    }
+    rows = {"LUT4": f"~{LUTS}", PART: of_chip(LUTS), "18x18 multipliers": "-", "clock (MHz)": str(MHZ), RATE: "1"}
+    rows |= {LATENCY: f"~{STAGES}", CLOCKS: "-"}
+    return rows | {FIRST: f"{FIRST_US:g}", ALL: f"{us:g}", TIMES: _times(targets, us)}
 
 
 def _core(result: Score, flags: np.ndarray, more: Sequence[tuple[str, ...]], data: dict) -> dict[str, str]:

@@ -18,7 +18,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -33,7 +32,7 @@ from model.motion.arms import ROBOTS, Arm
 from model.motion.pose import NAMED_AXES, hanging, to_z
 from model.reference.joints import centred
 from model.reference.kinematics import conjugate, matrix
-from scripts.console import WORD_LENGTH, InputError, command, option, output, progress, some_of
+from scripts.console import WORD_LENGTH, InputError, Options, command, option, output, progress, some_of
 from scripts.generate.render import TEMPLATES
 from scripts.waves import place
 from tb.sim.env import CORES, ROOT
@@ -234,7 +233,7 @@ def page(machines: Sequence[Machine]) -> str:
     passes="the page is written",
     fails="a tool failed",
 )
-def main(parsed: SimpleNamespace) -> int:
+def main(parsed: Options) -> int:
     machines = chosen(parsed.datapath, parsed.width)
     tools()
     path = parsed.out / "index.html"
@@ -243,7 +242,3 @@ def main(parsed: SimpleNamespace) -> int:
         write_atomically(path, text)
     print(f"wrote {path}: {len(text.encode()) / 1e6:.1f} MB, {', '.join(machine.name for machine in machines)}")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -18,10 +18,8 @@ page of 3000 frames at a few megabytes.
 
 import html
 import json
-import sys
 from collections.abc import Sequence
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -38,33 +36,20 @@ from model.reference.cga import e3
 from model.reference.equations import swivel_normal
 from model.reference.kinematics import conjugate, rotate
 from scripts import trajectory
-from scripts.console import MOST_DATAPATHS, command, trajectory_options
+from scripts.console import MOST_DATAPATHS, Options, command, trajectory_options
 from scripts.generate.render import TEMPLATES
 from scripts.score_tables import figures, verdict
 from scripts.trajectory import Prepared, quaternions
 from tb.sim.simulate import Run
 
 HERE = Path(__file__).parent
-SCRIPTS = ("arm", "figure", "paper", "plots", "report")
-"""Scripts of the page in dependency order."""
-
-DIGITS = 7
-"""Significant digits of the numbers in the page."""
-
-MOST_ROWS = 12
-"""Largest number of rows that jump which the table lists."""
-
-MOST_ARMS = 4
-"""Largest number of arms of different lengths that are drawn together; with more, only the moving arm is drawn."""
-
-NEAR = 1e-4
-"""Largest geometric error, as a fraction of the reach, at which an entity near a singular pose is still drawn."""
-
-STEPS = 4000
-"""Units per diagonal of the figure's bounding box. A unit is smaller than a pixel."""
-
-BODY, UPPER, FORE, HEAD = range(4)
-"""Body parts. A node carries the part of the bone that ends there."""
+SCRIPTS = ("arm", "figure", "paper", "plots", "report")  # scripts of the page in dependency order
+DIGITS = 7  # significant digits of the numbers in the page
+MOST_ROWS = 12  # largest number of rows that jump which the table lists
+MOST_ARMS = 4  # arms of different lengths that are drawn together; with more, only the moving arm is drawn
+NEAR = 1e-4  # largest geometric error / reach at which an entity near a singular pose is still drawn
+STEPS = 4000  # units per diagonal of the figure's bounding box; a unit is smaller than a pixel
+BODY, UPPER, FORE, HEAD = range(4)  # body parts; a node carries the part of the bone that ends there
 
 
 def _numbers(array: np.ndarray, digits: int = DIGITS) -> Any:
@@ -104,7 +89,7 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
         "lengths": _numbers(lengths),
         "arm": arms,
         "normal": _numbers(targets.points_from_core(swivel_normal(asked.x, asked.y, asked.z, asked.phi))),
-        "paper": entity_data(item, width),
+        "paper": entities(item, width),
         "hands": hand_data(item, *done[0]) if targets.hand is not None else None,
         **first,
         "beside": others,
@@ -196,10 +181,10 @@ def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     }
 
 
-def entities(item: Prepared, width: int) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Return the entities by name: vectors (N, 3) in the user's frame, angles (N,) in rad, and lengths (N,).
+def entities(item: Prepared, width: int) -> list[dict[str, list[Any]]]:
+    """Return the page's entities by name: vectors (N, 3) in the user's frame, angles (N,) in rad, and lengths (N,).
 
-    Points and lengths are relative to the reach; directions are unit vectors. Undefined entities are nan.
+    Points and lengths are relative to the reach; directions are unit vectors. An undefined number is None.
     """
     asked = from_words(item.core_words(width), 0, width, item.targets.name)
     lengths = [values / asked.reach for values in (asked.x, asked.y, asked.z, asked.d1, asked.d2)]
@@ -238,19 +223,14 @@ def entities(item: Prepared, width: int) -> tuple[dict[str, np.ndarray], dict[st
     for values in (*turns, *angles.values()):
         values[~home] = np.nan
     shown = {name: item.targets.points_from_core(values) for name, values in vectors.items()}
-    return shown, angles, {"radius": radius}
+    return [
+        {name: np.where(np.isfinite(values), np.round(values, 4), None).tolist() for name, values in named.items()}
+        for named in (shown, angles, {"radius": radius})
+    ]
 
 
 def _vector(mv: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return mv.e1, mv.e2, mv.e3
-
-
-def entity_data(item: Prepared, width: int) -> list[dict[str, list[Any]]]:
-    """Return the page's vectors, angles and lengths: by name, a list over the targets, None for an undefined number."""
-    return [
-        {name: np.where(np.isfinite(values), np.round(values, 4), None).tolist() for name, values in named.items()}
-        for named in entities(item, width)
-    ]
 
 
 def place(up: str) -> np.ndarray:
@@ -380,7 +360,7 @@ def page(
     passes="all trajectories pass",
     fails="one fails",
 )
-def main(parsed: SimpleNamespace) -> int:
+def main(parsed: Options) -> int:
     path = parsed.out / "report.html"
     prepared = trajectory.prepare(parsed)
     folders = trajectory.datapaths(parsed, prepared)
@@ -396,7 +376,3 @@ def main(parsed: SimpleNamespace) -> int:
         trajectory.write_results(files, parsed.out, folders.values(), prepared, done)
     print(f"wrote {path}")
     return verdict("report", [result for ran in done for _, result in ran])
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -216,23 +216,18 @@ def test_types_of_the_package(installed, tmp_path):
     assert re.findall(r"^(\S+):\d+: error:", ran.stdout, re.M) == ["example_5.py"], ran.stdout + ran.stderr
 
 
-@pytest.fixture
-def checkout(tmp_path):
-    """Copy the checkout, with a link to its .venv."""
-    skipped = shutil.ignore_patterns(".git", ".venv", "build", "shared", "__pycache__")
-    root = shutil.copytree(ROOT, tmp_path / "checkout", ignore=skipped)
-    (root / ".venv").symlink_to(ROOT / ".venv")
-    # No window can be opened here: replace gtkwave with a script that requires its files.
-    (root / "build").mkdir()
-    (root / "build" / "gtkwave").write_text('#!/bin/sh\nset -e\nfor file; do test -s "$file"; done\n')
-    (root / "build" / "gtkwave").chmod(0o755)
-    return root
-
-
 @pytest.mark.slow
 @pytest.mark.cost(90)
-def test_debugging(checkout):
-    """Run all commands of the page; simulations must find the bug, and every line shown on the page must be printed."""
+def test_debugging(tmp_path):
+    """Run all commands of the page in a copy of the checkout; simulations must find the bug, and every line that the
+    page shows must be printed."""
+    skipped = shutil.ignore_patterns(".git", ".venv", "build", "shared", "__pycache__")
+    checkout = shutil.copytree(ROOT, tmp_path / "checkout", ignore=skipped)
+    (checkout / ".venv").symlink_to(ROOT / ".venv")
+    # No window can be opened here: replace gtkwave with a script that requires its files.
+    (checkout / "build").mkdir()
+    (checkout / "build" / "gtkwave").write_text('#!/bin/sh\nset -e\nfor file; do test -s "$file"; done\n')
+    (checkout / "build" / "gtkwave").chmod(0o755)
     drop = {"SIM", "MAKEFLAGS", "MAKELEVEL", "MFLAGS", "PYTEST_ADDOPTS", "PYTEST_CURRENT_TEST", "IK_CORES"}
     env = {name: value for name, value in os.environ.items() if name not in drop and "XDIST" not in name}
     env |= {"PATH": f"{checkout / 'build'}{os.pathsep}{env['PATH']}", "MAKEFLAGS": "e", "SETUP": "true"}  # no set-up

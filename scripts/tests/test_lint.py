@@ -2,15 +2,13 @@
 """Test the findings of scripts/lint.py on small modules and files."""
 
 from importlib.util import find_spec
-from pathlib import Path
 
 import pytest
 
 from scripts import lint
+from tb.sim.env import ROOT
 
-CLEAN = Path(__file__).with_name("ik_add.v").read_text()
-
-LATER = "        s <= t;\n    wire signed [W:0] t = "
+CLEAN = (ROOT / "rtl/lib/ik_pick.v").read_text()
 SLANG = pytest.mark.skipif(not find_spec("pyslang"), reason="pyslang needs Python 3.11")
 
 
@@ -18,17 +16,17 @@ SLANG = pytest.mark.skipif(not find_spec("pyslang"), reason="pyslang needs Pytho
     ("old", "new", "finding"),
     [
         pytest.param("", "", "", id="clean"),
-        pytest.param("[W:0]  ", "[32:0] ", "WIDTHEXPAND", id="at W = 18 only"),
-        pytest.param("module ik_add", "module ik_sub", "ik_add", id="name"),
-        pytest.param("        s <= ", LATER, "before its declaration", marks=SLANG, id="slang"),
+        pytest.param("wire [W-1:0] word", "wire [31:0] word", "WIDTHEXPAND", id="at W = 18 only"),
+        pytest.param("module ik_pick", "module ik_sub", "ik_pick", id="name"),
+        pytest.param("word = ", "word = t;\n  wire [W-1:0] t = ", "before its declaration", marks=SLANG, id="slang"),
         pytest.param("[W-1:0] a,", "[W-(W>0):0] a,", "WIDTH", marks=pytest.mark.needs("lint"), id="5.006"),
     ],
 )
 def test_findings(tmp_path, old, new, finding):
-    file = tmp_path / "ik_add.v"
+    file = tmp_path / "ik_pick.v"
     file.write_text(CLEAN.replace(old, new, 1))
     line, messages = lint.lint_module(file)
-    assert line == "ik_add W=32, W=18"
+    assert line == "ik_pick W=32, W=18"
     assert finding in messages if finding else not messages
 
 

@@ -24,8 +24,7 @@ from model.io.words import ARM_RECORDS, RECORDS
 from tb.axi.ik_regs import FIELDS, OFFSETS
 from tb.sim.timeout import timed_test
 
-SEED = int(os.environ.get("IK_AXI_SEED", "0"))
-"""Seed that changes the jobs, targets and pauses of every test."""
+SEED = int(os.environ.get("IK_AXI_SEED", "0"))  # seed that changes the jobs, targets and pauses of every test
 
 PERIOD = 10  # clock period in ns
 BURSTS = 8  # maximum number of outstanding bursts in each direction

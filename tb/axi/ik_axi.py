@@ -18,8 +18,7 @@ from tb.sim.timeout import timed_test
 JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))
 """Random jobs: half without pauses, half with pauses on all channels; JOBS // 20 more for each memory channel alone."""
 
-BASE = 0x40000 - 512
-"""Base address of the areas; the smallest tested instance has an address space of 1 MiB."""
+BASE = 0x40000 - 512  # base address of the areas; the smallest tested instance has an address space of 1 MiB
 
 QUICKEST = 2  # clocks from AR accepted to the first R beat for a memory without added latency
 

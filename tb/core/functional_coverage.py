@@ -36,8 +36,7 @@ IMPOSSIBLE = {
 """Pairs of a flag and a region that cannot occur together."""
 
 
-Kind = tuple[str, ...]
-"""Flag and region of a wrist target, or one property of a pose of the whole arm."""
+Kind = tuple[str, ...]  # flag and region of a wrist target, or one property of a pose of the whole arm
 
 LATE = ("after a reset that dropped poses",)
 POSES = [f"{name}={bit}" for name in (*ARM_FLAGS, *BRANCHES) for bit in (0, 1)]
@@ -47,8 +46,7 @@ POSES += [f"tool {length}" for length in ("least", "0", "greatest")]
 
 CHOICE_BITS = {name: flag for name, flag in CHOICE_FLAGS.items() if name.startswith(("choice", "feasible", "singular"))}
 CHOICE_BITS |= {"none_feasible": 1 << 31}
-CHOICES = [f"{name}={bit}" for name in CHOICE_BITS for bit in (0, 1)]
-"""Properties of the choice of a branch."""
+CHOICES = [f"{name}={bit}" for name in CHOICE_BITS for bit in (0, 1)]  # properties of the choice of a branch
 
 
 def bin_of(kind: Kind, datapath: str, stall: str) -> Point:

@@ -30,8 +30,7 @@ from tb.sim.subprocesses import compiled
 BUILD = ROOT / "build" / "mutants"
 SECONDS = 120.0
 """Time limit of an Icarus build, of a proof, and of a Yosys script for one mutant; tenfold for a whole netlist."""
-SELECT, BITS = "mutant", 16
-"""Name and width of the top's input that selects a mutant; 0 selects none."""
+SELECT, BITS = "mutant", 16  # name and width of the top's input that selects a mutant; 0 selects none
 TIMEOUT = "time limit"
 PER_FILE = 24  # largest number of mutants of one file of rtl/ in a netlist
 EXCLUDED = {"RD_CLK", "RD_EN", "RD_ARST", "RD_SRST", "Q"}

@@ -16,8 +16,7 @@ from tb.sim import coverage
 from tb.sim.waves import mark
 
 LOGS, WAVES = coverage.build("log"), coverage.build("waves")
-SECONDS = 1800.0
-"""Time limit of a command that compiles or simulates."""
+SECONDS = 1800.0  # time limit of a command that compiles or simulates
 RULE = re.compile(r"error: (rule \w+ \([^)]+\) is broken at \S+, (\d+) ns)")
 ENDED = "ended prematurely"
 """Part of cocotb's message if the simulator stops during a test; all later tests get the same message."""

@@ -62,7 +62,7 @@ def simulate(
         log = place / "log"
         core = {"parameters": {"W": width, **MODELS[datapath].parameters}, "core": cores, "root": root, "name": name}
         command = runner.command(
-            MODELS[datapath].top, "tb.core.batch", sim=simulator, waves=waves, env={"IK_FOLDER": folder}, **core
+            MODELS[datapath].top, "tb.core.pipeline", sim=simulator, waves=waves, env={"IK_FOLDER": folder}, **core
         )
         with open(log, "w") as out, started(command, folder, stdout=out, stderr=subprocess.STDOUT) as process:
             while process.poll() is None:

@@ -11,8 +11,7 @@ from vcd.reader import TokenKind, VCDParseError, tokenize
 
 from model.io.words import TargetError
 
-PER_NS = {"1 ps": 1000, "1 ns": 1}
-"""Time unit of a VCD -> units per nanosecond."""
+PER_NS = {"1 ps": 1000, "1 ns": 1}  # time unit of a VCD -> units per nanosecond
 
 
 class Signal(NamedTuple):

@@ -27,16 +27,13 @@ from tb.sim.timeout import timed_test
 
 Vector = tuple[int, ...]
 Parameters = dict[str, int]
-Ports = dict[str, int]
-"""Port -> word in one clock."""
-Tests = dict[str, Callable[..., Awaitable[None]]]
-"""Name -> check, a coroutine function of ``dut``."""
+Ports = dict[str, int]  # port -> word in one clock
+Tests = dict[str, Callable[..., Awaitable[None]]]  # name -> check, a coroutine function of ``dut``
 
 SEED = int(os.environ.get("COCOTB_RANDOM_SEED", "1"))
 """Seed of all unit simulations; the environment overrides it."""
 
-EVERY = 1 << 14
-"""Largest number of possible input vectors that is tested exhaustively."""
+EVERY = 1 << 14  # largest number of possible input vectors that is tested exhaustively
 
 
 # ---- starting a simulation (pytest) ----------------------------------------------------------------------------------

@@ -6,25 +6,14 @@ import re
 import numpy as np
 import pytest
 
+from model import continuous, forward, hanging, soft_reach, solve, swivel, swivel_toward
 from model.bounds import tolerances
 from model.dataflow import fixed
 from model.io.flags import Flag
 from model.io.words import Targets, result_values, to_words
-from model.motion.pose import (
-    NAMED_AXES,
-    direction,
-    elbow_jumps,
-    forward,
-    hanging,
-    parse_axis,
-    soft_reach,
-    solve,
-    swivel,
-    swivel_toward,
-    to_z,
-)
+from model.motion.pose import NAMED_AXES, direction, elbow_jumps, parse_axis, to_z
 from model.motion.tests.test_joints import apart, wrists
-from model.reference.kinematics import continuous, matrix, multiply, rotate
+from model.reference.kinematics import matrix, multiply, rotate
 
 AXES = [*NAMED_AXES, (0.3, 1.0, 0.0), (0.0, -1.0, 1.0)]
 D1, D2 = 0.33, 0.27

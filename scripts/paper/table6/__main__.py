@@ -9,20 +9,16 @@ For example, `--only jax-gpu` on a machine with a GPU adds the rows that need a 
 --hardware counts clocks and keeps the software times; --page only writes the page.
 """
 
-from __future__ import annotations
-
 import datetime
 import json
 import os
 import platform
 import re
 import statistics
-import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import click
@@ -33,7 +29,7 @@ from model.io.scoring import hand_errors
 from model.io.stimuli import random_reachable
 from model.io.trajectories import make
 from model.io.words import FIELDS, Targets, from_words, result_values, to_words
-from scripts.console import InputError, command, option, switch
+from scripts.console import InputError, Options, command, option, switch
 from scripts.fpga.designs import clock, load
 from scripts.generate.pages import measured
 from scripts.generate.render import render
@@ -46,18 +42,13 @@ from tb.sim.simulate import SimulationError, simulate
 FIGURES = GENERATED / "table6.json"
 PAGE = GENERATED / "table6.md"
 
-TARGETS, SEED = 1_000_000, 1
-"""Number of random targets, and their seed."""
-REPEATS = 7
-"""Number of measurements from which a median is taken."""
-SHORT = 0.02
-"""Minimum duration of a measurement (s). A faster function is repeated within one measurement."""
+TARGETS, SEED = 1_000_000, 1  # number of random targets, and their seed
+REPEATS = 7  # number of measurements from which a median is taken
+SHORT = 0.02  # minimum duration of a measurement (s). A faster function is repeated within one measurement.
 
 WIDTH, DATAPATH = 32, "lean"
-BUS, LATENCY = 128, 34
-"""Bus width (bits) and memory latency (clocks) of the memory-to-memory path."""
-CHUNK = 20_000
-"""Random targets per run of the bit-true model."""
+BUS, LATENCY = 128, 34  # bus width (bits) and memory latency (clocks) of the memory-to-memory path
+CHUNK = 20_000  # random targets per run of the bit-true model
 STREAMS = "stream to stream"
 """Name of the path through `ik_axis`. The other path, memory to memory, is through `ik_axi`."""
 
@@ -198,7 +189,7 @@ def write(figures: dict[str, Any]) -> int:
     passes="all is measured",
     fails="the RTL differs from its model",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     kept = json.loads(FIGURES.read_text())
     if options.page:
         return write(kept)
@@ -221,7 +212,3 @@ def main(options: SimpleNamespace) -> int:
         return write(kept | {"software": [*(before | dated).values()]})
     run = {**today, "targets": TARGETS, "seed": SEED, "machine": about}
     return write(run | {"software": [*rows.values()], "hardware": list(core(words))})
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -17,8 +17,7 @@ SOURCE = Path(__file__).parent / "equations.c"
 FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math")
 """Without the last two flags, roots and selections prevent vectorization. These two flags do not change the results."""
 
-SCALAR = ("-fno-tree-vectorize", "-fno-tree-slp-vectorize")
-"""Flags that disable vectorization in gcc and clang."""
+SCALAR = ("-fno-tree-vectorize", "-fno-tree-slp-vectorize")  # flags that disable vectorization in gcc and clang
 
 WAYS = {"chain": ("chain", SCALAR), "batch": ("batch", SCALAR), "vector": ("batch", ())}
 """Way to solve many targets -> function of equations.c and additional flags. chain: each target waits for the previous

@@ -1,22 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that table 6's software agrees with the model, and its page with the figures. No test asserts a time."""
+"""Tests that table 6's software agrees with the model, its C program in long double with the bit-true model, and its
+page with the figures. No test asserts a time."""
 
 import json
 
 import numpy as np
 import pytest
 
-from model.dataflow.fixed import latency
-from model.io.scoring import hand_errors
+from model.bounds import tolerances
+from model.dataflow import fixed
+from model.io.flags import expected_flags
+from model.io.scoring import hand_errors, singular_distance
 from model.io.stimuli import random_reachable
 from model.io.trajectories import make
-from model.io.words import RESULT_FIELDS, from_words
+from model.io.words import RESULT_FIELDS, from_words, result_values
 from model.reference import equations
 from model.reference.lean_equations import solve_lean
 from scripts.fpga.designs import load
 from scripts.paper.table6 import __main__ as table6
 from scripts.paper.table6.compiled import REALS, WAYS, Solver
 from scripts.paper.table6.contenders import Contender, columns, contenders, lean
+from tb.core.worst_targets import chunk
 
 needs_cc = pytest.mark.needs("cc")
 REACH, RANDOM = make("reach"), from_words(random_reachable(3000, 32, 7), 0, 32, "random")
@@ -80,7 +84,7 @@ def test_clocks_on_the_page_are_those_of_the_present_core():
     """Check the clocks that a path adds to the datapath's latency: 0 for streams, the same in all rows of a path."""
     around = {}
     for row in figures()["hardware"]:
-        around.setdefault(row["path"], set()).add(row["first"] - latency(row["datapath"], row["width"]))
+        around.setdefault(row["path"], set()).add(row["first"] - fixed.latency(row["datapath"], row["width"]))
     stale = "the RTL has changed: run `python -m scripts.paper.table6 --hardware`"
     assert around[table6.STREAMS] == {0} and {len(clocks) for clocks in around.values()} == {1}, stale
 
@@ -126,3 +130,40 @@ def test_the_named_rows_are_dated_and_kept_without_their_software(command, monke
     assert command(table6.main)[0] == 0
     kept, lacks = figures()["software"]
     assert kept == new and "lacks" in lacks
+
+
+UNEQUAL = 2.0**-24
+"""Ratio of the lengths below which the paper's equations, which add squares of lengths, lose too many of 64 bits."""
+
+
+def in_long_double(words: np.ndarray, width: int, equations: str) -> np.ndarray:
+    """Solve input words (N, 6) in C; return the results (N, 6)."""
+    unit = np.longdouble(2) ** (1 - width)
+    scale = np.array([2, 2, 2, 4 * np.arctan(np.longdouble(1)), 2, 2]) * unit
+    return Solver(list((words * scale).T), equations, "long double")().astype(float)
+
+
+@needs_cc
+@pytest.mark.parametrize("width", [16, 32])
+@pytest.mark.parametrize("equations", ["lean", "paper"])
+def test_the_model_agrees_with_c(width, equations):
+    """Bound the largest difference of the bit-true model from C in long double."""
+    words = chunk(0, width, 3)
+    words = words[expected_flags(words, width) == 0]
+    if equations == "paper":
+        shorter, longer = np.sort(words[:, 4:].astype(float)).T
+        regular = singular_distance(from_words(words, 0, width, "words")) >= tolerances.REGULAR_DISTANCE
+        words = words[regular & (shorter >= UNEQUAL * longer)]
+    assert len(words) > 3000
+    values, ulp = result_values(fixed.run(words, width, "lean").results, width), 2.0 ** (2 - width)
+    off = difference(in_long_double(words, width, equations), values)
+    assert 0.45 * ulp < off < min(tolerances.LEAN[width] / 3, 4 * ulp)
+
+
+@needs_cc
+@pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="long double is double here")
+def test_a_difference_of_squares_that_needs_64_bits():
+    words = np.array([[(1 << 30) - 1, 1, 1, 0, 1 << 29, 1 << 29]])
+    x, y, z, _, d1, d2 = map(int, words[0])
+    exact = np.sqrt((d1 + d2) ** 2 - (x * x + y * y + z * z)) / 2**30
+    assert in_long_double(words, 32, "lean")[0, 4] == pytest.approx(exact, rel=1e-15)

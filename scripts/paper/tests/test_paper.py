@@ -1,19 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that the derivations hold, their pages are up to date, and errors in print, algebra or dataflow are found."""
+"""Tests that derivations hold, that all pages of `make paper` but table 6 are up to date, and that errors in print,
+algebra or dataflow are found."""
 
+import re
 from copy import copy
 
 import pytest
 
+from model.dataflow import fixed
+from model.dataflow.formats import Format
+from model.dataflow.nodes import Dataflow
+from model.io.words import RESULT_FIELDS
 from model.reference import cga
+from scripts.generate import flow
 from scripts.paper import __main__ as main
 from scripts.paper.derivation import lean, paper, proofs
 from scripts.paper.derivation.proofs import PRINTED, Step, derive, failures
 
-pytestmark = pytest.mark.cost(60)
-
 
 @pytest.mark.slow
+@pytest.mark.cost(60)
 @pytest.mark.parametrize("name", main.STEPS)
 def test_all_statements_hold_and_the_page_is_up_to_date(name):
     steps = derive(main.STEPS[name])
@@ -96,3 +102,36 @@ def test_a_false_statement_fails_the_command_and_leaves_the_pages(monkeypatch, c
     monkeypatch.setattr(main, "update", lambda texts: pytest.fail("writes pages"))
     status, _, errors = command(main.main, "--only", "derivation")
     assert status == 1 and "step product: lean = algebra: does not hold" in errors[0]
+
+
+def test_page_of_operations_is_up_to_date():
+    ((path, text),) = main.operations().items()
+    assert path.read_text() == text, "run `make paper ONLY=operations`"
+
+
+def test_an_operand_with_too_few_fraction_bits_is_named(monkeypatch, command):
+    monkeypatch.setattr(fixed, "dataflow", fixed.dataflow.__wrapped__)  # without its cache
+    monkeypatch.setattr(Dataflow, "word", lambda self, i: Format(self.width, self.width + 9, "W + 9"))
+    status, _, (error,) = command(main.main, "--only", "operations")
+    assert status == 1 and re.match(r"\w+: \d+ fraction bits, .* only \d+$", error), error
+
+
+def test_figures_and_page_are_up_to_date():
+    """Compare texts; of a picture that graphviz draws, compare the digest of its graph."""
+    drawn = main.pictures()
+    for name, text in drawn.items():
+        shown, digest = (main.SHOWN / name).read_text("utf-8"), f"<!-- of the graph {main.digest(text)} -->\n"
+        assert shown == text or shown.startswith(digest), "run `make paper ONLY=figures`"
+    page = (main.GENERATED / "figures.md").read_text("utf-8")
+    assert page == main.render("figures"), "run `make paper ONLY=figures`"
+    assert sorted(path.name for path in main.SHOWN.iterdir()) == sorted(drawn)
+
+
+@pytest.mark.parametrize(("datapath", "width"), [("lean", 32), ("lean", 18), ("paper", 32)])
+def test_longest_path_takes_the_whole_latency(datapath, width):
+    nodes = fixed.nodes(datapath, width)
+    path = flow.longest_path(nodes)
+    assert path[0].kind == "input" and path[0].time == 0 and path[-1].name in RESULT_FIELDS
+    assert path[-1].time == max(n.time for n in nodes.values())
+    for before, after in zip(path, path[1:], strict=False):
+        assert before.time == flow.start(after, width), after.name
