@@ -100,8 +100,7 @@ def command(
     passes: str = "all is well",
     fails: str = "a check fails",
 ) -> Callable[[Callable[[Options], int]], Callable[..., int]]:
-    """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status. If
-    the function's module is the program, `main` runs at once, so the function is the module's last.
+    """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status.
 
     After an error, `main` prints one line that begins with `name`. If make started the command, the line shows options
     as make variables. passes, fails: meanings of exit status 0 and 1, for --help.
@@ -137,8 +136,6 @@ def command(
             print(f"{name}: {line}", file=sys.stderr)
             return status
 
-        if work.__module__ == "__main__":
-            sys.exit(main())
         return main
 
     return main_of

@@ -28,20 +28,6 @@ BROWSER = ["scripts/report/tests/browser_test_report.py", "scripts/playground/te
 PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder"]
 
 
-def selection(only: str) -> list[str]:
-    """Return pytest's arguments for a file, a module of rtl/ or a pattern. Raises InputError for an unknown module."""
-    modules = [path.stem for path in sources()]
-    if (ROOT / only.partition("::")[0]).exists():
-        return [only]
-    if only in modules:
-        return ["tb", f"--module={only}", "--exitfirst", "-n0"]  # in order, the module's own bench first
-    if only.startswith("ik_") and only.isidentifier() and not any(only in module for module in modules):
-        raise InputError(
-            f"argument --only: no module {only}; near: {', '.join(difflib.get_close_matches(only, modules))}"
-        )
-    return ["-k", only]
-
-
 @command(
     "test",
     "Run the tests of a gate with pytest.",
@@ -70,3 +56,21 @@ def main(options: Options) -> int:
     os.chdir(ROOT)
     os.environ.update(SIM=options.sim, IK_CORES=options.cores, IK_WAVES="1" * options.waves)
     os.execv(PYTEST[0], [*PYTEST, *words, "-m", marks])
+
+
+def selection(only: str) -> list[str]:
+    """Return pytest's arguments for a file, a module of rtl/ or a pattern. Raises InputError for an unknown module."""
+    modules = [path.stem for path in sources()]
+    if (ROOT / only.partition("::")[0]).exists():
+        return [only]
+    if only in modules:
+        return ["tb", f"--module={only}", "--exitfirst", "-n0"]  # in order, the module's own bench first
+    if only.startswith("ik_") and only.isidentifier() and not any(only in module for module in modules):
+        raise InputError(
+            f"argument --only: no module {only}; near: {', '.join(difflib.get_close_matches(only, modules))}"
+        )
+    return ["-k", only]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
