@@ -40,13 +40,14 @@ BROKEN_DOWN = {"lean": (32, 18), "paper": (32,)}
 
 def describe(design: Design) -> dict:
     """Return the commit and digest of a design's code. A design with a model also gets its latency in clocks and the
-    model's largest wrist error / reach (for the whole arm, its largest hand error / reach)."""
+    model's largest wrist error / reach (for the whole arm, its largest hand error / reach and orientation error)."""
     facts = {"rtl": designs.code(design), "commit": commit()}
     if design.datapath not in MODELS:
         return facts
     words = region("anywhere", TARGETS, design.width, 1)
     if MODELS[design.datapath].side:
-        errors, _ = hand_errors(hand_poses(words, design.width, 1), design.width, design.datapath)[0]
+        errors, turns = hand_errors(hand_poses(words, design.width, 1), design.width, design.datapath)[0]
+        facts["orientation"] = float(f"{turns.max():.2g}")
     else:
         errors, _ = model_errors(words, design.width, design.datapath)
     return {"latency": latency(design.datapath, design.width), "hand": float(f"{errors.max():.2g}"), **facts}
@@ -116,7 +117,7 @@ def page(data: dict) -> TemplateModule:
     broken = [find(name, width) for name, widths in BROKEN_DOWN.items() for width in widths]
     values = {"data": data, "run": run, "measured": partial(measured, data), "sources": sources, "columns": columns}
     values |= {"broken": broken, "find": find, "dates": " to ".join(sorted({dates[0], dates[-1]}))}
-    values |= {"chip": tables, "chips": CHIPS, "models": MODELS, "netlist": netlist}
+    values |= {"clock": partial(clock, data), "chip": tables, "chips": CHIPS, "models": MODELS, "netlist": netlist}
     return TEMPLATES.get_template("fpga.md.j2").make_module(values)
 
 

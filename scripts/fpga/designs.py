@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from model.dataflow.datapaths import MODELS
+from model.dataflow.formats import inner_frac
 from scripts.fpga.runs import Run
 from tb.sim.env import GENERATED
 from tb.sim.sources import digest
@@ -40,6 +41,7 @@ class Design:
     def group(self) -> str:
         """Value of --datapath that selects the design."""
         same = {"echo": "memory", "fold16": "fold", "fold_arm16": "fold_arm", "fold_choice": "choice"}
+        same |= dict.fromkeys(ARM_PARTS, "arm")
         same |= dict.fromkeys(FOLDED_MEMORY, "memory") | {f"{ASIC}_{name}": ASIC for name, _ in STANDARD_CELLS}
         return same.get(self.datapath, self.datapath)
 
@@ -56,6 +58,9 @@ FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
 FOLD, FOLD16 = ({key: MODELS[name].parameters[key] for key in ("DATAPATH", "TILE")} for name in ("fold", "fold16"))
 MEMORY = ("xc2vp", "xc7", "ecp5")
 SMALL = ("ecp5-12k", "xc7", "gowin")
+ARM_PARTS = {"arm_hand": "ik_lean_hand", "arm_frame": "ik_lean_frame", "arm_joints": "ik_lean_joints"}
+"""Modules around the lean datapath in `ik_arm`. Each is placed alone: a whole `ik_arm` needs more multipliers than the
+ECP5-85k has."""
 FOLDED_MEMORY = ("fold_memory", "fold_arm_memory")
 ASIC, STANDARD_CELLS = "asic", (("fold16", 18), ("fold", 24), ("fold_arm", 24), ("lean", 18))
 """Group of designs of standard cells, which `make asic` measures; their datapaths and word lengths."""
@@ -70,6 +75,14 @@ DESIGNS = (
     Design("lean", 18, "ik_lean", FAMILIES, {"ecp5": 190}, within={}),
     *(Design("lean", width, "ik_lean", FAMILIES, {"ecp5": 170}, within={}) for width in (24, 32)),
     Design("lean25", 18, "ik_lean", ("xc7", "xcup"), {}, {"TILE": 25}),
+    *(Design("arm", width, "ik_arm", FAMILIES, {}, {"DATAPATH": 1}) for width in (18, 24, 32)),
+    *(
+        Design(
+            name, width, top, ("ecp5",), {"ecp5": 170}, {} if top == "ik_lean_joints" else {"N": inner_frac(width) + 2}
+        )
+        for name, top in ARM_PARTS.items()
+        for width in (18, 24, 32)
+    ),
     Design("paper", 32, "ik_paper", FAMILIES, {}, {"DIGIT": 1}),
     Design("paper", 18, "ik_paper", ("ecp5",), {"ecp5": 150}, {"DIGIT": 1}, within={"DATAPATH": 0}),
     Design("echo", 32, "ik_axi", MEMORY, {"ecp5": 145}),
