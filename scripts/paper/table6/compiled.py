@@ -22,6 +22,7 @@ SCALAR = ("-fno-tree-vectorize", "-fno-tree-slp-vectorize")  # flags that disabl
 WAYS = {"chain": ("chain", SCALAR), "batch": ("batch", SCALAR), "vector": ("batch", ())}
 """Way to solve many targets -> function of equations.c and additional flags. chain: each target waits for the previous
 answer; batch: targets are independent; vector: several targets per instruction."""
+ARM = ("arm", ())  # the same for independent hand poses
 
 EQUATIONS = ("lean", "paper")
 REALS = {"double": np.float64, "float": np.float32}
@@ -54,16 +55,17 @@ def shared_object(equations: str, real: str, extra: tuple[str, ...]) -> ctypes.C
 
 
 class Solver:
-    """C function that solves targets, bound to the targets' columns x, y, z, phi, d1, d2 and to arrays for answers."""
+    """C function that solves targets, bound to the targets' columns x, y, z, phi, d1, d2 (of hand poses, tool and qh as
+    well) and to arrays for answers: six, or seven joints."""
 
     def __init__(self, columns: list[np.ndarray], equations: str = "lean", real: str = "double", way: str = "batch"):
-        name, extra = WAYS[way]
+        name, extra = (WAYS | {"arm": ARM})[way]
         self._function = getattr(shared_object(equations, real, extra), name)
         self._columns = [np.ascontiguousarray(column, dtype=REALS.get(real, np.longdouble)) for column in columns]
-        self._answers = np.full((len(columns), len(columns[0])), np.nan, dtype=self._columns[0].dtype)
+        self._answers = np.full((7 if way == "arm" else 6, len(columns[0])), np.nan, dtype=self._columns[0].dtype)
 
     def __call__(self, times: int = 1) -> np.ndarray:
-        """Solve all targets ``times`` times; return the answers (N, 6)."""
+        """Solve all targets ``times`` times; return the answers, (N, 6) or (N, 7)."""
         pointers = (ctypes.c_void_p(array.ctypes.data) for array in (*self._columns, *self._answers))
         self._function(ctypes.c_long(times), ctypes.c_long(len(self._columns[0])), *pointers)
         return self._answers.T

@@ -21,6 +21,7 @@ import numpy as np
 
 from model.io.scoring import hand_errors
 from model.io.words import FIELDS, LENGTHS, Targets
+from model.reference.joints import reached
 from model.reference.kinematics import forward, matrix, multiply
 from model.reference.lean_equations import solve_lean
 from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Solver
@@ -98,23 +99,71 @@ def lean(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any) -> tu
     return w_1 * inv_q, i_1 * inv_q, j_1 * inv_q, k_1 * inv_q, root_far * inv_12, -root_near * inv_12
 
 
+def joints(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any, tool: Any, *hand: Any) -> tuple:
+    """Return the seven joints of hand poses, as ``arm`` of equations.c does."""
+    w, i, j, k = hand
+    x, y = x - 2 * (i * k + w * j) * tool, y - 2 * (j * k - w * i) * tool
+    *qs, s, c = lean(library, x, y, z - ((w * w + k * k) - (i * i + j * j)) * tool, phi, d1, d2)
+    forearm = (qs[0] * -c - qs[1] * s, qs[0] * s - qs[1] * c, qs[2] * -c + qs[3] * s, -qs[3] * c - qs[2] * s)
+
+    def zxz(w: Any, i: Any, j: Any, k: Any) -> tuple[Any, Any, Any]:
+        a, b = library.arctan2(k, w), library.arctan2(j, i)
+        return a + b, 2 * library.arctan2(library.sqrt(i * i + j * j), library.sqrt(w * w + k * k)), a - b
+
+    v, f, g, h = forearm
+    wrist = v * w + f * i + g * j + h * k, v * i - f * w - g * k + h * j, v * j - g * w - h * i + f * k
+    return *zxz(*qs), 2 * library.arctan2(s, -c), *zxz(*wrist, v * k - h * w - f * j + g * i)
+
+
+def poses(targets: Targets) -> list[np.ndarray]:
+    """Return the columns of hand poses, (N,) each: random orientations, and a tool as long as the forearm, in front of
+    the targets' wrists."""
+    hand = np.random.default_rng(1).standard_normal((4, len(targets)))
+    w, i, j, k = hand = hand / np.linalg.norm(hand, axis=0)
+    tool = targets.d2
+    axis = np.array((2 * (i * k + w * j), 2 * (j * k - w * i), (w * w + k * k) - (i * i + j * j)))
+    return [*(targets.position.T + axis * tool), targets.phi, targets.d1, targets.d2, tool, *hand]
+
+
+def arm_errors(answers: Any, targets: Targets) -> np.ndarray:
+    """Return the errors of the hand's point / (d1 + d2 + tool), (N,), of joints (7, N) for :func:`poses`."""
+    pose, zero = np.array(poses(targets)), np.zeros(len(targets))
+    tool = np.stack((zero, zero, targets.d2), axis=1)
+    point, _ = reached(np.asarray(answers, dtype=float), targets.d1, targets.d2, tool)
+    return np.linalg.norm(point - pose[:3].T, axis=1) / (targets.reach + targets.d2)
+
+
 def _bind_c(equations_: str, real: str, way: str, targets: Targets) -> Bound:
     solve = Solver(columns(targets), equations_, real, way)
     return solve, lambda: hand_errors(solve(), targets)
 
 
-def _bind_numpy(kind: type, targets: Targets) -> Bound:
-    arrays = [np.ascontiguousarray(c, dtype=kind) for c in columns(targets)]
-    return _repeated(lambda: lean(np, *arrays), lambda answers: hand_errors(np.stack(answers, axis=1), targets))
+def _bind_c_arm(real: str, targets: Targets) -> Bound:
+    solve = Solver(poses(targets), "lean", real, "arm")
+    return solve, lambda: arm_errors(solve().T, targets)
 
 
-def _bind_jax(device: Any, kind: type, targets: Targets) -> Bound:
-    jax = found("jax")
-    arrays = [jax.device_put(c.astype(kind), device) for c in columns(targets)]
-    compiled = jax.jit(partial(lean, found("jax.numpy")))
+KINDS = {
+    "": (lean, columns, lambda answers, targets: hand_errors(np.stack(answers, axis=1), targets)),
+    "-arm": (joints, poses, arm_errors),
+}
+"""End of a key -> function of the equations for arrays, function that returns the inputs, function of the errors."""
+NAMES = {"": "lean", "-arm": "whole arm, seven joints"}
+
+
+def _bind_numpy(kind: type, key: str, targets: Targets) -> Bound:
+    solve, inputs, errors = KINDS[key]
+    arrays = [np.ascontiguousarray(c, dtype=kind) for c in inputs(targets)]
+    return _repeated(lambda: solve(np, *arrays), lambda answers: errors(answers, targets))
+
+
+def _bind_jax(device: Any, kind: type, key: str, targets: Targets) -> Bound:
+    jax, (solve, inputs, errors) = found("jax"), KINDS[key]
+    arrays = [jax.device_put(c.astype(kind), device) for c in inputs(targets)]
+    compiled = jax.jit(partial(solve, found("jax.numpy")))
     return _repeated(
         lambda: jax.block_until_ready(compiled(*arrays)),
-        lambda answers: hand_errors(np.stack([np.asarray(c) for c in answers], axis=1), targets),
+        lambda answers: errors([np.asarray(c) for c in answers], targets),
     )
 
 
@@ -131,10 +180,10 @@ def _jax() -> Iterator[Contender]:
                 pass
         if device and platform == "gpu":
             where += f", {device.device_kind}"
-        for real, kind in REALS.items():
-            group, bind = f"JAX {jax.__version__}" if jax else "JAX", partial(_bind_jax, device, kind)
+        for (key, name), (real, kind) in itertools.product(NAMES.items(), REALS.items()):
+            group, bind = f"JAX {jax.__version__}" if jax else "JAX", partial(_bind_jax, device, kind, key)
             lacks = lacks if jax else "not installed"
-            yield Contender(f"jax-{platform}-{real}", group, f"lean, {real}, {where}", bind, lacks)
+            yield Contender(f"jax-{platform}-{real}{key}", group, f"{name}, {real}, {where}", bind, lacks)
 
 
 def _hand_poses(targets: Targets) -> np.ndarray:
@@ -176,8 +225,11 @@ def contenders() -> list[Contender]:
         Contender(f"c-{'-'.join(names)}", "C, one thread", ", ".join(names), partial(_bind_c, *names))
         for names in itertools.product(EQUATIONS, REALS, WAYS)
     ]
-    for real, kind in REALS.items():
-        every.append(Contender(f"numpy-{real}", "numpy", f"lean, {real}", partial(_bind_numpy, kind)))
+    for real in REALS:
+        name = f"{NAMES['-arm']}, {real}, vector"
+        every.append(Contender(f"c-arm-{real}", "C, one thread", name, partial(_bind_c_arm, real)))
+    for (key, name), (real, kind) in itertools.product(NAMES.items(), REALS.items()):
+        every.append(Contender(f"numpy-{real}{key}", "numpy", f"{name}, {real}", partial(_bind_numpy, kind, key)))
     lacks = "" if found("eaik.IK_HP") else "not installed"
     pose = "4 joints, the hand's whole pose given, all solutions"
     return [*every, *_jax(), Contender("eaik", "EAIK", pose, _bind_eaik, lacks, 1000)]

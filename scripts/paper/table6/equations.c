@@ -118,6 +118,35 @@ void batch(ARGUMENTS) {
   }
 }
 
+// Quaternion Rz(a) Rx(b) Rz(c) to its angles; s + d and s - d may differ from a and c by a turn.
+INLINE void zxz(REAL w, REAL i, REAL j, REAL k, REAL *a, REAL *b, REAL *c) {
+  REAL s = atan2(k, w), d = atan2(j, i);
+  *a = s + d, *b = 2 * atan2(sqrt(i * i + j * j), sqrt(w * w + k * k)), *c = s - d;
+}
+
+// Independent hand poses to seven joints, by the equations of model/reference/joints.py around those of one target.
+void arm(long times, long n, const REAL *restrict x, const REAL *restrict y, const REAL *restrict z,
+         const REAL *restrict phi, const REAL *restrict d1, const REAL *restrict d2, const REAL *restrict tool,
+         const REAL *restrict h_w, const REAL *restrict h_i, const REAL *restrict h_j, const REAL *restrict h_k,
+         REAL *restrict th1, REAL *restrict th2, REAL *restrict th3, REAL *restrict th4, REAL *restrict th5,
+         REAL *restrict th6, REAL *restrict th7) {
+  for (long t = 0; t < times; t++) {
+    for (long m = 0; m < n; m++) {
+      REAL w = h_w[m], i = h_i[m], j = h_j[m], k = h_k[m];
+      POSE q = SOLVE(x[m] - 2 * (i * k + w * j) * tool[m], y[m] - 2 * (j * k - w * i) * tool[m],
+                     z[m] - ((w * w + k * k) - (i * i + j * j)) * tool[m], phi[m], d1[m], d2[m]);
+      REAL s = q.qe_w, c = -q.qe_i;  // th4 / 2
+      REAL f_w = q.qs_w * c - q.qs_i * s, f_i = q.qs_w * s + q.qs_i * c;  // forearm
+      REAL f_j = q.qs_j * c + q.qs_k * s, f_k = q.qs_k * c - q.qs_j * s;
+      zxz(q.qs_w, q.qs_i, q.qs_j, q.qs_k, &th1[m], &th2[m], &th3[m]);
+      th4[m] = 2 * atan2(s, c);
+      zxz(f_w * w + f_i * i + f_j * j + f_k * k, f_w * i - f_i * w - f_j * k + f_k * j,
+          f_w * j - f_j * w - f_k * i + f_i * k, f_w * k - f_k * w - f_i * j + f_j * i, &th5[m], &th6[m], &th7[m]);
+    }
+    __asm__ volatile("" ::: "memory");
+  }
+}
+
 // Each target waits for the complete previous answer, as in a control loop: measures the latency of a solve.
 void chain(ARGUMENTS) {
   REAL before = 0;

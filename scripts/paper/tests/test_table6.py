@@ -61,7 +61,14 @@ def test_single_precision_arrays_stay_single():
 INSTALLED = [pytest.mark.release, pytest.mark.needs("table6")]
 
 
-@pytest.mark.parametrize("key", ["numpy", *(pytest.param(name, marks=INSTALLED) for name in ("jax", "eaik"))])
+@pytest.mark.parametrize(
+    "key",
+    [
+        "numpy",
+        pytest.param("c-arm", marks=needs_cc),
+        *(pytest.param(name, marks=INSTALLED) for name in ("jax", "eaik")),
+    ],
+)
 def test_software_reaches_the_hand(key):
     named = [one for one in contenders() if one.key.startswith(key)]
     runnable = [one for one in named if not one.lacks]
