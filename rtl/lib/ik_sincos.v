@@ -93,8 +93,7 @@ module ik_sincos #(
     end
   endfunction
 
-  // Rows are computed as constants of EACH rows: nested loops in `initial` exceed the limits of some tools. With
-  // IK_NET_TABLES, rows are constant nets.
+  // Rows are computed as constants of EACH rows: nested loops in `initial` exceed the limits of some tools.
   localparam integer EACH = 32;
   function [2*XW*EACH-1:0] vectors(input integer first);
     integer k;
@@ -104,22 +103,12 @@ module ik_sincos #(
     end
   endfunction
 
-`ifdef IK_NET_TABLES
-  wire [2*XW-1:0] start[0:(1<<FIRST)-1];
-`else
   reg [2*XW-1:0] start[0:(1<<FIRST)-1];
-`endif
-  genvar n;
+  integer n;
   generate
     for (i = 0; i < (1 << FIRST); i = i + EACH) begin : g_rows
       localparam [2*XW*EACH-1:0] ROWS = vectors(i);
-      for (n = 0; n < EACH; n = n + 1) begin : g_row
-`ifdef IK_NET_TABLES
-        assign start[i+n] = ROWS[2*XW*n+:2*XW];
-`else
-        initial start[i+n] = ROWS[2*XW*n+:2*XW];
-`endif
-      end
+      initial for (n = 0; n < EACH; n = n + 1) start[i+n] = ROWS[2*XW*n+:2*XW];
     end
   endgenerate
 

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write the generated Verilog headers: node formats and clocks, tables, programs of the fold datapath.
 
-python -m scripts.generate.headers      writes the headers that are out of date
+    python -m scripts.generate.headers [--nets FOLDER]
+
+Writes the headers that are out of date. With --nets, writes copies of all to a folder, in which tables and programs are
+constant nets, for tools that ignore `initial`. Put the folder before rtl/include.
 """
 
 import os
 import re
+import sys
 from collections.abc import Iterable, Sequence
 from itertools import accumulate, groupby
 from pathlib import Path
@@ -23,8 +27,10 @@ from model.dataflow.nodes import Node
 from model.dataflow.paper_operations import SINCOS_GUARD, cordic_gain
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, Form, Table, table_rows
 from model.io.flags import ARM_FLAGS
+from scripts.console import Options, command, option
 from scripts.generate.render import TEMPLATES, update
 from tb.sim.env import ROOT
+from tb.sim.sources import nets
 
 BODIES = TEMPLATES.get_template("headers.vh.j2").module
 NOTE = """// SPDX-License-Identifier: Apache-2.0
@@ -239,5 +245,19 @@ def texts() -> dict[Path, str]:
     return made
 
 
+@command(
+    "headers", __doc__.splitlines()[0], [option("--nets", "write copies with nets to this folder", metavar="FOLDER")]
+)
+def main(options: Options) -> int:
+    if not options.nets:
+        update(texts())
+        return 0
+    for path, text in texts().items():
+        copy = Path(options.nets) / path.name
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_text(nets(text), encoding="utf-8")
+    return 0
+
+
 if __name__ == "__main__":
-    update(texts())
+    sys.exit(main())

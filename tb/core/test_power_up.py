@@ -19,7 +19,7 @@ from tb.sim.env import ROOT, simulator
 from tb.sim.runner import simulate
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.shared import SECONDS, passes
-from tb.sim.sources import closure, headers, sources
+from tb.sim.sources import closure, headers, nets, sources
 from tb.sim.subprocesses import compiled
 from tb.sim.timeout import timed_test
 
@@ -108,11 +108,11 @@ def test_a_register_without_an_initial_value_is_detected(tmp_path):
     [pytest.param(*one.values[:2], id=one.id, marks=[pytest.mark.slow] if one.id in LONG else []) for one in TOPS],
 )
 def test_a_reset_of_one_clock_replaces_initial_values(top, parameters, tmp_path):
-    """Test the RTL with IK_NO_INITIAL and IK_NET_TABLES, without initial values of registers: all is X until reset."""
+    """Test the RTL with IK_NO_INITIAL and tables of nets, without initial values of registers: all is X until reset."""
     for path in (*sources(copy_rtl(tmp_path)), *headers(tmp_path)):
-        text = INITIAL.sub("", path.read_text())
-        assert not re.search(r"\n +initial (?!begin|start\[)", text), path
-        path.write_text(text.replace("`ifdef IK_N", "`ifndef IK_N"))
+        text = nets(INITIAL.sub("", path.read_text()))
+        assert not re.search(r"\n +initial (?!begin|for)", text), path
+        path.write_text(text.replace("`ifdef IK_NO_INITIAL", "`ifndef IK_NO_INITIAL"))
     memory = tmp_path / "rtl" / "fold" / "ik_fold_memory.v"
     stop = "always @(posedge clk) if (w_en === 1'bx) $finish;"  # Icarus would skip such a write
     memory.write_text(memory.read_text().replace("endmodule", f"{stop}\nendmodule"))

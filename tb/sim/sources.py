@@ -49,6 +49,13 @@ def headers(root: Path = ROOT) -> list[Path]:
     return [path for folder in includes(root) for path in sorted(folder.glob("*.vh"))]
 
 
+def nets(text: str) -> str:
+    """Return a header with the rows of its read-only memory as constant nets."""
+    begin = re.compile(r"^( *)initial begin\n((?:\1  .*\n)*)\1end\n", re.M)
+    text = begin.sub(lambda block: block[2].replace("  rom[", "  assign rom["), text)
+    return re.sub(r"^reg( \[.*\] rom)", r"wire\1", text, flags=re.M)
+
+
 def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = (), without: Iterable[str] = ()) -> list[Path]:
     """Return the file of module ``top``, then the files of everything that it instantiates or includes. A file in
     ``instead`` replaces the listed file of the same name; modules named in ``without`` are left out."""
