@@ -169,4 +169,6 @@ def modelled(module: dict) -> dict:
             module["cells"][name] = _memory(one, [side.split() for side in sides])
         elif one.kind in MULTIPLIERS and not (one.kind == "MULT18X18" and "P" in one.nets):  # Yosys models Xilinx's
             module["cells"][name] = _product(one)
+        elif one.kind == "DFFPOSX1":  # Verilator misreads the library's primitive
+            cell["type"] = "flip_flop"
     return module

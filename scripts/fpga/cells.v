@@ -1,4 +1,4 @@
-// Exact models of block memories and multipliers, for netlists of families without models in Yosys.
+// Exact models of block memories, multipliers and a flip-flop, for netlists of families without models in Yosys.
 // SPDX-License-Identifier: Apache-2.0
 //
 // cells.py replaces the vendors' cells by these modules. A memory has bytes of nine bits and at most two sides on one
@@ -109,6 +109,16 @@ module product #(
     p_q <= p[AW+BW-1:0];
   end
   assign P = (REG_OUT != 0) ? p_q : p[AW+BW-1:0];
+
+endmodule
+
+module flip_flop (
+    input  wire CLK,
+    input  wire D,
+    output reg  Q
+);
+
+  always @(posedge CLK) Q <= D;
 
 endmodule
 
