@@ -147,7 +147,7 @@ KINDS = {
     "": (lean, columns, lambda answers, targets: hand_errors(np.stack(answers, axis=1), targets)),
     "-arm": (joints, poses, arm_errors),
 }
-"""End of a key -> function of the equations for arrays, function that returns the inputs, function of the errors."""
+"""Part of a key -> function of the equations for arrays, function that returns the inputs, function of the errors."""
 NAMES = {"": "lean", "-arm": "whole arm, seven joints"}
 
 
@@ -183,7 +183,7 @@ def _jax() -> Iterator[Contender]:
         for (key, name), (real, kind) in itertools.product(NAMES.items(), REALS.items()):
             group, bind = f"JAX {jax.__version__}" if jax else "JAX", partial(_bind_jax, device, kind, key)
             lacks = lacks if jax else "not installed"
-            yield Contender(f"jax-{platform}-{real}{key}", group, f"{name}, {real}, {where}", bind, lacks)
+            yield Contender(f"jax-{platform}{key}-{real}", group, f"{name}, {real}, {where}", bind, lacks)
 
 
 def _hand_poses(targets: Targets) -> np.ndarray:
@@ -229,7 +229,7 @@ def contenders() -> list[Contender]:
         name = f"{NAMES['-arm']}, {real}, vector"
         every.append(Contender(f"c-arm-{real}", "C, one thread", name, partial(_bind_c_arm, real)))
     for (key, name), (real, kind) in itertools.product(NAMES.items(), REALS.items()):
-        every.append(Contender(f"numpy-{real}{key}", "numpy", f"{name}, {real}", partial(_bind_numpy, kind, key)))
+        every.append(Contender(f"numpy{key}-{real}", "numpy", f"{name}, {real}", partial(_bind_numpy, kind, key)))
     lacks = "" if found("eaik.IK_HP") else "not installed"
     pose = "4 joints, the hand's whole pose given, all solutions"
     return [*every, *_jax(), Contender("eaik", "EAIK", pose, _bind_eaik, lacks, 1000)]
