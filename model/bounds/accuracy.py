@@ -1,0 +1,432 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Proved accuracy of the lean datapath: |wrist - p| <= (a |p| + b d2) 2^-(W-2) for every target in reach.
+
+docs/generated/accuracy.md is the proof.  This module computes its constants a and b from the errors that the operations
+of the dataflow state, and from the rows of the root's table.  Numbers are intervals of rationals, rounded outwards.
+
+    python -m model.bounds.accuracy [DATAPATH [WIDTH ...]]      print the constants
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from functools import cache
+from typing import NamedTuple
+
+import mpmath
+
+from ..dataflow.datapaths import CONFIGURATIONS, MODELS
+from ..dataflow.fixed import dataflow
+from ..dataflow.lean_operations import Choice, Even, ShiftDown, ShiftUp
+from ..dataflow.mul3 import Mul3
+from ..dataflow.nodes import Dataflow, Node
+from ..dataflow.quadratic import (
+    INVERSE_ROOT,
+    PRECISION,
+    SINE_FRACS,
+    Form,
+    HalfAngle,
+    Rsqrt,
+    half_sincos_error,
+    rounding,
+    row_error,
+)
+
+CELLS = 16
+"""Number of parts of a mantissa's range [1/4, 1), each with its largest errors."""
+
+SIDES = 64
+"""Number of parts of the range of g, the tangent of half an angle."""
+
+PLACES = 120
+"""Fraction bits of an interval's ends."""
+
+
+class Interval(NamedTuple):
+    """Closed interval of rationals.  The ends are integers, in units of 2^-:data:`PLACES`."""
+
+    low: int
+    high: int
+
+    def __add__(self, other):
+        low, high = interval(other)
+        return Interval(self.low + low, self.high + high)
+
+    def __mul__(self, other):
+        low, high = interval(other)
+        ends = self.low * low, self.low * high, self.high * low, self.high * high
+        return Interval(min(ends) >> PLACES, -(-max(ends) >> PLACES))
+
+    def __truediv__(self, other):
+        """Return the quotient by an interval of positive numbers."""
+        low, high = interval(other)
+        if low <= 0:
+            raise ZeroDivisionError("the divisor may be 0")
+        return Interval(
+            (self.low << PLACES) // (high if self.low > 0 else low),
+            -((-self.high << PLACES) // (low if self.high > 0 else high)),
+        )
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self):
+        return Interval(-self.high, -self.low)
+
+    def __sub__(self, other):
+        return self + -interval(other)
+
+    def __rsub__(self, other):
+        return interval(other) - self
+
+    def __rtruediv__(self, other):
+        return interval(other) / self
+
+    @property
+    def least(self) -> Fraction:
+        return Fraction(self.low, 1 << PLACES)
+
+    @property
+    def most(self) -> Fraction:
+        return Fraction(self.high, 1 << PLACES)
+
+    @property
+    def size(self) -> Interval:
+        """Largest magnitude."""
+        most = max(-self.low, self.high)
+        return Interval(most, most)
+
+
+def interval(low, high=None) -> Interval:
+    """Return the interval from ``low`` to ``high``, exact numbers, or the interval of one number."""
+    if isinstance(low, Interval):
+        return low
+    ends = [Fraction(end) * (1 << PLACES) for end in (low, low if high is None else high)]
+    return Interval(math.floor(ends[0]), math.ceil(ends[1]))
+
+
+ZERO, ONE = interval(0), interval(1)
+
+
+def hull(intervals: Iterable[Interval]) -> Interval:
+    """Return the smallest interval that contains all ``intervals``."""
+    lows, highs = zip(*intervals, strict=True)
+    return Interval(min(lows), max(highs))
+
+
+def product(factors: Iterable[Interval]) -> Interval:
+    result = ONE
+    for factor in factors:
+        result = result * factor
+    return result
+
+
+def sqrt(value: Interval) -> Interval:
+    """Return an interval that contains the square roots of nonnegative numbers."""
+    low, high = (math.isqrt(max(end, 0) << PLACES) for end in value)
+    return Interval(low, high + 1)
+
+
+def norm(*sizes: Interval) -> Interval:
+    """Return the length of a vector."""
+    return sqrt(sum((size * size for size in sizes), ZERO))
+
+
+def rational(value: mpmath.mpf) -> Fraction:
+    """Return a number of mpmath exactly."""
+    sign, mantissa, exponent, _ = value._mpf_
+    return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
+
+
+# ---- roots, by rows of the table -------------------------------------------------------------------------------------
+
+
+class Cell(NamedTuple):
+    """Mantissas V, real numbers, in a part of [1/4, 1): sqrt V, the error of ``ik_rsqrt``'s word y relative to
+    1/(2 sqrt V), and that of the product 2 y m relative to sqrt V, where m is V's word."""
+
+    root: Interval
+    inverse: Interval
+    product: Interval
+
+
+def _row(form: Form, frac: int, row: int, cut: bool) -> Cell:
+    """Return the cell that is a row of the table.  ``cut``: the word of a mantissa may be truncated."""
+    with mpmath.workprec(PRECISION):
+        left, width = map(rational, INVERSE_ROOT.segment(form, row))
+        ends = [rational(end) for end in row_error(INVERSE_ROOT, form, row, rises=False)]
+    added, ulp = Fraction(rounding(form, frac), 1 << form.sum_frac), Fraction(1, 1 << frac)
+    error = interval(ends[0] + added - ulp, ends[1] + added)  # y - 1/(2 sqrt m)
+    error += Interval(-1, 1)  # covers the error of the row errors, below 2^-PLACES
+    root = Interval(sqrt(interval(left)).low, sqrt(interval(left + width)).high)
+    lost = interval(0, ulp / 8 if cut else 0)  # V - m
+    share = lost / interval(left)  # 1 - m/V is at most its end
+    fall = share / (4 * sqrt(interval(left)))  # 1/(2 sqrt m) - 1/(2 sqrt V)
+    truncated = interval(-share.most / 2 - share.most**2 / 2, 0)  # sqrt(m/V) - 1
+    return Cell(root, 2 * root * (error + fall), truncated + 2 * root * error * (1 - share))
+
+
+@cache
+def cells(frac: int, tile: int, cut: bool) -> tuple[Cell, ...]:
+    """Return the cells of a mantissa whose root has ``frac`` fraction bits: groups of rows of equal number."""
+    form = INVERSE_ROOT.form(frac, tile)
+    rows = [_row(form, frac, row, cut) for row in range(form.rows)]
+    size = form.rows // CELLS
+    groups = [rows[n : n + size] for n in range(0, form.rows, size)]
+    return tuple(Cell(*map(hull, zip(*group, strict=True))) for group in groups)
+
+
+def combinations(flow: Dataflow, node: Node, given: str = "") -> list[dict[str, Cell]]:
+    """Return all combinations of cells of the mantissas on which a node depends, apart from those of node ``given``."""
+
+    def mantissas(node: Node) -> list[Node]:
+        if node.name == given:
+            return []
+        return [node] if isinstance(node.op, Even) else [m for operand in node.operands for m in mantissas(operand)]
+
+    found = {node.name: node for node in mantissas(node)}
+    parts = [cells(m.frac - 3, flow.tile, m.op.width > m.format.width) for m in found.values()]  # type: ignore[attr-defined]
+    return [dict(zip(found, part, strict=True)) for part in itertools.product(*parts)]
+
+
+# ---- words -----------------------------------------------------------------------------------------------------------
+
+
+class Word(NamedTuple):
+    """Bound of a node's word: the exact value times ``factor``, plus ``rest``.  ``value``: range of the exact value,
+    where it is known to be positive."""
+
+    factor: Interval
+    rest: Interval = ZERO
+    value: Interval | None = None
+
+
+def ulps(node: Node) -> Interval:
+    """Return the range of the rounding error that the node's operation states."""
+    return interval(*node.error) * interval(node.format.ulp)
+
+
+class Words:
+    """Bounds of words for mantissas in the cells ``places``, by name.  The word of node ``given`` counts as exact."""
+
+    def __init__(self, places: Mapping[str, Cell], given: str = "") -> None:
+        self.places, self.given = places, given
+
+    def __call__(self, node: Node) -> Word:
+        op = node.op
+        if node.name == self.given:
+            return Word(ONE)
+        if isinstance(op, Rsqrt):
+            cell = self.places[op.m.name]
+            return Word(1 + cell.inverse, ZERO, 1 / (2 * cell.root))
+        if isinstance(op, Mul3):
+            return self._product(node, op)
+        if isinstance(op, ShiftDown):  # of a word without a rest
+            return Word(self(op.value).factor, ulps(node))
+        if isinstance(op, ShiftUp):  # of an exact word
+            return Word(ONE, ulps(node))
+        if isinstance(op, Choice) and node.limited:
+            # The limit takes at most an ulp from the exact value, as the raw word's rounding may.
+            (raw,) = op.operands
+            if raw.error[0] * raw.format.ulp > -node.format.ulp:
+                raise ValueError(f"{node.name}: its limit is not within the error of {raw.name}")
+            return self(raw)
+        raise TypeError(f"{node.name}: no bound of its word")
+
+    def _product(self, node: Node, op: Mul3) -> Word:
+        a, b = op.parts
+        if isinstance(b.op, Even):  # 2 m / (2 sqrt m)
+            cell = self.places[b.name]
+            return Word(1 + cell.product + ulps(node) / cell.root, ZERO, cell.root)
+        one, two, scale = self(a), self(b), 2**op.scale
+        rest = ulps(node)
+        for word, other in ((one, two), (two, one)):
+            if word.rest != ZERO:
+                rest += scale * word.rest * other.factor * other.value  # type: ignore[operator]
+        factor = one.factor * two.factor
+        if one.value is None or two.value is None:
+            return Word(factor, rest)
+        value = scale * one.value * two.value
+        return Word(factor + rest / value, ZERO, value)
+
+
+# ---- rotations -------------------------------------------------------------------------------------------------------
+
+
+class Turn(NamedTuple):
+    """Error of a rotation by words of a half angle: the matrix is 1 + ``stretch`` times a rotation whose angle is off
+    by at most ``angle`` (rad).  The word of the squared length is at most 1 + ``above``."""
+
+    stretch: Interval
+    angle: Interval
+    above: Interval
+
+
+Pairs = Sequence[tuple[Interval, Interval]]
+
+
+def turned(shared: Pairs, single: Pairs) -> Turn:
+    """Return the error of a rotation whose cosine C and sine S have errors.  With L the word of (1 + |C|)/2 and s that of
+    S/2, 2 L is 1 + |C| (1 + r) + c and 2 s is S (1 + r) (1 + o) + e.
+
+    ``shared`` lists pairs (r, c), ``single`` pairs (o, e); each pair of one list may occur with each of the other.
+    """
+    r, c, o, e = (hull(part) for pairs in (shared, single) for part in zip(*pairs, strict=True))
+    wrong = r.size + c.size  # at most |C| where C's word has the wrong sign
+    edge = sqrt((1 + wrong) / (1 - wrong)).most
+    ends = [*(Fraction(n, SIDES) for n in range(SIDES + 1)), edge]
+    stretches, angles = [], []
+    for low, high in itertools.pairwise(ends):
+        g = interval(low, high)
+        level, falling = (1 + g * g) / interval(2), (1 - g * g) / interval(2)
+        sine = interval(2 * low / (1 + low**2), 2 * high / (1 + high**2)) if high <= 1 else interval(0, 1)
+        along = hull(r * level + c * falling for r, c in shared) + hull((1 + r) * o * sine * g + e * g for o, e in single)
+        across = hull((r - c) * g for r, c in shared) + hull((1 + r) * o * sine + e for o, e in single)
+        stretches.append(along + across.size * across.size * interval(0, Fraction(1, 2)))
+        angles.append(across.size)
+    lost = wrong + r.size + 2 * o.size + e.size
+    return Turn(hull(stretches), hull(angles) / (1 - lost), hull([ZERO, r + c]).size / interval(2))
+
+
+def turn(flow: Dataflow, cosine: str, sine: str, common: str, mirrored: bool = False) -> Turn:
+    """Return the error of the rotation by half the angle of two nodes, whose words have the factor of the node
+    ``common``.  ``mirrored``: the sine may be negative."""
+    c, s, of = (flow.nodes[name] for name in (cosine, sine, common))
+    ulp = interval(c.format.ulp)
+    shared, single = [], []
+    for places in combinations(flow, c):
+        words = Words(places)
+        for error, lost in ((words(c).rest, interval(0, 1)), (-words(c).rest, interval(1, 2))):  # C >= 0, C < 0
+            shared.append((words(of).factor - 1, error - lost * ulp))
+    for places in combinations(flow, s, common):
+        word = Words(places, common)(s)
+        error = word.rest - interval(0, 1) * ulp
+        single += [(word.factor - 1, error)] + [(word.factor - 1, -error)] * mirrored
+    return turned(shared, single)
+
+
+def half_angle(flow: Dataflow) -> Interval:
+    """Return the error of the squared length of (cos, sin) of phi/2."""
+    sine, cosine = (flow.nodes[name] for name in flow.half_angle)
+    frac = min(sine.frac, SINE_FRACS[-1])
+    if not all(isinstance(node.op, HalfAngle) for node in (sine, cosine)):
+        raise TypeError("the half angle is not from the table")
+    one = interval(Fraction(half_sincos_error(frac, flow.tile)) * (1 + Fraction(1, 1 << 50)) / (1 << frac))
+    both = 2 * norm(one, one)
+    return Interval(-both.high, (both + 2 * one * one).high)
+
+
+def normalization(flow: Dataflow, turns: Iterable[Turn]) -> Interval:
+    """Return the error that the squared length's products and the last root add to the squared length of Qs."""
+    az_tilt_sq, length_sq, m_q = (flow.nodes[name] for name in ("az_tilt_sq", "length_sq", "m_q"))
+    if m_q.frac < length_sq.frac:
+        raise ValueError("m_q: the squared length is truncated")
+    whole = 4 * ulps(az_tilt_sq) + 8 * ulps(length_sq)  # relative to lengths of 1/4 and 1/8 or more
+    # A length of 1 or more becomes the largest mantissa.
+    limited = (1 - interval(m_q.format.ulp)) / product(1 + turn.above for turn in turns) - 1
+    inverse = 1 + hull(cell.inverse for cell in cells(m_q.frac - 3, flow.tile, False))
+    return inverse * inverse / (1 + hull([whole, limited])) - 1
+
+
+# ---- the theorem -----------------------------------------------------------------------------------------------------
+
+
+def sizes(flow: Dataflow, *names: str) -> Interval:
+    """Return the largest length of the vector of the nodes' rounding errors."""
+    return norm(*(ulps(flow.nodes[name]).size for name in names))
+
+
+def corners(flow: Dataflow, *names: str) -> Iterable[tuple[Interval, ...]]:
+    """Return all combinations of the least and greatest rounding errors of nodes."""
+    return itertools.product(*([Interval(end, end) for end in ulps(flow.nodes[name])] for name in names))
+
+
+def products(flow: Dataflow) -> tuple[Interval, Interval, Interval]:
+    """Return the lengths of the errors of Qs from the products of its parts: of azimuth and phi, then with the tilt, then
+    with the bend.  A length is convex in the errors, so it is largest in a corner."""
+    first = hull(
+        norm(*part)
+        for cc, ss, sc, cs in corners(flow, "cc", "ss", "sc", "cs")
+        for part in ((cc - ss, sc + cs), (cc + ss, sc - cs))
+    )
+    pairs = [
+        hull(
+            norm(part, whole - plus)
+            for whole, dif, plus in corners(flow, f"{one}{two}_c", f"{two}_dif", f"{one}_sum")
+            for part in (whole - dif, whole + dif)
+        )
+        for one, two in ("wi", "kj")
+    ]
+    return first.size, sizes(flow, "w_0", "i_0", "j_0", "k_0"), norm(*(pair.size for pair in pairs))
+
+
+def elbow(flow: Dataflow) -> tuple[Interval, Interval]:
+    """Return two parts of the error's length of Qe: from the factors of its words, and from their rests and rounding."""
+    inverse = flow.nodes["inv_12"]
+    shared = hull(Words(places)(inverse).factor for places in combinations(flow, inverse))
+    factors, rests = [], []
+    for half in "wi":
+        node = flow.nodes[f"elbow_{half}"]
+        words = [Words(places, "inv_12")(node) for places in combinations(flow, node, "inv_12")]
+        factors.append(hull(word.factor for word in words) * shared - 1)
+        rests.append(hull(word.rest for word in words).size + ulps(flow.nodes[f"qe_{half}"]).size)
+    return hull(factors).size, norm(*rests)
+
+
+class Accuracy(NamedTuple):
+    """Constants of the theorem in units of 2^-(W-2): ``a``, ``b``, and the parts of them by name."""
+
+    a: Fraction
+    b: Fraction
+    parts: dict[str, Fraction]
+
+    @property
+    def both(self) -> Fraction:
+        """a + b: largest error divided by d1 + d2."""
+        return self.a + self.b
+
+
+@cache
+def accuracy(width: int, datapath: str = "lean") -> Accuracy:
+    """Return the constants of the theorem for a datapath at a word length."""
+    flow = dataflow(datapath, width)
+    unit = interval(1 << width - 2)
+    turns = {
+        "azimuth": turn(flow, "u_y", "u_x", "inv_rho", mirrored=True),
+        "tilt": turn(flow, "sin_el", "cos_el", "inv_s"),
+        "bend": turn(flow, "cos_a", "sin_a", "inv_law"),
+    }
+    phi, last = half_angle(flow), normalization(flow, turns.values())
+    scale = product([*(1 + turn.stretch for turn in turns.values()), 1 + phi, 1 + last])
+    radial, length = (scale - 1).size, sqrt(scale).size
+    across = norm(turns["azimuth"].angle, turns["tilt"].angle) + turns["bend"].angle
+    away = norm(radial, length * across)
+
+    lengths = [sqrt(1 + phi), *(sqrt((1 + turn.stretch) / interval(2)) for turn in turns.values())]
+    steps = [step / product(lengths[:n]) for step, n in zip(products(flow), (2, 3, 4), strict=True)]
+    names = [f"{kind}_{unit}" for kind in ("q", "qs") for unit in "wijk"]
+    moves = [length * step for step in steps]
+    moves += [sizes(flow, *(f"{unit}_q" for unit in "wijk")), sizes(flow, *(f"qs_{unit}" for unit in "wijk"))]
+    moved = sum(moves, ZERO)
+    spread = 2 * length * moved + moved * moved
+
+    bent = sum(elbow(flow), ZERO)
+    forearm = (2 * bent + bent * bent) * (scale + spread)
+    parts = {f"{name}: {kind}": error for name, turn in turns.items() for kind, error in (("k", turn.stretch.size), ("w", turn.angle))}
+    parts |= {"phi": phi.size, "length": last.size, "radial": radial, "across": across, "away": away}
+    parts |= dict(zip(("step 1", "step 2", "step 3", "products by inv_q", "rounding"), (2 * move for move in moves)))
+    parts |= dict(zip(("Qe factors", "Qe rests"), (2 * part for part in elbow(flow))))
+    return Accuracy((unit * (away + spread)).most, (unit * forearm).most, {n: (unit * e).most for n, e in parts.items()})
+
+
+if __name__ == "__main__":
+    import time
+
+    for dp, w in ((d, int(w)) for d in sys.argv[1].split(",") for w in sys.argv[2].split(",")):
+        t = time.time()
+        x = accuracy(w, dp)
+        print(dp, w, f"a {float(x.a):.3f} b {float(x.b):.3f} E {float(x.both):.3f} = {float(x.both) * 2.0**(2-w):.4g}", f"{time.time()-t:.1f} s")
+        print("   ", ", ".join(f"{k} {float(v):.3f}" for k, v in x.parts.items()))
