@@ -13,14 +13,15 @@ import itertools
 import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from typing import NamedTuple
 
 import mpmath
 
-from ..dataflow.datapaths import CONFIGURATIONS, MODELS
 from ..dataflow.fixed import dataflow
+from ..dataflow.formats import WIDTHS
 from ..dataflow.lean_operations import Choice, Even, ShiftDown, ShiftUp
 from ..dataflow.mul3 import Mul3
 from ..dataflow.nodes import Dataflow, Node
@@ -36,58 +37,69 @@ from ..dataflow.quadratic import (
     row_error,
 )
 
-CELLS = 16
+
+def _stated(ulps: str) -> dict[int, Fraction]:
+    return {width: Fraction(text) for width, text in zip(WIDTHS, ulps.split(), strict=False)}
+
+
+STATED = {
+    "lean": _stated(
+        "3.884 4.354 4.549 4.327 4.33 4.337 4.35 4.377 4.43 4.5 4.549 4.949 5.762 8.109 12.803 22.19 40.966"
+    ),
+    "lean25": _stated(
+        "3.884 4.353 4.547 4.324 4.325 4.326 4.328 4.332 4.341 4.359 4.395 4.644 5.17 6.925 10.436 17.457 31.498"
+    ),
+    "lean16": _stated("3.876 4.336 4.513 4.371 4.418 4.474 4.498 4.77 5.225"),
+}
+"""Datapath -> word length -> proved limit of hand error / reach, in units of 2^-(W-2)."""
+
+
+CELLS = 8
 """Number of parts of a mantissa's range [1/4, 1), each with its largest errors."""
 
-SIDES = 64
+SIDES = 32
 """Number of parts of the range of g, the tangent of half an angle."""
 
 PLACES = 120
 """Fraction bits of an interval's ends."""
 
 
-class Interval(NamedTuple):
+@dataclass(slots=True)
+class Interval:
     """Closed interval of rationals.  The ends are integers, in units of 2^-:data:`PLACES`."""
 
     low: int
     high: int
 
-    def __add__(self, other):
-        low, high = interval(other)
-        return Interval(self.low + low, self.high + high)
+    def __add__(self, other: Number) -> Interval:
+        other = interval(other)
+        return Interval(self.low + other.low, self.high + other.high)
 
-    def __mul__(self, other):
-        low, high = interval(other)
-        ends = self.low * low, self.low * high, self.high * low, self.high * high
+    def __mul__(self, other: Number) -> Interval:
+        other = interval(other)
+        ends = self.low * other.low, self.low * other.high, self.high * other.low, self.high * other.high
         return Interval(min(ends) >> PLACES, -(-max(ends) >> PLACES))
 
-    def __truediv__(self, other):
+    def __truediv__(self, other: Interval) -> Interval:
         """Return the quotient by an interval of positive numbers."""
-        low, high = interval(other)
-        if low <= 0:
+        if other.low <= 0:
             raise ZeroDivisionError("the divisor may be 0")
-        return Interval(
-            (self.low << PLACES) // (high if self.low > 0 else low),
-            -((-self.high << PLACES) // (low if self.high > 0 else high)),
-        )
+        low = (self.low << PLACES) // (other.high if self.low > 0 else other.low)
+        return Interval(low, -((-self.high << PLACES) // (other.low if self.high > 0 else other.high)))
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __neg__(self):
+    def __neg__(self) -> Interval:
         return Interval(-self.high, -self.low)
 
-    def __sub__(self, other):
+    def __sub__(self, other: Number) -> Interval:
         return self + -interval(other)
 
-    def __rsub__(self, other):
+    def __rsub__(self, other: Number) -> Interval:
         return interval(other) - self
 
-    def __rtruediv__(self, other):
+    def __rtruediv__(self, other: Number) -> Interval:
         return interval(other) / self
-
-    @property
-    def least(self) -> Fraction:
-        return Fraction(self.low, 1 << PLACES)
 
     @property
     def most(self) -> Fraction:
@@ -100,7 +112,10 @@ class Interval(NamedTuple):
         return Interval(most, most)
 
 
-def interval(low, high=None) -> Interval:
+Number = Interval | Fraction | float
+
+
+def interval(low: Number, high: Fraction | float | None = None) -> Interval:
     """Return the interval from ``low`` to ``high``, exact numbers, or the interval of one number."""
     if isinstance(low, Interval):
         return low
@@ -113,8 +128,8 @@ ZERO, ONE = interval(0), interval(1)
 
 def hull(intervals: Iterable[Interval]) -> Interval:
     """Return the smallest interval that contains all ``intervals``."""
-    lows, highs = zip(*intervals, strict=True)
-    return Interval(min(lows), max(highs))
+    parts = list(intervals)
+    return Interval(min(part.low for part in parts), max(part.high for part in parts))
 
 
 def product(factors: Iterable[Interval]) -> Interval:
@@ -126,7 +141,7 @@ def product(factors: Iterable[Interval]) -> Interval:
 
 def sqrt(value: Interval) -> Interval:
     """Return an interval that contains the square roots of nonnegative numbers."""
-    low, high = (math.isqrt(max(end, 0) << PLACES) for end in value)
+    low, high = (math.isqrt(max(end, 0) << PLACES) for end in (value.low, value.high))
     return Interval(low, high + 1)
 
 
@@ -224,9 +239,9 @@ class Words:
             return Word(1 + cell.inverse, ZERO, 1 / (2 * cell.root))
         if isinstance(op, Mul3):
             return self._product(node, op)
-        if isinstance(op, ShiftDown):  # of a word without a rest
-            return Word(self(op.value).factor, ulps(node))
-        if isinstance(op, ShiftUp):  # of an exact word
+        if isinstance(op, ShiftDown) and (word := self(op.value)).rest == ZERO:
+            return Word(word.factor, ulps(node))
+        if isinstance(op, ShiftUp) and op.value.decision:  # of an exact word
             return Word(ONE, ulps(node))
         if isinstance(op, Choice) and node.limited:
             # The limit takes at most an ulp from the exact value, as the raw word's rounding may.
@@ -245,7 +260,9 @@ class Words:
         rest = ulps(node)
         for word, other in ((one, two), (two, one)):
             if word.rest != ZERO:
-                rest += scale * word.rest * other.factor * other.value  # type: ignore[operator]
+                if other.value is None or other.rest != ZERO:
+                    raise TypeError(f"{node.name}: no bound of the product of two rests")
+                rest += scale * word.rest * other.factor * other.value
         factor = one.factor * two.factor
         if one.value is None or two.value is None:
             return Word(factor, rest)
@@ -269,8 +286,8 @@ Pairs = Sequence[tuple[Interval, Interval]]
 
 
 def turned(shared: Pairs, single: Pairs) -> Turn:
-    """Return the error of a rotation whose cosine C and sine S have errors.  With L the word of (1 + |C|)/2 and s that of
-    S/2, 2 L is 1 + |C| (1 + r) + c and 2 s is S (1 + r) (1 + o) + e.
+    """Return the error of a rotation.  Its parts are L, 2 L = 1 + |C| (1 + r) + c, and s, 2 s = S (1 + r) (1 + o) + e,
+    where C is its exact cosine and S its exact sine.
 
     ``shared`` lists pairs (r, c), ``single`` pairs (o, e); each pair of one list may occur with each of the other.
     """
@@ -283,12 +300,13 @@ def turned(shared: Pairs, single: Pairs) -> Turn:
         g = interval(low, high)
         level, falling = (1 + g * g) / interval(2), (1 - g * g) / interval(2)
         sine = interval(2 * low / (1 + low**2), 2 * high / (1 + high**2)) if high <= 1 else interval(0, 1)
-        along = hull(r * level + c * falling for r, c in shared) + hull((1 + r) * o * sine * g + e * g for o, e in single)
+        along = hull(r * level + c * falling for r, c in shared)
+        along += hull((1 + r) * o * sine * g + e * g for o, e in single)
         across = hull((r - c) * g for r, c in shared) + hull((1 + r) * o * sine + e for o, e in single)
         stretches.append(along + across.size * across.size * interval(0, Fraction(1, 2)))
         angles.append(across.size)
     lost = wrong + r.size + 2 * o.size + e.size
-    return Turn(hull(stretches), hull(angles) / (1 - lost), hull([ZERO, r + c]).size / interval(2))
+    return Turn(hull(stretches), hull(angles) / (1 - lost), hull([ZERO, r + c]).size * Fraction(1, 2))
 
 
 def turn(flow: Dataflow, cosine: str, sine: str, common: str, mirrored: bool = False) -> Turn:
@@ -296,15 +314,20 @@ def turn(flow: Dataflow, cosine: str, sine: str, common: str, mirrored: bool = F
     ``common``.  ``mirrored``: the sine may be negative."""
     c, s, of = (flow.nodes[name] for name in (cosine, sine, common))
     ulp = interval(c.format.ulp)
+    some: dict[str, Cell] = {}
     shared, single = [], []
     for places in combinations(flow, c):
-        words = Words(places)
-        for error, lost in ((words(c).rest, interval(0, 1)), (-words(c).rest, interval(1, 2))):  # C >= 0, C < 0
-            shared.append((words(of).factor - 1, error - lost * ulp))
+        words, some = Words(places), some | places
+        factor, rest = words(of).factor, words(c).rest
+        shared += [(factor - 1, rest - interval(0, 1) * ulp), (factor - 1, -rest - interval(1, 2) * ulp)]  # C >= 0, < 0
+        if words(c).factor != factor:
+            raise ValueError(f"{cosine} does not have the factor of {common}")
     for places in combinations(flow, s, common):
-        word = Words(places, common)(s)
+        word, some = Words(places, common)(s), some | places
         error = word.rest - interval(0, 1) * ulp
-        single += [(word.factor - 1, error)] + [(word.factor - 1, -error)] * mirrored
+        single += [(word.factor - 1, error), (word.factor - 1, -error if mirrored else error)]
+    if Words(some)(s).factor != word.factor * factor:
+        raise ValueError(f"{sine} does not have the factor of {common}")
     return turned(shared, single)
 
 
@@ -341,11 +364,12 @@ def sizes(flow: Dataflow, *names: str) -> Interval:
 
 def corners(flow: Dataflow, *names: str) -> Iterable[tuple[Interval, ...]]:
     """Return all combinations of the least and greatest rounding errors of nodes."""
-    return itertools.product(*([Interval(end, end) for end in ulps(flow.nodes[name])] for name in names))
+    errors = (ulps(flow.nodes[name]) for name in names)
+    return itertools.product(*([Interval(end, end) for end in (error.low, error.high)] for error in errors))
 
 
 def products(flow: Dataflow) -> tuple[Interval, Interval, Interval]:
-    """Return the lengths of the errors of Qs from the products of its parts: of azimuth and phi, then with the tilt, then
+    """Return the lengths of the errors of Qs from the products of azimuth and phi, of these with the tilt, and of these
     with the bend.  A length is convex in the errors, so it is largest in a corner."""
     first = hull(
         norm(*part)
@@ -364,7 +388,7 @@ def products(flow: Dataflow) -> tuple[Interval, Interval, Interval]:
 
 
 def elbow(flow: Dataflow) -> tuple[Interval, Interval]:
-    """Return two parts of the error's length of Qe: from the factors of its words, and from their rests and rounding."""
+    """Return two parts of the length of Qe's error: of the factors of its words, and of their rests and rounding."""
     inverse = flow.nodes["inv_12"]
     shared = hull(Words(places)(inverse).factor for places in combinations(flow, inverse))
     factors, rests = [], []
@@ -377,7 +401,7 @@ def elbow(flow: Dataflow) -> tuple[Interval, Interval]:
 
 
 class Accuracy(NamedTuple):
-    """Constants of the theorem in units of 2^-(W-2): ``a``, ``b``, and the parts of them by name."""
+    """Constants of the theorem in units of 2^-(W-2): ``a``, ``b``, and by name the constants from which they come."""
 
     a: Fraction
     b: Fraction
@@ -385,7 +409,7 @@ class Accuracy(NamedTuple):
 
     @property
     def both(self) -> Fraction:
-        """a + b: largest error divided by d1 + d2."""
+        """Limit of the hand error divided by d1 + d2: a + b."""
         return self.a + self.b
 
 
@@ -393,40 +417,51 @@ class Accuracy(NamedTuple):
 def accuracy(width: int, datapath: str = "lean") -> Accuracy:
     """Return the constants of the theorem for a datapath at a word length."""
     flow = dataflow(datapath, width)
-    unit = interval(1 << width - 2)
     turns = {
         "azimuth": turn(flow, "u_y", "u_x", "inv_rho", mirrored=True),
         "tilt": turn(flow, "sin_el", "cos_el", "inv_s"),
         "bend": turn(flow, "cos_a", "sin_a", "inv_law"),
     }
     phi, last = half_angle(flow), normalization(flow, turns.values())
-    scale = product([*(1 + turn.stretch for turn in turns.values()), 1 + phi, 1 + last])
-    radial, length = (scale - 1).size, sqrt(scale).size
-    across = norm(turns["azimuth"].angle, turns["tilt"].angle) + turns["bend"].angle
-    away = norm(radial, length * across)
+    stretch = product([*(1 + turn.stretch for turn in turns.values()), 1 + phi, 1 + last])
+    angle = norm(turns["azimuth"].angle, turns["tilt"].angle) + turns["bend"].angle
+    length = sqrt(stretch).size
+    turned = norm((stretch - 1).size, length * angle)
 
-    lengths = [sqrt(1 + phi), *(sqrt((1 + turn.stretch) / interval(2)) for turn in turns.values())]
-    steps = [step / product(lengths[:n]) for step, n in zip(products(flow), (2, 3, 4), strict=True)]
-    names = [f"{kind}_{unit}" for kind in ("q", "qs") for unit in "wijk"]
-    moves = [length * step for step in steps]
-    moves += [sizes(flow, *(f"{unit}_q" for unit in "wijk")), sizes(flow, *(f"qs_{unit}" for unit in "wijk"))]
-    moved = sum(moves, ZERO)
+    sides = [sqrt(1 + phi), *(sqrt((1 + turn.stretch) / interval(2)) for turn in turns.values())]
+    steps = [length * step / product(sides[:n]) for n, step in enumerate(products(flow), 2)]
+    steps += [sizes(flow, *(f"{kind}{unit}{end}" for unit in "wijk")) for kind, end in (("", "_q"), ("qs_", ""))]
+    moved = sum(steps, ZERO)
     spread = 2 * length * moved + moved * moved
 
-    bent = sum(elbow(flow), ZERO)
-    forearm = (2 * bent + bent * bent) * (scale + spread)
-    parts = {f"{name}: {kind}": error for name, turn in turns.items() for kind, error in (("k", turn.stretch.size), ("w", turn.angle))}
-    parts |= {"phi": phi.size, "length": last.size, "radial": radial, "across": across, "away": away}
-    parts |= dict(zip(("step 1", "step 2", "step 3", "products by inv_q", "rounding"), (2 * move for move in moves)))
-    parts |= dict(zip(("Qe factors", "Qe rests"), (2 * part for part in elbow(flow))))
-    return Accuracy((unit * (away + spread)).most, (unit * forearm).most, {n: (unit * e).most for n, e in parts.items()})
+    factors, rests = elbow(flow)
+    bent = factors + rests
+    forearm = (2 * bent + bent * bent) * (stretch + spread)
+    parts = {
+        f"{name} {kind}": part.size for name, turn in turns.items() for kind, part in zip("kw", turn, strict=False)
+    }
+    parts |= {"phi k": phi.size, "length k": last.size, "K": (stretch - 1).size, "w": angle, "turned": turned}
+    names = "first products", "tilt products", "bend products", "inv_q products", "Qs rounding"
+    parts |= {name: 2 * step for name, step in zip(names, steps, strict=True)}
+    parts |= {"Qe factors": 2 * factors, "Qe rests": 2 * rests}
+    unit = interval(1 << width - 2)
+    results = {name: (unit * part).most for name, part in (("a", turned + spread), ("b", forearm), *parts.items())}
+    return Accuracy(results.pop("a"), results.pop("b"), results)
+
+
+def main(words: Sequence[str]) -> None:
+    """Print the constants of a datapath at a word length, or all limits."""
+    if words:
+        datapath, width = words[0], int(words[1])
+        result = accuracy(width, datapath)
+        for name, part in [*result.parts.items(), ("a", result.a), ("b", result.b), ("a + b", result.both)]:
+            print(f"{name:<16}{float(part):8.3f} {float(part) * 2.0 ** (2 - width):.3e}")
+        return
+    for datapath, limits in STATED.items():
+        for width, limit in limits.items():
+            both, reach = float(accuracy(width, datapath).both), float(limit) * 2.0 ** (2 - width)
+            print(f"{datapath:<7} W = {width}: {both:.4f}, stated {float(limit)}, {reach:.3e} of the reach")
 
 
 if __name__ == "__main__":
-    import time
-
-    for dp, w in ((d, int(w)) for d in sys.argv[1].split(",") for w in sys.argv[2].split(",")):
-        t = time.time()
-        x = accuracy(w, dp)
-        print(dp, w, f"a {float(x.a):.3f} b {float(x.b):.3f} E {float(x.both):.3f} = {float(x.both) * 2.0**(2-w):.4g}", f"{time.time()-t:.1f} s")
-        print("   ", ", ".join(f"{k} {float(v):.3f}" for k, v in x.parts.items()))
+    main(sys.argv[1:])
