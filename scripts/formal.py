@@ -3,7 +3,8 @@
 
     python -m scripts.formal [--only NAME] [--again] [--list]
 
-Each proof that succeeds updates its row of docs/generated/proofs.md; its full table is in build/proofs/.
+Each proof that succeeds updates its row of docs/generated/proofs.md; its full table is in build/proofs/. The proof
+``accuracy`` also writes docs/generated/accuracy.md.
 """
 
 import json
@@ -15,15 +16,19 @@ from functools import partial
 from os import cpu_count
 from types import SimpleNamespace
 
+from model.bounds.accuracy import CELLS, PLACES, SIDES, STATED, accuracy
+from model.dataflow.fixed import dataflow
+from model.dataflow.formats import WIDTHS
 from model.io.files import write_atomically
 from scripts.console import InputError, command, option, switch
 from scripts.generate.render import read_table, render
+from tb.formal.accuracy import ALGEBRA, NODES
 from tb.formal.proofs import TASKS
 from tb.formal.task import Outcome, Task, digest_of
 from tb.formal.tools import missing, stop, versions
 from tb.sim.env import GENERATED, ROOT
 
-PAGE = GENERATED / "proofs.md"
+PAGE, ACCURACY = GENERATED / "proofs.md", GENERATED / "accuracy.md"
 BUILD = ROOT / "build" / "proofs"
 say = partial(print, flush=True)
 
@@ -46,6 +51,35 @@ def write_page(proved: dict[str, tuple[Outcome, str]]) -> None:
         table[name] = [name, tasks[name].what, tasks[name].engine, *result]
     write_atomically(PAGE, render("proofs", rows=[table[name] for name in tasks if name in table]))
     say(f"wrote {PAGE.relative_to(ROOT)}")
+    if "accuracy" in proved:
+        write_atomically(ACCURACY, accuracy_page())
+        say(f"wrote {ACCURACY.relative_to(ROOT)}")
+
+
+def accuracy_page() -> str:
+    """Return docs/generated/accuracy.md: the proof, with statements and constants from the code that proves them."""
+    shown = {width: accuracy(width) for width in (32, 24, 18)}
+
+    def parts(*names: str) -> list[list[str]]:
+        rows = [{**result.parts, "a": result.a, "b": result.b, "a + b": result.both} for result in shown.values()]
+        return [[name, *(f"{float(row[name]):.3f}" for row in rows)] for name in names]
+
+    limits = {name: {w: f"{float(of[w]) * 2.0 ** (2 - w):.2e}" for w in of} for name, of in STATED.items()}
+    return render(
+        "accuracy",
+        limits=limits,
+        rows=[[width, *(of.get(width, "") for of in limits.values())] for width in WIDTHS],
+        widths=list(shown),
+        units={name: [float(of[width]) for width in shown if width in of] for name, of in STATED.items()},
+        parts=parts,
+        lemma=lambda name: NODES[name][0],
+        given=lambda name: dataflow("lean", WIDTHS[0]).lemmas[name][0],
+        step=lambda name: ALGEBRA[name][1],
+        unit=lambda name: ", ".join(parts(name)[0][1:]),
+        cells=CELLS,
+        sides=SIDES,
+        places=PLACES,
+    )
 
 
 def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> tuple[Outcome, str]:

@@ -160,9 +160,12 @@ def algebra(name: str, facts: Sequence[str], claim: str) -> Question:
 
 
 def holds(width: int, datapath: str) -> Answer:
-    """Return whether every word of a datapath fits its format, and the constants are at most the stated ones."""
-    fits = not LeanRanges(width, datapath).failed
-    return Answer("unsat" if fits and accuracy(width, datapath).both <= STATED[datapath][width] else "sat", 0.0)
+    """Return "unsat" if every word of a datapath fits its format and the constants are at most the stated ones."""
+    try:
+        fits = not LeanRanges(width, datapath).failed
+        return Answer("unsat" if fits and accuracy(width, datapath).both <= STATED[datapath][width] else "sat", 0.0)
+    except (TypeError, ValueError, ZeroDivisionError) as error:  # the dataflow is not of the form that is bounded
+        return Answer(str(error), 0.0)
 
 
 def questions(widths: Sequence[int] = WIDTHS, false: bool = False) -> Iterator[Question]:
