@@ -8,10 +8,13 @@ Each proof that succeeds updates its row of docs/generated/proofs.md; its full t
 """
 
 import json
+import math
 import sys
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from datetime import date
+from fractions import Fraction
 from functools import partial
 from os import cpu_count
 from types import SimpleNamespace
@@ -60,17 +63,28 @@ def accuracy_page() -> str:
     """Return docs/generated/accuracy.md: the proof, with statements and constants from the code that proves them."""
     shown = {width: accuracy(width) for width in (32, 24, 18)}
 
-    def parts(*names: str) -> list[list[str]]:
-        rows = [{**result.parts, "a": result.a, "b": result.b, "a + b": result.both} for result in shown.values()]
-        return [[name, *(f"{float(row[name]):.3f}" for row in rows)] for name in names]
+    def up(value: Fraction, places: int = 3) -> str:
+        return f"{math.ceil(value * 10**places) / 10**places:.{places}f}"
 
-    limits = {name: {w: f"{float(of[w]) * 2.0 ** (2 - w):.2e}" for w in of} for name, of in STATED.items()}
+    def share(units: Fraction, width: int) -> str:
+        """Return a limit in units of 2^-(W-2) as a share of a length, rounded up to three digits."""
+        exponent = math.floor(math.log10(units) + (2 - width) * math.log10(2))
+        return f"{up(units * Fraction(2) ** (2 - width) / Fraction(10) ** exponent, 2)}e{exponent}"
+
+    def limits(width: int) -> Iterator[str]:
+        for datapath, of in STATED.items():
+            pair = (of[width], accuracy(width, datapath).clamped) if width in of else ()
+            yield "{} ({})".format(*(share(limit, width) for limit in pair)) if pair else ""
+
+    def parts(*names: str) -> list[list[str]]:
+        rows = [{**of.parts, **of._asdict(), "a + b": of.both, "c": of.clamped} for of in shown.values()]
+        return [[name, *(up(row[name]) for row in rows)] for name in names]
+
     return render(
         "accuracy",
-        limits=limits,
-        rows=[[width, *(of.get(width, "") for of in limits.values())] for width in WIDTHS],
+        names=list(STATED),
+        rows=[[width, *limits(width)] for width in WIDTHS],
         widths=list(shown),
-        units={name: [float(of[width]) for width in shown if width in of] for name, of in STATED.items()},
         parts=parts,
         lemma=lambda name: NODES[name][0],
         given=lambda name: dataflow("lean", WIDTHS[0]).lemmas[name][0],

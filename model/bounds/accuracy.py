@@ -275,11 +275,16 @@ class Words:
 
 class Turn(NamedTuple):
     """Error of a rotation by words of a half angle: the matrix is 1 + ``stretch`` times a rotation whose angle is off
-    by at most ``angle`` (rad).  The word of the squared length is at most 1 + ``above``."""
+    by at most ``angle`` (rad).  The word of the squared length is from ``least`` to 1 + ``above``."""
 
     stretch: Interval
     angle: Interval
     above: Interval
+    least: Interval = interval(Fraction(1, 2))
+
+
+EXACT = Turn(ZERO, ZERO, ZERO, ONE)
+"""Rotation by 0 or 180 degrees: the bend of a clamped target."""
 
 
 Pairs = Sequence[tuple[Interval, Interval]]
@@ -401,10 +406,12 @@ def elbow(flow: Dataflow) -> tuple[Interval, Interval]:
 
 
 class Accuracy(NamedTuple):
-    """Constants of the theorem in units of 2^-(W-2): ``a``, ``b``, and by name the constants from which they come."""
+    """Constants of the theorem in units of 2^-(W-2): ``a``, ``b``, for a clamped target ``clamped``, and by name the
+    constants from which they come."""
 
     a: Fraction
     b: Fraction
+    clamped: Fraction
     parts: dict[str, Fraction]
 
     @property
@@ -413,40 +420,53 @@ class Accuracy(NamedTuple):
         return self.a + self.b
 
 
-@cache
-def accuracy(width: int, datapath: str = "lean") -> Accuracy:
-    """Return the constants of the theorem for a datapath at a word length."""
-    flow = dataflow(datapath, width)
-    turns = {
-        "azimuth": turn(flow, "u_y", "u_x", "inv_rho", mirrored=True),
-        "tilt": turn(flow, "sin_el", "cos_el", "inv_s"),
-        "bend": turn(flow, "cos_a", "sin_a", "inv_law"),
-    }
-    phi, last = half_angle(flow), normalization(flow, turns.values())
-    stretch = product([*(1 + turn.stretch for turn in turns.values()), 1 + phi, 1 + last])
-    angle = norm(turns["azimuth"].angle, turns["tilt"].angle) + turns["bend"].angle
+class Shoulder(NamedTuple):
+    """Errors of the rotation by the words Qs: of a vector's length 1, by ``turned`` from exact products of words, and
+    by ``spread`` from roundings of these products; ``stretch``: squared length of Qs without the latter."""
+
+    turned: Interval
+    spread: Interval
+    stretch: Interval
+    parts: dict[str, Interval]
+
+
+def shoulder(flow: Dataflow, azimuth: Turn, tilt: Turn, bend: Turn) -> Shoulder:
+    """Return the errors of the rotation by Qs, from those of its half angles."""
+    turns = azimuth, tilt, bend
+    phi, last = half_angle(flow), normalization(flow, turns)
+    stretch = product([*(1 + turn.stretch for turn in turns), 1 + phi, 1 + last])
+    angle = norm(azimuth.angle, tilt.angle) + bend.angle
     length = sqrt(stretch).size
     turned = norm((stretch - 1).size, length * angle)
 
-    sides = [sqrt(1 + phi), *(sqrt((1 + turn.stretch) / interval(2)) for turn in turns.values())]
+    sides = [sqrt(1 + phi), *(sqrt((1 + turn.stretch) * turn.least) for turn in turns)]
     steps = [length * step / product(sides[:n]) for n, step in enumerate(products(flow), 2)]
     steps += [sizes(flow, *(f"{kind}{unit}{end}" for unit in "wijk")) for kind, end in (("", "_q"), ("qs_", ""))]
     moved = sum(steps, ZERO)
-    spread = 2 * length * moved + moved * moved
+    names = "first products", "tilt products", "bend products", "inv_q products", "Qs rounding"
+    parts = {"phi k": phi.size, "length k": last.size, "K": (stretch - 1).size, "w": angle, "turned": turned}
+    parts |= {name: 2 * step for name, step in zip(names, steps, strict=True)}
+    return Shoulder(turned, 2 * length * moved + moved * moved, stretch, parts)
 
+
+@cache
+def accuracy(width: int, datapath: str = "lean") -> Accuracy:
+    """Return the constants of the theorem for a datapath at a word length."""
+    flow, unit = dataflow(datapath, width), interval(1 << width - 2)
+    azimuth = turn(flow, "u_y", "u_x", "inv_rho", mirrored=True)
+    tilt, bend = turn(flow, "sin_el", "cos_el", "inv_s"), turn(flow, "cos_a", "sin_a", "inv_law")
+    turned, spread, stretch, parts = shoulder(flow, azimuth, tilt, bend)
     factors, rests = elbow(flow)
     bent = factors + rests
-    forearm = (2 * bent + bent * bent) * (stretch + spread)
-    parts = {
-        f"{name} {kind}": part.size for name, turn in turns.items() for kind, part in zip("kw", turn, strict=False)
-    }
-    parts |= {"phi k": phi.size, "length k": last.size, "K": (stretch - 1).size, "w": angle, "turned": turned}
-    names = "first products", "tilt products", "bend products", "inv_q products", "Qs rounding"
-    parts |= {name: 2 * step for name, step in zip(names, steps, strict=True)}
-    parts |= {"Qe factors": 2 * factors, "Qe rests": 2 * rests}
-    unit = interval(1 << width - 2)
-    results = {name: (unit * part).most for name, part in (("a", turned + spread), ("b", forearm), *parts.items())}
-    return Accuracy(results.pop("a"), results.pop("b"), results)
+    clamped = shoulder(flow, azimuth, tilt, EXACT)
+    results = {"a": turned + spread, "b": (2 * bent + bent * bent) * (stretch + spread)}
+    results |= {"clamped": clamped.turned + clamped.spread}
+    for name, part in (("azimuth", azimuth), ("tilt", tilt), ("bend", bend)):
+        parts |= {f"{name} k": part.stretch.size, f"{name} w": part.angle}
+    roots = cells(flow.nodes["m_s"].frac - 3, flow.tile, True)
+    parts |= {"Qe factors": 2 * factors, "Qe rests": 2 * rests, "inv": hull(root.inverse for root in roots).size}
+    a, b, c = ((unit * part).most for part in results.values())
+    return Accuracy(a, b, c, {name: (unit * part).most for name, part in parts.items()})
 
 
 def main(words: Sequence[str]) -> None:
@@ -454,8 +474,9 @@ def main(words: Sequence[str]) -> None:
     if words:
         datapath, width = words[0], int(words[1])
         result = accuracy(width, datapath)
-        for name, part in [*result.parts.items(), ("a", result.a), ("b", result.b), ("a + b", result.both)]:
-            print(f"{name:<16}{float(part):8.3f} {float(part) * 2.0 ** (2 - width):.3e}")
+        for name, part in [*result.parts.items(), *result._asdict().items(), ("a + b", result.both)]:
+            if isinstance(part, Fraction):
+                print(f"{name:<16}{float(part):8.3f} {float(part) * 2.0 ** (2 - width):.3e}")
         return
     for datapath, limits in STATED.items():
         for width, limit in limits.items():

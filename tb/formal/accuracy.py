@@ -64,13 +64,21 @@ NODES: dict[str, Lemma] = {
     "|elbow|": ("elbow_w*elbow_w + elbow_i*elbow_i == 1", ("elbow w", "elbow i", "A + B", *equations("d1 d2"))),
     "qe": ("qe_w == elbow_w and qe_i == -elbow_i", ("case", *equations("qe_w qe_i"))),
     "pair az": pair("az", "u_y", "u_x", "c", "s", "not on_axis", "=u_y"),
-    "pair tilt": pair("tilt", "sin_el", "cos_el", "s", "c", "case", "=clamp"),
+    "pair tilt": pair("tilt", "sin_el", "cos_el", "s", "c", "off the shoulder"),
     "pair bend": pair("bend", "cos_a", "sin_a", "s", "c", "case"),
     "not on_axis": ("not on_axis", ()),
+    "off the shoulder": ("not at_shoulder", ()),
     "w_0": azimuth("w", "c", "az_c*cos_h", "-", "az_s*sin_h"),
     "i_0": azimuth("i", "s", "az_c*cos_h", "+", "az_s*sin_h"),
     "j_0": azimuth("j", "s", "az_s*cos_h", "-", "az_c*sin_h"),
     "k_0": azimuth("k", "c", "az_s*cos_h", "+", "az_c*sin_h"),
+    "clamp": ("clamp", ()),
+    "clamped": (
+        "bend_sq == 1 and ((bend_swap and bend_c == 0 and bend_s == 1) if away else"
+        " (not bend_swap and bend_c == 1 and bend_s == 0))"
+        " and ((qe_w == 1 and qe_i == 0) if closed else (qe_w == 0 and qe_i == -1))",
+        ("clamp", *equations("bend_sq bend_c bend_s bend_swap qe_w qe_i")),
+    ),
     "lengths": ("length_sq == az_sq*tilt_sq*bend_sq", equations("length_sq az_tilt_sq")),
 } | {
     f"qs_{unit}": (
@@ -80,7 +88,7 @@ NODES: dict[str, Lemma] = {
     for unit in "wijk"
 }
 """Lemma -> statement about exact values of nodes, and the facts that prove it (:mod:`model.dataflow.lean`).  Without
-facts it is an assumption: R is rho, P is |p|.  A count e stands for 2^e, neg_n for the sign of the word of node n."""
+facts it is an assumption; R is rho, P is |p|.  A count e stands for 2^e, neg_n for the sign of the word of node n."""
 
 GIVEN = ("sin a", "1/|q|")
 """Lemmas of the dataflow that the page uses, besides those on which :data:`NODES` rest."""

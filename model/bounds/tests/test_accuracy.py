@@ -14,7 +14,7 @@ from model.bounds.predict import Real
 from model.dataflow import fixed
 from model.dataflow.fixed import dataflow
 from model.io.flags import UNREACHABLE, expected_flags
-from model.io.stimuli import mixed
+from model.io.stimuli import mixed, unreachable
 from model.io.words import RESULT_FIELDS
 from model.reference.kinematics import forward, product
 
@@ -118,6 +118,24 @@ def test_no_word_exceeds_its_constant(width, datapath):
     most = limits(width, datapath)
     for name, part in measured(poses(COUNT, width, 1), width, datapath).items():
         assert 0.15 < part.max() / most[name] <= 1, name
+
+
+@pytest.mark.parametrize("width, datapath", CORES)
+def test_clamped_targets(width, datapath):
+    """Check the wrist's distance from that of the nearest pose, for targets out of reach and at the shoulder."""
+    words = unreachable(COUNT, width, 5)
+    words = words[(words[:, 4] > 0) & (words[:, 5] > 0)]
+    v, d1, d2 = Words(words, width, datapath), *words[:, 4:].T.astype(REAL)
+    p = words[:, :3].astype(REAL)
+    p[~words[:, :3].any(axis=1), 2] = 1
+    length = np.sqrt((p * p).sum(axis=1))
+    reach = np.where(v("too_far") > 0, d1 + d2, np.abs(d1 - d2))
+    c, s = v("qe_w qe_i")
+    forearm = np.array([v.zero, v.zero, 2 * c * s * d2, d1 - (c * c - s * s) * d2])
+    qs = v("qs_w qs_i qs_j qs_k")
+    wrist = product(product(qs, forearm), qs * np.array([[1], [-1], [-1], [-1]]))[1:]
+    error = size(wrist - (p / length[:, None] * reach[:, None]).T) / np.maximum(reach, 1) * 2.0 ** (width - 2)
+    assert 0.2 < error.max() / float(accuracy(width, datapath).clamped) <= 1 and (reach == 0).any()
 
 
 GROUPS = {
