@@ -19,9 +19,10 @@ from functools import partial
 from os import cpu_count
 from types import SimpleNamespace
 
-from model.bounds.accuracy import CELLS, PLACES, SIDES, STATED, accuracy
+from model.bounds.accuracy import CELLS, SIDES, STATED, accuracy
 from model.dataflow.fixed import dataflow
 from model.dataflow.formats import WIDTHS
+from model.dataflow.quadratic import PRECISION
 from model.io.files import write_atomically
 from scripts.console import InputError, command, option, switch
 from scripts.generate.render import read_table, render
@@ -73,11 +74,11 @@ def accuracy_page() -> str:
 
     def limits(width: int) -> Iterator[str]:
         for datapath, of in STATED.items():
-            pair = (of[width], accuracy(width, datapath).clamped) if width in of else ()
+            pair = (of[width], accuracy(width, datapath).c) if width in of else ()
             yield "{} ({})".format(*(share(limit, width) for limit in pair)) if pair else ""
 
     def parts(*names: str) -> list[list[str]]:
-        rows = [{**of.parts, **of._asdict(), "a + b": of.both, "c": of.clamped} for of in shown.values()]
+        rows = [{**of.parts, **of._asdict(), "a + b": of.both} for of in shown.values()]
         return [[name, *(up(row[name]) for row in rows)] for name in names]
 
     return render(
@@ -92,7 +93,7 @@ def accuracy_page() -> str:
         unit=lambda name: ", ".join(parts(name)[0][1:]),
         cells=CELLS,
         sides=SIDES,
-        places=PLACES,
+        bits=PRECISION,
     )
 
 

@@ -2,24 +2,24 @@
 """Proved accuracy of the lean datapath: |wrist - p| <= (a |p| + b d2) 2^-(W-2) for every target in reach.
 
 docs/generated/accuracy.md is the proof.  This module computes its constants a and b from the errors that the operations
-of the dataflow state, and from the rows of the root's table.  Numbers are intervals of rationals, rounded outwards.
+of the dataflow state, and from the rows of the root's table.  Numbers are intervals, rounded outwards by mpmath.
 
-    python -m model.bounds.accuracy [DATAPATH [WIDTH ...]]      print the constants
+    python -m model.bounds.accuracy [DATAPATH WIDTH]      print the limits, or the constants of a core
 """
 
-from __future__ import annotations
-
 import itertools
-import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
-from typing import NamedTuple
+from functools import cache, reduce
+from operator import mul
+from typing import Any, NamedTuple
 
 import mpmath
+from mpmath.ctx_iv import MPIntervalContext
+from mpmath.libmp import to_rational
 
+from ..dataflow.expressions import EXACT
 from ..dataflow.fixed import dataflow
 from ..dataflow.formats import WIDTHS
 from ..dataflow.lean_operations import Choice, Even, ShiftDown, ShiftUp
@@ -53,74 +53,20 @@ STATED = {
 }
 """Datapath -> word length -> proved limit of hand error / reach, in units of 2^-(W-2)."""
 
-
 CELLS = 8
 """Number of parts of a mantissa's range [1/4, 1), each with its largest errors."""
 
 SIDES = 32
 """Number of parts of the range of g, the tangent of half an angle."""
 
-PLACES = 120
-"""Fraction bits of an interval's ends."""
+iv = MPIntervalContext()
+iv.prec = PRECISION  # the row errors have as many bits, so that they are converted exactly
+Interval = Any  # of mpmath, whose ends are .a and .b
 
 
-@dataclass(slots=True)
-class Interval:
-    """Closed interval of rationals.  The ends are integers, in units of 2^-:data:`PLACES`."""
-
-    low: int
-    high: int
-
-    def __add__(self, other: Number) -> Interval:
-        other = interval(other)
-        return Interval(self.low + other.low, self.high + other.high)
-
-    def __mul__(self, other: Number) -> Interval:
-        other = interval(other)
-        ends = self.low * other.low, self.low * other.high, self.high * other.low, self.high * other.high
-        return Interval(min(ends) >> PLACES, -(-max(ends) >> PLACES))
-
-    def __truediv__(self, other: Interval) -> Interval:
-        """Return the quotient by an interval of positive numbers."""
-        if other.low <= 0:
-            raise ZeroDivisionError("the divisor may be 0")
-        low = (self.low << PLACES) // (other.high if self.low > 0 else other.low)
-        return Interval(low, -((-self.high << PLACES) // (other.low if self.high > 0 else other.high)))
-
-    __radd__, __rmul__ = __add__, __mul__
-
-    def __neg__(self) -> Interval:
-        return Interval(-self.high, -self.low)
-
-    def __sub__(self, other: Number) -> Interval:
-        return self + -interval(other)
-
-    def __rsub__(self, other: Number) -> Interval:
-        return interval(other) - self
-
-    def __rtruediv__(self, other: Number) -> Interval:
-        return interval(other) / self
-
-    @property
-    def most(self) -> Fraction:
-        return Fraction(self.high, 1 << PLACES)
-
-    @property
-    def size(self) -> Interval:
-        """Largest magnitude."""
-        most = max(-self.low, self.high)
-        return Interval(most, most)
-
-
-Number = Interval | Fraction | float
-
-
-def interval(low: Number, high: Fraction | float | None = None) -> Interval:
-    """Return the interval from ``low`` to ``high``, exact numbers, or the interval of one number."""
-    if isinstance(low, Interval):
-        return low
-    ends = [Fraction(end) * (1 << PLACES) for end in (low, low if high is None else high)]
-    return Interval(math.floor(ends[0]), math.ceil(ends[1]))
+def interval(low, high=None) -> Interval:
+    """Return the interval between exact numbers, or of one."""
+    return iv.mpf(low if high is None else [low, high])
 
 
 ZERO, ONE = interval(0), interval(1)
@@ -129,31 +75,17 @@ ZERO, ONE = interval(0), interval(1)
 def hull(intervals: Iterable[Interval]) -> Interval:
     """Return the smallest interval that contains all ``intervals``."""
     parts = list(intervals)
-    return Interval(min(part.low for part in parts), max(part.high for part in parts))
+    return iv.mpf([min(part.a for part in parts), max(part.b for part in parts)])
 
 
-def product(factors: Iterable[Interval]) -> Interval:
-    result = ONE
-    for factor in factors:
-        result = result * factor
-    return result
-
-
-def sqrt(value: Interval) -> Interval:
-    """Return an interval that contains the square roots of nonnegative numbers."""
-    low, high = (math.isqrt(max(end, 0) << PLACES) for end in (value.low, value.high))
-    return Interval(low, high + 1)
+def largest(intervals: Iterable[Interval]) -> Interval:
+    """Return the largest magnitude in ``intervals``."""
+    return abs(hull(intervals)).b
 
 
 def norm(*sizes: Interval) -> Interval:
     """Return the length of a vector."""
-    return sqrt(sum((size * size for size in sizes), ZERO))
-
-
-def rational(value: mpmath.mpf) -> Fraction:
-    """Return a number of mpmath exactly."""
-    sign, mantissa, exponent, _ = value._mpf_
-    return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
+    return iv.sqrt(sum(abs(size) ** 2 for size in sizes))
 
 
 # ---- roots, by rows of the table -------------------------------------------------------------------------------------
@@ -171,16 +103,17 @@ class Cell(NamedTuple):
 def _row(form: Form, frac: int, row: int, cut: bool) -> Cell:
     """Return the cell that is a row of the table.  ``cut``: the word of a mantissa may be truncated."""
     with mpmath.workprec(PRECISION):
-        left, width = map(rational, INVERSE_ROOT.segment(form, row))
-        ends = [rational(end) for end in row_error(INVERSE_ROOT, form, row, rises=False)]
-    added, ulp = Fraction(rounding(form, frac), 1 << form.sum_frac), Fraction(1, 1 << frac)
-    error = interval(ends[0] + added - ulp, ends[1] + added)  # y - 1/(2 sqrt m)
-    error += Interval(-1, 1)  # covers the error of the row errors, below 2^-PLACES
-    root = Interval(sqrt(interval(left)).low, sqrt(interval(left + width)).high)
+        left, width = INVERSE_ROOT.segment(form, row)
+        ends = row_error(INVERSE_ROOT, form, row, rises=False)
+    ulp = mpmath.ldexp(1, -frac)
+    added = interval(rounding(form, frac)) / (1 << form.sum_frac)
+    error = interval(*ends) + added + interval(-ulp, 0)  # y - 1/(2 sqrt m)
+    error += interval(-1, 1) * mpmath.ldexp(1, 40 - PRECISION)  # covers the error of the row errors
+    root = iv.sqrt(interval(left, left + width))
     lost = interval(0, ulp / 8 if cut else 0)  # V - m
-    share = lost / interval(left)  # 1 - m/V is at most its end
-    fall = share / (4 * sqrt(interval(left)))  # 1/(2 sqrt m) - 1/(2 sqrt V)
-    truncated = interval(-share.most / 2 - share.most**2 / 2, 0)  # sqrt(m/V) - 1
+    share = lost / left  # 1 - m/V is at most its end
+    fall = share / (4 * root.a)  # 1/(2 sqrt m) - 1/(2 sqrt V)
+    truncated = hull([ZERO, -share / 2 - share**2 / 2])  # sqrt(m/V) - 1
     return Cell(root, 2 * root * (error + fall), truncated + 2 * root * error * (1 - share))
 
 
@@ -198,13 +131,12 @@ def combinations(flow: Dataflow, node: Node, given: str = "") -> list[dict[str, 
     """Return all combinations of cells of the mantissas on which a node depends, apart from those of node ``given``."""
 
     def mantissas(node: Node) -> list[Node]:
-        if node.name == given:
-            return []
-        return [node] if isinstance(node.op, Even) else [m for operand in node.operands for m in mantissas(operand)]
+        if isinstance(node.op, Even):
+            return [node]
+        return [m for operand in node.operands for m in mantissas(operand)] if node.name != given else []
 
-    found = {node.name: node for node in mantissas(node)}
-    parts = [cells(m.frac - 3, flow.tile, m.op.width > m.format.width) for m in found.values()]  # type: ignore[attr-defined]
-    return [dict(zip(found, part, strict=True)) for part in itertools.product(*parts)]
+    roots = {m.name: cells(m.frac - 3, flow.tile, m.op.width > m.format.width) for m in mantissas(node)}  # type: ignore[attr-defined]
+    return [dict(zip(roots, parts, strict=True)) for parts in itertools.product(*roots.values())]
 
 
 # ---- words -----------------------------------------------------------------------------------------------------------
@@ -215,13 +147,13 @@ class Word(NamedTuple):
     where it is known to be positive."""
 
     factor: Interval
-    rest: Interval = ZERO
-    value: Interval | None = None
+    rest: Interval = None
+    value: Interval = None
 
 
 def ulps(node: Node) -> Interval:
     """Return the range of the rounding error that the node's operation states."""
-    return interval(*node.error) * interval(node.format.ulp)
+    return interval(*node.error) * node.format.ulp
 
 
 class Words:
@@ -236,38 +168,36 @@ class Words:
             return Word(ONE)
         if isinstance(op, Rsqrt):
             cell = self.places[op.m.name]
-            return Word(1 + cell.inverse, ZERO, 1 / (2 * cell.root))
+            return Word(1 + cell.inverse, None, 1 / (2 * cell.root))
         if isinstance(op, Mul3):
             return self._product(node, op)
-        if isinstance(op, ShiftDown) and (word := self(op.value)).rest == ZERO:
+        if isinstance(op, ShiftDown) and (word := self(op.value)).rest is None:
             return Word(word.factor, ulps(node))
         if isinstance(op, ShiftUp) and op.value.decision:  # of an exact word
-            return Word(ONE, ulps(node))
+            return Word(ONE, ulps(node) if node.error != EXACT else None)
         if isinstance(op, Choice) and node.limited:
             # The limit takes at most an ulp from the exact value, as the raw word's rounding may.
             (raw,) = op.operands
-            if raw.error[0] * raw.format.ulp > -node.format.ulp:
-                raise ValueError(f"{node.name}: its limit is not within the error of {raw.name}")
-            return self(raw)
+            if raw.error[0] * raw.format.ulp <= -node.format.ulp:
+                return self(raw)
         raise TypeError(f"{node.name}: no bound of its word")
 
     def _product(self, node: Node, op: Mul3) -> Word:
         a, b = op.parts
         if isinstance(b.op, Even):  # 2 m / (2 sqrt m)
             cell = self.places[b.name]
-            return Word(1 + cell.product + ulps(node) / cell.root, ZERO, cell.root)
-        one, two, scale = self(a), self(b), 2**op.scale
-        rest = ulps(node)
+            return Word(1 + cell.product + ulps(node) / cell.root, None, cell.root)
+        one, two, scale, rest = self(a), self(b), 2**op.scale, ulps(node)
         for word, other in ((one, two), (two, one)):
-            if word.rest != ZERO:
-                if other.value is None or other.rest != ZERO:
-                    raise TypeError(f"{node.name}: no bound of the product of two rests")
+            if word.rest is not None:
+                if other.rest is not None or other.value is None:
+                    raise TypeError(f"{node.name}: no bound of a product with the rest of a word")
                 rest += scale * word.rest * other.factor * other.value
         factor = one.factor * two.factor
         if one.value is None or two.value is None:
             return Word(factor, rest)
         value = scale * one.value * two.value
-        return Word(factor + rest / value, ZERO, value)
+        return Word(factor + rest / value, None, value)
 
 
 # ---- rotations -------------------------------------------------------------------------------------------------------
@@ -280,12 +210,11 @@ class Turn(NamedTuple):
     stretch: Interval
     angle: Interval
     above: Interval
-    least: Interval = interval(Fraction(1, 2))
+    least: Interval = interval(0.5)
 
 
-EXACT = Turn(ZERO, ZERO, ZERO, ONE)
+STRAIGHT = Turn(ZERO, ZERO, ZERO, ONE)
 """Rotation by 0 or 180 degrees: the bend of a clamped target."""
-
 
 Pairs = Sequence[tuple[Interval, Interval]]
 
@@ -297,29 +226,26 @@ def turned(shared: Pairs, single: Pairs) -> Turn:
     ``shared`` lists pairs (r, c), ``single`` pairs (o, e); each pair of one list may occur with each of the other.
     """
     r, c, o, e = (hull(part) for pairs in (shared, single) for part in zip(*pairs, strict=True))
-    wrong = r.size + c.size  # at most |C| where C's word has the wrong sign
-    edge = sqrt((1 + wrong) / (1 - wrong)).most
-    ends = [*(Fraction(n, SIDES) for n in range(SIDES + 1)), edge]
+    wrong = largest([r]) + largest([c])  # at most |C| where C's word has the wrong sign
+    ends = [*(interval(n) / SIDES for n in range(SIDES + 1)), iv.sqrt((1 + wrong) / (1 - wrong)).b]
     stretches, angles = [], []
     for low, high in itertools.pairwise(ends):
-        g = interval(low, high)
-        level, falling = (1 + g * g) / interval(2), (1 - g * g) / interval(2)
-        sine = interval(2 * low / (1 + low**2), 2 * high / (1 + high**2)) if high <= 1 else interval(0, 1)
-        along = hull(r * level + c * falling for r, c in shared)
+        g = hull([low, high])
+        sine = hull(2 * end / (1 + end**2) for end in (low, high)) if high.b <= 1 else interval(0, 1)
+        along = hull(r * (1 + g**2) / 2 + c * (1 - g**2) / 2 for r, c in shared)
         along += hull((1 + r) * o * sine * g + e * g for o, e in single)
         across = hull((r - c) * g for r, c in shared) + hull((1 + r) * o * sine + e for o, e in single)
-        stretches.append(along + across.size * across.size * interval(0, Fraction(1, 2)))
-        angles.append(across.size)
-    lost = wrong + r.size + 2 * o.size + e.size
-    return Turn(hull(stretches), hull(angles) / (1 - lost), hull([ZERO, r + c]).size * Fraction(1, 2))
+        angles.append(largest([across]))
+        stretches.append(along + angles[-1] ** 2 * interval(0, 0.5))
+    lost = wrong + largest([r]) + 2 * largest([o]) + largest([e])
+    return Turn(hull(stretches), largest(angles) / (1 - lost), hull([ZERO, r + c]).b / 2)
 
 
 def turn(flow: Dataflow, cosine: str, sine: str, common: str, mirrored: bool = False) -> Turn:
     """Return the error of the rotation by half the angle of two nodes, whose words have the factor of the node
     ``common``.  ``mirrored``: the sine may be negative."""
     c, s, of = (flow.nodes[name] for name in (cosine, sine, common))
-    ulp = interval(c.format.ulp)
-    some: dict[str, Cell] = {}
+    ulp, some = c.format.ulp, dict[str, Cell]()
     shared, single = [], []
     for places in combinations(flow, c):
         words, some = Words(places), some | places
@@ -342,9 +268,9 @@ def half_angle(flow: Dataflow) -> Interval:
     frac = min(sine.frac, SINE_FRACS[-1])
     if not all(isinstance(node.op, HalfAngle) for node in (sine, cosine)):
         raise TypeError("the half angle is not from the table")
-    one = interval(Fraction(half_sincos_error(frac, flow.tile)) * (1 + Fraction(1, 1 << 50)) / (1 << frac))
+    one = interval(half_sincos_error(frac, flow.tile)) * (1 + 2.0**-50) / (1 << frac)
     both = 2 * norm(one, one)
-    return Interval(-both.high, (both + 2 * one * one).high)
+    return hull([-both, both + 2 * one**2])
 
 
 def normalization(flow: Dataflow, turns: Iterable[Turn]) -> Interval:
@@ -354,9 +280,9 @@ def normalization(flow: Dataflow, turns: Iterable[Turn]) -> Interval:
         raise ValueError("m_q: the squared length is truncated")
     whole = 4 * ulps(az_tilt_sq) + 8 * ulps(length_sq)  # relative to lengths of 1/4 and 1/8 or more
     # A length of 1 or more becomes the largest mantissa.
-    limited = (1 - interval(m_q.format.ulp)) / product(1 + turn.above for turn in turns) - 1
+    limited = (1 - interval(m_q.format.ulp)) / reduce(mul, (1 + turn.above for turn in turns)) - 1
     inverse = 1 + hull(cell.inverse for cell in cells(m_q.frac - 3, flow.tile, False))
-    return inverse * inverse / (1 + hull([whole, limited])) - 1
+    return inverse**2 / (1 + hull([whole, limited])) - 1
 
 
 # ---- the theorem -----------------------------------------------------------------------------------------------------
@@ -364,54 +290,53 @@ def normalization(flow: Dataflow, turns: Iterable[Turn]) -> Interval:
 
 def sizes(flow: Dataflow, *names: str) -> Interval:
     """Return the largest length of the vector of the nodes' rounding errors."""
-    return norm(*(ulps(flow.nodes[name]).size for name in names))
+    return norm(*(largest([ulps(flow.nodes[name])]) for name in names))
 
 
 def corners(flow: Dataflow, *names: str) -> Iterable[tuple[Interval, ...]]:
     """Return all combinations of the least and greatest rounding errors of nodes."""
     errors = (ulps(flow.nodes[name]) for name in names)
-    return itertools.product(*([Interval(end, end) for end in (error.low, error.high)] for error in errors))
+    return itertools.product(*((error.a, error.b) for error in errors))
 
 
 def products(flow: Dataflow) -> tuple[Interval, Interval, Interval]:
     """Return the lengths of the errors of Qs from the products of azimuth and phi, of these with the tilt, and of these
     with the bend.  A length is convex in the errors, so it is largest in a corner."""
-    first = hull(
+    first = largest(
         norm(*part)
         for cc, ss, sc, cs in corners(flow, "cc", "ss", "sc", "cs")
         for part in ((cc - ss, sc + cs), (cc + ss, sc - cs))
     )
-    pairs = [
-        hull(
+    pairs = (
+        largest(
             norm(part, whole - plus)
             for whole, dif, plus in corners(flow, f"{one}{two}_c", f"{two}_dif", f"{one}_sum")
             for part in (whole - dif, whole + dif)
         )
         for one, two in ("wi", "kj")
-    ]
-    return first.size, sizes(flow, "w_0", "i_0", "j_0", "k_0"), norm(*(pair.size for pair in pairs))
+    )
+    return first, sizes(flow, "w_0", "i_0", "j_0", "k_0"), norm(*pairs)
 
 
 def elbow(flow: Dataflow) -> tuple[Interval, Interval]:
     """Return two parts of the length of Qe's error: of the factors of its words, and of their rests and rounding."""
-    inverse = flow.nodes["inv_12"]
+    inverse, factors, rests = flow.nodes["inv_12"], [], []
     shared = hull(Words(places)(inverse).factor for places in combinations(flow, inverse))
-    factors, rests = [], []
     for half in "wi":
         node = flow.nodes[f"elbow_{half}"]
         words = [Words(places, "inv_12")(node) for places in combinations(flow, node, "inv_12")]
         factors.append(hull(word.factor for word in words) * shared - 1)
-        rests.append(hull(word.rest for word in words).size + ulps(flow.nodes[f"qe_{half}"]).size)
-    return hull(factors).size, norm(*rests)
+        rests.append(largest(word.rest for word in words) + largest([ulps(flow.nodes[f"qe_{half}"])]))
+    return largest(factors), norm(*rests)
 
 
 class Accuracy(NamedTuple):
-    """Constants of the theorem in units of 2^-(W-2): ``a``, ``b``, for a clamped target ``clamped``, and by name the
-    constants from which they come."""
+    """Constants of the theorem in units of 2^-(W-2): ``a``, ``b``, for a clamped target ``c``, and by name those from
+    which they come."""
 
     a: Fraction
     b: Fraction
-    clamped: Fraction
+    c: Fraction
     parts: dict[str, Fraction]
 
     @property
@@ -420,63 +345,60 @@ class Accuracy(NamedTuple):
         return self.a + self.b
 
 
-class Shoulder(NamedTuple):
-    """Errors of the rotation by the words Qs: of a vector's length 1, by ``turned`` from exact products of words, and
-    by ``spread`` from roundings of these products; ``stretch``: squared length of Qs without the latter."""
-
-    turned: Interval
-    spread: Interval
-    stretch: Interval
-    parts: dict[str, Interval]
-
-
-def shoulder(flow: Dataflow, azimuth: Turn, tilt: Turn, bend: Turn) -> Shoulder:
-    """Return the errors of the rotation by Qs, from those of its half angles."""
-    turns = azimuth, tilt, bend
+def shoulder(flow: Dataflow, *turns: Turn) -> tuple[Interval, Interval, Interval, dict[str, Interval]]:
+    """Return the errors of a unit vector rotated by Qs, for the errors of azimuth, tilt and bend: from exact products
+    of words, and from their roundings; the squared length of Qs without the latter; and parts by name."""
     phi, last = half_angle(flow), normalization(flow, turns)
-    stretch = product([*(1 + turn.stretch for turn in turns), 1 + phi, 1 + last])
-    angle = norm(azimuth.angle, tilt.angle) + bend.angle
-    length = sqrt(stretch).size
-    turned = norm((stretch - 1).size, length * angle)
+    stretch = reduce(mul, (1 + turn.stretch for turn in turns)) * (1 + phi) * (1 + last)
+    angle = norm(turns[0].angle, turns[1].angle) + turns[2].angle
+    size, off = iv.sqrt(stretch).b, largest([stretch - 1])
+    turned = norm(off, size * angle)
 
-    sides = [sqrt(1 + phi), *(sqrt((1 + turn.stretch) * turn.least) for turn in turns)]
-    steps = [length * step / product(sides[:n]) for n, step in enumerate(products(flow), 2)]
+    steps, length = [], iv.sqrt(1 + phi)
+    for error, part in zip(products(flow), turns, strict=True):
+        length = length * iv.sqrt((1 + part.stretch) * part.least)
+        steps.append(size * error / length)
     steps += [sizes(flow, *(f"{kind}{unit}{end}" for unit in "wijk")) for kind, end in (("", "_q"), ("qs_", ""))]
-    moved = sum(steps, ZERO)
+    moved = sum(steps)
     names = "first products", "tilt products", "bend products", "inv_q products", "Qs rounding"
-    parts = {"phi k": phi.size, "length k": last.size, "K": (stretch - 1).size, "w": angle, "turned": turned}
-    parts |= {name: 2 * step for name, step in zip(names, steps, strict=True)}
-    return Shoulder(turned, 2 * length * moved + moved * moved, stretch, parts)
+    parts = {name: 2 * step for name, step in zip(names, steps, strict=True)}
+    parts |= {"phi k": phi, "length k": last, "K": off, "w": angle, "turned": turned}
+    return turned, 2 * size * moved + moved**2, stretch, parts
 
 
 @cache
 def accuracy(width: int, datapath: str = "lean") -> Accuracy:
     """Return the constants of the theorem for a datapath at a word length."""
-    flow, unit = dataflow(datapath, width), interval(1 << width - 2)
+    flow = dataflow(datapath, width)
     azimuth = turn(flow, "u_y", "u_x", "inv_rho", mirrored=True)
     tilt, bend = turn(flow, "sin_el", "cos_el", "inv_s"), turn(flow, "cos_a", "sin_a", "inv_law")
     turned, spread, stretch, parts = shoulder(flow, azimuth, tilt, bend)
     factors, rests = elbow(flow)
     bent = factors + rests
-    clamped = shoulder(flow, azimuth, tilt, EXACT)
-    results = {"a": turned + spread, "b": (2 * bent + bent * bent) * (stretch + spread)}
-    results |= {"clamped": clamped.turned + clamped.spread}
+    limits = [
+        turned + spread,
+        (2 * bent + bent**2) * (stretch + spread),
+        sum(shoulder(flow, azimuth, tilt, STRAIGHT)[:2]),
+    ]
     for name, part in (("azimuth", azimuth), ("tilt", tilt), ("bend", bend)):
-        parts |= {f"{name} k": part.stretch.size, f"{name} w": part.angle}
-    roots = cells(flow.nodes["m_s"].frac - 3, flow.tile, True)
-    parts |= {"Qe factors": 2 * factors, "Qe rests": 2 * rests, "inv": hull(root.inverse for root in roots).size}
-    a, b, c = ((unit * part).most for part in results.values())
-    return Accuracy(a, b, c, {name: (unit * part).most for name, part in parts.items()})
+        parts |= {f"{name} k": part.stretch, f"{name} w": part.angle}
+    inverses = (root.inverse for root in cells(flow.nodes["m_s"].frac - 3, flow.tile, True))
+    parts |= {"Qe factors": 2 * factors, "Qe rests": 2 * rests, "inv": hull(inverses)}
+
+    def units(size: Interval) -> Fraction:
+        return Fraction(*to_rational(abs(size).b._mpi_[1])) * (1 << width - 2)
+
+    a, b, c = map(units, limits)
+    return Accuracy(a, b, c, {name: units(part) for name, part in parts.items()})
 
 
 def main(words: Sequence[str]) -> None:
     """Print the constants of a datapath at a word length, or all limits."""
     if words:
-        datapath, width = words[0], int(words[1])
-        result = accuracy(width, datapath)
-        for name, part in [*result.parts.items(), *result._asdict().items(), ("a + b", result.both)]:
-            if isinstance(part, Fraction):
-                print(f"{name:<16}{float(part):8.3f} {float(part) * 2.0 ** (2 - width):.3e}")
+        result = accuracy(int(words[1]), words[0])
+        rows = {**result.parts, "a": result.a, "b": result.b, "c": result.c, "a + b": result.both}
+        for name, part in rows.items():
+            print(f"{name:<16}{float(part):8.3f} {float(part) * 2.0 ** (2 - int(words[1])):.3e}")
         return
     for datapath, limits in STATED.items():
         for width, limit in limits.items():
