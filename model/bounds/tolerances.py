@@ -13,6 +13,7 @@ from ..dataflow.formats import WIDTHS
 from ..io.flags import BAD_HAND, SATURATED, SINGULAR, UNREACHABLE
 from ..reference.joints import reached
 from ..reference.kinematics import angle_between
+from .accuracy import STATED
 from .predict import predicted_error
 
 LEAN_ERRORS = """
@@ -94,8 +95,8 @@ def pose(words: np.ndarray, width: int, across: np.ndarray) -> tuple[np.ndarray,
 
 def sought(width: int) -> float:
     """Return the largest permitted hand error / reach of the lean datapath for targets from a search for large errors:
-    the larger of :data:`LEAN` and the error that rounding exact results can cause."""
-    return max(LEAN[width], ROUNDED_ULPS * 2.0 ** (2 - width))
+    the proved limit (:mod:`.accuracy`)."""
+    return float(STATED["lean"][width]) * 2.0 ** (2 - width)
 
 
 def hand(width: int, datapath: str, *, regular: bool = False) -> float | None:
