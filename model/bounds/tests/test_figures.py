@@ -208,7 +208,6 @@ def test_rounded_results_of_18_bits_miss_the_tolerance():
     run = Run(np.array([(123447, 0, -594, -131072, 2008, 121725)]), 18)
     (error,) = run.off(np.rint(run.exact * 2**16) / 2**16)[1]
     assert tolerances.LEAN[18] < error <= tolerances.sought(18)
-    assert all(tolerances.LEAN[width] <= tolerances.sought(width) for width in WIDTHS)
 
 
 def rounded(name: str, figure: float) -> float:
