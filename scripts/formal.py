@@ -3,26 +3,35 @@
 
     python -m scripts.formal [--only NAME] [--again] [--list]
 
-Each proof that succeeds updates its row of docs/generated/proofs.md; its full table is in build/proofs/.
+Each proof that succeeds updates its row of docs/generated/proofs.md; its full table is in build/proofs/. The proof
+``accuracy`` also writes docs/generated/accuracy.md.
 """
 
 import json
+import math
 import sys
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from datetime import date
+from fractions import Fraction
 from functools import partial
 from os import cpu_count
 
+from model.bounds.accuracy import CELLS, SIDES, STATED, accuracy
+from model.dataflow.fixed import dataflow
+from model.dataflow.formats import WIDTHS
+from model.dataflow.quadratic import PRECISION
 from model.io.files import write_atomically
 from scripts.console import InputError, Options, command, option, switch
 from scripts.generate.render import read_table, render
+from tb.formal.accuracy import ALGEBRA, NODES
 from tb.formal.proofs import TASKS
 from tb.formal.task import Outcome, Task, digest_of
 from tb.formal.tools import missing, stop, versions
 from tb.sim.env import GENERATED, ROOT
 
-PAGE = GENERATED / "proofs.md"
+PAGE, ACCURACY = GENERATED / "proofs.md", GENERATED / "accuracy.md"
 BUILD = ROOT / "build" / "proofs"
 say = partial(print, flush=True)
 
@@ -45,6 +54,46 @@ def write_page(proved: dict[str, tuple[Outcome, str]]) -> None:
         table[name] = [name, tasks[name].what, tasks[name].engine, *result]
     write_atomically(PAGE, render("proofs", rows=[table[name] for name in tasks if name in table]))
     say(f"wrote {PAGE.relative_to(ROOT)}")
+    if "accuracy" in proved:
+        write_atomically(ACCURACY, accuracy_page())
+        say(f"wrote {ACCURACY.relative_to(ROOT)}")
+
+
+def accuracy_page() -> str:
+    """Return docs/generated/accuracy.md: the proof, with statements and constants from the code that proves them."""
+    shown = {width: accuracy(width) for width in (32, 24, 18)}
+
+    def up(value: Fraction, places: int = 3) -> str:
+        return f"{math.ceil(value * 10**places) / 10**places:.{places}f}"
+
+    def share(units: Fraction, width: int) -> str:
+        """Return a limit in units of 2^-(W-2) as a share of a length, rounded up to three digits."""
+        exponent = math.floor(math.log10(units) + (2 - width) * math.log10(2))
+        return f"{up(units * Fraction(2) ** (2 - width) / Fraction(10) ** exponent, 2)}e{exponent}"
+
+    def limits(width: int) -> Iterator[str]:
+        for datapath, of in STATED.items():
+            pair = (of[width], accuracy(width, datapath).c) if width in of else ()
+            yield "{} ({})".format(*(share(limit, width) for limit in pair)) if pair else ""
+
+    def parts(*names: str) -> list[list[str]]:
+        rows = [{**of.parts, **of._asdict(), "a + b": of.both} for of in shown.values()]
+        return [[name, *(up(row[name]) for row in rows)] for name in names]
+
+    return render(
+        "accuracy",
+        names=list(STATED),
+        rows=[[width, *limits(width)] for width in WIDTHS],
+        widths=list(shown),
+        parts=parts,
+        lemma=lambda name: NODES[name][0],
+        given=lambda name: dataflow("lean", WIDTHS[0]).lemmas[name][0],
+        step=lambda name: ALGEBRA[name][1],
+        unit=lambda name: ", ".join(parts(name)[0][1:]),
+        cells=CELLS,
+        sides=SIDES,
+        bits=PRECISION,
+    )
 
 
 def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> tuple[Outcome, str]:

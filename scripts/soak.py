@@ -8,8 +8,10 @@ above their prediction (`model.bounds.predict`) are only counted. For the whole 
 with that wrist, and errors are relative to the tolerance.
 
 --worst searches the bit-true model of the lean datapath or of the whole arm for the largest errors. Each round changes
-words of the worst targets of the previous round. The whole arm has errors of the hand's point and of its
-orientation. Poses with a reach below 1 do not count, because the host scales every pose to a reach of 1 or more.
+words of the worst targets of the previous round. For lean, every 40 rounds start at new targets, whose neighbours have
+large errors on average, and the last quarter of the rounds continues with the worst of all: 900 rounds. The whole arm
+has errors of the hand's point and of its orientation. Poses with a reach below 1 do not count, because the host scales
+every pose to a reach of 1 or more.
 """
 
 import os
@@ -26,7 +28,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.io.files import write_atomically
 from model.io.flags import CORE_FLAGS, UNREACHABLE, expected_flags
-from model.io.stimuli import REGIONS, SPECIAL, hand_poses, hands, mixed, region
+from model.io.stimuli import REGIONS, SPECIAL, hand_poses, hands, mixed, region, right_angles
 from model.io.words import ARM_FIELDS
 from scripts import console, parallel
 from scripts.console import InputError, Options, command, core_options, option, output, progress, show, switch, whole
@@ -79,6 +81,9 @@ KEPT, EACH, ALIKE = 400, 50, 8
 """Largest numbers of targets that a round keeps, of changed copies of each, and of kept targets of one kind. Targets of
 one kind have coordinates and lengths of the same signs and sizes."""
 
+RESTART, FRESH, GENERATIONS, COPIES = 40, 100_000, 40, 24
+"""Of a search of lean: rounds after which it starts again, random targets, generations that choose from these, and
+neighbours of each."""
 
 SEARCHED = {"lean": ("of the reach",), "arm": ("of the reach", "rad")}
 """Datapath -> units of the errors that --worst searches for; arm: of the hand's point, of its orientation."""
@@ -123,6 +128,24 @@ def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.nda
     return words[chosen[:KEPT]]
 
 
+def _start(width: int, random: np.random.Generator) -> np.ndarray:
+    """Return neighbours of the targets whose neighbours, words with other low bits, have the largest mean errors."""
+
+    def neighbours(words: np.ndarray, copies: int) -> tuple[np.ndarray, np.ndarray]:
+        rows, bits = np.repeat(words, copies, axis=0), width // 3
+        steps = random.integers(-(1 << bits), 1 << bits, rows.shape) >> np.array([0, 4, 4, 0, 0, 0])
+        rows = np.clip(rows + steps, 1 - (1 << width - 1), (1 << width - 1) - 1)
+        return rows, hand_errors(rows, width, "lean")[0, 0]
+
+    words = right_angles(FRESH, width, int(random.integers(1 << 30)))
+    words = words[np.argsort(-hand_errors(words, width, "lean")[0, 0])[: 10 * KEPT]]
+    for _ in range(GENERATIONS):
+        means = neighbours(words, COPIES)[1].reshape(-1, COPIES).mean(axis=1)
+        words = words[np.argsort(-means)[:KEPT]]
+        words = np.concatenate([words, random.permutation(_changed(words, width, random))[: 9 * KEPT]])
+    return neighbours(words[:KEPT], 2 * EACH)[0]
+
+
 def _worst(options: Options) -> int:
     datapath, width, beyond = options.datapath, options.width, False
     listed = worst_targets.groups(worst_targets.read(worst_targets.LIST)) if options.keep else {}
@@ -133,9 +156,13 @@ def _worst(options: Options) -> int:
         start = hand_poses(start[expected_flags(start, width) & UNREACHABLE == 0], width, options.seed)
     for unit, name in enumerate(SEARCHED[datapath]):
         random = np.random.default_rng((options.seed, width))
-        words = _worst_of(start, width, datapath, unit)
+        words, kept, last = _worst_of(start, width, datapath, unit), [], options.worst - options.worst // 4
         with progress("soak", options.worst) as meter:
             for number in range(options.worst):
+                if datapath == "lean" and number and (number == last or number < last and number % RESTART == 0):
+                    kept.append(words[:EACH])
+                    fresh = np.concatenate(kept) if number == last else _start(width, random)
+                    words = _worst_of(fresh, width, datapath, unit)
                 changed = np.concatenate([words, _changed(words, width, random)])
                 words = _worst_of(np.unique(changed, axis=0), width, datapath, unit)
                 meter(number + 1, f"W = {width}")

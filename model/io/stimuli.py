@@ -242,6 +242,27 @@ def region(name: str, count: int, width: int, seed: int) -> np.ndarray:
     return rows[:count]
 
 
+def right_angles(count: int, width: int, seed: int) -> np.ndarray:
+    """Return up to ``count`` reachable targets at which roots and roundings weigh most: near the x axis, with nearly a
+    right angle between the target and a short upper arm. Most of |p| and d1 are little less than a power of 2, and of
+    4: reciprocal roots of such mantissas have the largest relative errors."""
+    random, top = np.random.default_rng((seed, width, 11)), (1 << width - 1) - 1
+
+    def small():
+        return random.choice([-1, 1], count) * np.exp2(-random.uniform(3, width, count))
+
+    def below(exponent, most):
+        return np.exp2(exponent) * (1 - random.uniform(0, most, count) ** 2)
+
+    p = below(width - 1 - random.integers(0, 2, count), 0.5)
+    d1 = np.minimum(below(2 * (width // 2 - random.integers(1, width // 2, count)), 0.8), p / 2)
+    d2, y, z = np.sqrt(p * p + d1 * d1 - 2 * p * d1 * small()), p * small(), p * small()
+    x = random.choice([-1, 1], count) * np.sqrt(p * p - y * y - z * z)
+    words = np.rint(np.column_stack([x, y, z, random.integers(-top, top, count), d1, d2])).clip(-top, top)
+    words = words.astype(np.int64)
+    return words[expected_flags(words, width) & UNREACHABLE == 0]
+
+
 def _region(name: str, random, count: int, width: int) -> np.ndarray:
     eighth = 1 << (width - 3)
     phi = random.integers(-4 * eighth, 4 * eighth, count)

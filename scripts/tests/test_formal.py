@@ -51,6 +51,11 @@ def test_row_of_another_proof_stays(proofs, monkeypatch):
     assert formal.rows() == {"good": row}
 
 
+@pytest.mark.release
+def test_page_of_the_accuracy_is_up_to_date():
+    assert formal.ACCURACY.read_text() == formal.accuracy_page()
+
+
 def test_names_of_proofs_are_different():
     assert len({task.name for task in TASKS}) == len(TASKS)
 

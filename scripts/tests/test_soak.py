@@ -195,8 +195,8 @@ def test_an_unusable_list_is_not_overwritten(cli, simulator, text, message):
 
 @pytest.mark.parametrize("datapath", soak.SEARCHED)
 def test_later_rounds_find_worse_targets(cli, monkeypatch, datapath):
-    monkeypatch.setattr(soak, "KEPT", 100)
-    monkeypatch.setattr(soak, "REGIONS", ())
+    for name, value in {"KEPT": 100, "REGIONS": (), "RESTART": 2, "FRESH": 2000, "GENERATIONS": 2}.items():
+        monkeypatch.setattr(soak, name, value)
     worst_targets.LIST.write_text(worst_targets.text([]))
     first, out, _ = cli("--worst", "1", "--width", "16", "--datapath", datapath)
     monkeypatch.setattr(tolerances, "sought", lambda width: 1e-5)

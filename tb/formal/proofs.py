@@ -6,7 +6,7 @@ from concurrent.futures import Executor
 from functools import partial
 
 from model.dataflow.datapaths import MODELS, PAPER
-from tb.formal import induction, lean_proofs, task
+from tb.formal import accuracy, induction, lean_proofs, task
 from tb.formal.bugs import BUGS
 from tb.formal.floors import DIV, ROOT_DIGIT, floors
 from tb.formal.induction import Proof
@@ -173,10 +173,15 @@ def _seeded(name: str, what: str, files: Iterable[str], questions: Callable) -> 
     return Task(name, what, "z3", lambda: digest_of(*(code(ROOT / file) for file in files)), run)
 
 
+def _accuracy(pool: Executor, say: task.Say) -> task.Outcome:
+    return task.run(accuracy.questions(), accuracy.questions(false=True), pool, say)
+
+
 TASKS = (
     *(Task(p.name, p.claim, p.engine, partial(induction.digest, p), partial(induction.run, p)) for p in PROOFS),
     _ranges("rules", "exact ranges of the whole arm's dataflow", Rules),
     _ranges("errors", "errors of the whole arm's words", Rounded),
+    Task("accuracy", "hand error of lean, all W and TILE: [accuracy](accuracy.md)", "z3", accuracy.digest, _accuracy),
     _seeded("floors", "from rows to the floor, divider and root, all widths", FLOORS, floors),
     _seeded("rsqrt", "`ik_rsqrt` equals its model, W = 16 to 32", STAGES, stages),
 )

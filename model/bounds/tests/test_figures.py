@@ -208,7 +208,6 @@ def test_rounded_results_of_18_bits_miss_the_tolerance():
     run = Run(np.array([(123447, 0, -594, -131072, 2008, 121725)]), 18)
     (error,) = run.off(np.rint(run.exact * 2**16) / 2**16)[1]
     assert tolerances.LEAN[18] < error <= tolerances.sought(18)
-    assert tolerances.sought(24) == tolerances.LEAN[24] and tolerances.sought(32) == tolerances.LEAN[32]
 
 
 def rounded(name: str, figure: float) -> float:

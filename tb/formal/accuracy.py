@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Proof of the lean datapath's accuracy, which docs/generated/accuracy.md states step by step.
+
+z3 proves that the dataflow, in exact arithmetic, is the product of rotations that the page describes (:data:`NODES`,
+with lemmas of the dataflow), and the algebra of the page's steps (:data:`ALGEBRA`).  :mod:`model.bounds.accuracy`
+computes the constants; the last questions compare them with the stated ones.
+"""
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+from model.bounds.accuracy import STATED, accuracy
+from model.bounds.ranges import LeanRanges
+from model.dataflow.fixed import dataflow
+from model.dataflow.formats import WIDTHS
+from tb.formal.lean_proofs import LIMIT, SOLVER, Exact, Rules
+from tb.formal.smt import formula, smt
+from tb.formal.task import Question, digest_of
+from tb.formal.tools import Answer, ask
+from tb.sim.env import ROOT
+from tb.sim.sources import code
+
+Lemma = tuple[str, tuple[str, ...]]
+
+FILES = ("model/bounds/accuracy.py", "model/dataflow/quadratic.py", "model/dataflow/mul3.py", "tb/formal/accuracy.py")
+
+# ---- the dataflow in exact arithmetic --------------------------------------------------------------------------------
+
+
+def equations(names: str) -> tuple[str, ...]:
+    """Return the facts that are the equations of nodes."""
+    return tuple(f"={name}" for name in names.split())
+
+
+def pair(name: str, cosine: str, sine: str, small: str, large: str, *facts: str) -> Lemma:
+    """Return the lemma on the parts of a half angle: which is large depends on the sign of the cosine's word."""
+    parts = (f"({name}_{one} == {name}_sq and 2*{name}_{two} == {sine})" for one, two in (small + large, large + small))
+    choice = " if {} else ".join(parts).format(f"neg_{cosine}")
+    size = f"2*{name}_sq == 1 + (-{cosine} if {cosine} < 0 else {cosine})"
+    return f"{size} and ({choice})", (*facts, *equations(f"{name}_c {name}_s {name}_sq"))
+
+
+def azimuth(unit: str, tilt: str, one: str, sign: str, two: str) -> Lemma:
+    """Return the lemma on a part of the product of the rotations by azimuth, tilt and phi."""
+    uses = equations(f"{unit}_0 c_plus c_minus s_plus s_minus cc ss sc cs")
+    return f"{unit}_0 == tilt_{tilt}*({one} {sign} {two})", uses
+
+
+SQUARES = equations("k_law sum_dif a_far b_near d_sum_sq d_dif_sq d_sum d_dif d1 d2")
+
+NODES: dict[str, Lemma] = {
+    "R": ("R*R == rho_sq and 0 <= R", ()),
+    "P": ("P*P == s and 0 < P", ()),
+    "1/R": ("implies(0 < R, inv_rho*e_rho*R == 2)", ("R", *equations("inv_rho m_rho e_rho"))),
+    "1/P": ("inv_s*e_s*P == 2", ("P", *equations("inv_s m_s e_s"))),
+    "root R": ("4*root_rho == R*e_rho", ("R", *equations("root_rho inv_rho m_rho e_rho"))),
+    "u_x": ("implies(0 < R, u_x*R == x_w)", ("1/R", *equations("u_x x_n"))),
+    "u_y": ("implies(0 < R, u_y*R == y_w)", ("1/R", *equations("u_y y_n"))),
+    "sin_el": ("sin_el*P == z_w", ("1/P", *equations("sin_el z_n"))),
+    "cos_el": ("cos_el*P == R", ("root R", "1/P", *equations("cos_el inv_s_el n_el e_rho"))),
+    "cos_a": ("2*d1*P*cos_a == k_law", ("1/P", "1/(d1 |p|)", *equations("cos_a k_scaled n_law m_1 d1 e_1"))),
+    "Qe along": ("2*d1*(d1 + d2*(elbow_i*elbow_i - elbow_w*elbow_w)) == k_law", ("elbow w", "elbow i", *SQUARES)),
+    "Qe across": ("16*d1*d1*d2*d2*elbow_w*elbow_w*elbow_i*elbow_i == a_far*b_near", ("elbow w", "elbow i")),
+    "|elbow|": ("elbow_w*elbow_w + elbow_i*elbow_i == 1", ("elbow w", "elbow i", "A + B", *equations("d1 d2"))),
+    "qe": ("qe_w == elbow_w and qe_i == -elbow_i", ("case", *equations("qe_w qe_i"))),
+    "pair az": pair("az", "u_y", "u_x", "c", "s", "not on_axis", "=u_y"),
+    "pair tilt": pair("tilt", "sin_el", "cos_el", "s", "c", "off the shoulder"),
+    "pair bend": pair("bend", "cos_a", "sin_a", "s", "c", "case"),
+    "not on_axis": ("not on_axis", ()),
+    "off the shoulder": ("not at_shoulder", ()),
+    "w_0": azimuth("w", "c", "az_c*cos_h", "-", "az_s*sin_h"),
+    "i_0": azimuth("i", "s", "az_c*cos_h", "+", "az_s*sin_h"),
+    "j_0": azimuth("j", "s", "az_s*cos_h", "-", "az_c*sin_h"),
+    "k_0": azimuth("k", "c", "az_s*cos_h", "+", "az_c*sin_h"),
+    "clamp": ("clamp", ()),
+    "clamped": (
+        "bend_sq == 1 and ((bend_swap and bend_c == 0 and bend_s == 1) if away else"
+        " (not bend_swap and bend_c == 1 and bend_s == 0))"
+        " and ((qe_w == 1 and qe_i == 0) if closed else (qe_w == 0 and qe_i == -1))",
+        ("clamp", *equations("bend_sq bend_c bend_s bend_swap qe_w qe_i")),
+    ),
+    "lengths": ("length_sq == az_sq*tilt_sq*bend_sq", equations("length_sq az_tilt_sq")),
+} | {
+    f"qs_{unit}": (
+        f"qs_{unit} == (-2 if minus else 2)*{unit}_1*inv_q",
+        (*equations(f"qs_{unit} {unit}_q"), f"{unit} turned", "1/|q|"),
+    )
+    for unit in "wijk"
+}
+"""Lemma -> statement about exact values of nodes, and the facts that prove it (:mod:`model.dataflow.lean`).  Without
+facts it is an assumption; R is rho, P is |p|.  A count e stands for 2^e, neg_n for the sign of the word of node n."""
+
+GIVEN = ("sin a", "1/|q|")
+"""Lemmas of the dataflow that the page uses, besides those on which :data:`NODES` rest."""
+
+
+class Steps(Rules):
+    """Questions about :data:`NODES` and the lemmas on which they rest, at one word length."""
+
+    def __init__(self, width: int) -> None:
+        exact = Exact(width)
+        exact.lemmas |= {f"{name}, exact": (smt(text), tuple(map(_own, uses))) for name, (text, uses) in NODES.items()}
+        super().__init__(exact)
+
+    def _proved(self) -> list[str]:
+        left, needed = [*map(_own, NODES), *GIVEN], dict[str, bool]()
+        while left:
+            name = left.pop()
+            if name not in needed and self.exact.lemmas.get(name, ("", ()))[1]:
+                needed[name] = True
+                left += self.uses(name)
+        return list(needed)
+
+
+def _own(name: str) -> str:
+    """Return the name of a lemma of this file among those of the dataflow."""
+    return f"{name}, exact" if name in NODES else name
+
+
+# ---- algebra ---------------------------------------------------------------------------------------------------------
+
+HALF = ("0 < L0", "0 < L", "L0*(1 + g*g) == 1", "s0 == g*L0", "L == L0 + l", "s == s0 + t")
+SIDES = ("C*(1 + g*g) == 1 - g*g", "S*(1 + g*g) == 2*g")
+UNIT = ("x*x + y*y + z*z == 1", "u*u + v*v + w*w == 1")
+
+ALGEBRA: dict[str, tuple[Sequence[str], str]] = {
+    "half angle": (
+        (*HALF, *SIDES),
+        "2*L0 == 1 + C and 2*s0 == S and L0*L0 + s0*s0 == L0 and L0*L0 - s0*s0 == L0*C",
+    ),
+    "stretch": (HALF, "L*L + s*s == L*(1 + (1 - g*g)*l + 2*g*t) + (t - g*l)*(t - g*l)"),
+    "quotient": (HALF, "L*L0 + s*s0 == L0*(1 + l + g*t) and s*L0 - L*s0 == L0*(t - g*l)"),
+    "errors": (
+        (*SIDES, "2*l == C*r + c", "2*t == S*((1 + r)*(1 + o) - 1) + e"),
+        "(1 - g*g)*l + 2*g*t == 0.5*r*(1 + g*g) + 0.5*c*(1 - g*g) + (1 + r)*o*S*g + e*g"
+        " and 2*(t - g*l) == (r - c)*g + (1 + r)*o*S + e",
+    ),
+    "wrong sign": ((SIDES[0], "-f <= C", "f < 1", "0 <= f"), "g*g*(1 - f) <= 1 + f"),
+    "truncated": (("y*y == 1 - v", "0 <= y", "0 <= v", "v <= 1"), "1 - 0.5*v - 0.5*v*v <= y and y <= 1"),
+    "scaled": (
+        UNIT,
+        "(m*u - x)**2 + (m*v - y)**2 + (m*w - z)**2 == (m - 1)**2 + m*((u - x)**2 + (v - y)**2 + (w - z)**2)",
+    ),
+    "two angles": (
+        ("c*c + s*s == 1",),
+        "(q*c - p)**2 + (q*s)**2 == (q - p)**2 + p*q*((c - 1)**2 + s*s)",
+    ),
+    "Qe": (("c*c + s*s == 1", "-m <= a", "a <= m", "-m <= b", "b <= m"), "(c*a)**2 + (s*b)**2 <= m*m"),
+    "step 1": (
+        ("a*a + b*b <= m", "c*c + d*d <= m"),
+        "(p*a)**2 + (q*c)**2 + (q*d)**2 + (p*b)**2 <= (p*p + q*q)*m",
+    ),
+}
+"""Step -> facts, and the claim that follows for real numbers."""
+
+FALSE = ("stretch", (HALF, "L*L + s*s == L*(1 + (1 - g*g)*l + 2*g*t)"))
+"""Seeded bug: the stretch of a half angle without its second order."""
+
+
+def algebra(name: str, facts: Sequence[str], claim: str) -> Question:
+    told = [smt(fact) for fact in facts]
+    questions = (formula(told, goal, lambda name: "Real") for goal in (smt(claim), "false"))
+    asked, met = (partial(ask, question, SOLVER, LIMIT) for question in questions)
+    return Question(name, claim, asked, met)
+
+
+# ---- the constants ---------------------------------------------------------------------------------------------------
+
+
+def holds(width: int, datapath: str) -> Answer:
+    """Return "unsat" if every word of a datapath fits its format and the constants are at most the stated ones."""
+    try:
+        fits = not LeanRanges(width, datapath).failed
+        return Answer("unsat" if fits and accuracy(width, datapath).both <= STATED[datapath][width] else "sat", 0.0)
+    except (TypeError, ValueError, ZeroDivisionError) as error:  # the dataflow is not of the form that is bounded
+        return Answer(str(error), 0.0)
+
+
+def questions(widths: Sequence[int] = WIDTHS, false: bool = False) -> Iterator[Question]:
+    """Yield all questions; yield a question only once if word lengths share it.  ``false``: only the seeded bug."""
+    if false:
+        yield algebra(FALSE[0], *FALSE[1])
+        return
+    known: set[str] = set()
+    for width in sorted(widths, reverse=True):
+        steps = Steps(width)
+        for name in steps.names():
+            if (text := steps.question(name)) not in known:
+                known.add(text)
+                met = partial(ask, steps.exact.formula(steps.facts(name), "false"), SOLVER, LIMIT)
+                yield Question(f"{name}, W={width}", steps.says(name), partial(ask, text, SOLVER, LIMIT), met)
+    yield from (algebra(name, *step) for name, step in ALGEBRA.items())
+    for datapath, stated in STATED.items():
+        for width in (width for width in stated if width in widths):
+            says = f"a + b <= {float(stated[width])}"
+            yield Question(f"{datapath}, W={width}", says, partial(holds, width, datapath))
+
+
+def digest() -> str:
+    """Return a digest of the questions, of the code that computes the constants, and of what it reads of the nodes."""
+    texts = [code(ROOT / file) for file in FILES]
+    for width in WIDTHS:
+        steps = Steps(width)
+        texts += [steps.question(name) for name in steps.names()]
+    for datapath, stated in STATED.items():
+        for width in stated:
+            texts += [
+                f"{node.right_side} {node.format} {node.error}" for node in dataflow(datapath, width).nodes.values()
+            ]
+    return digest_of(*texts)
