@@ -17,20 +17,19 @@ from .accuracy import STATED
 from .predict import predicted_error
 
 LEAN_ERRORS = """
-    2.05e-4 1.06e-4 5e-5 2.67e-5 1.33e-5 6.67e-6 3.33e-6 1.66e-6 1e-6 4.17e-7 2.08e-7 1.25e-7 8.6e-8 6.05e-8
+    2.05e-4 1.06e-4 6.95e-5 2.67e-5 1.33e-5 6.67e-6 3.33e-6 1.66e-6 1e-6 4.17e-7 2.08e-7 1.25e-7 8.6e-8 6.05e-8
     4.78e-8 4.14e-8 2e-8
 """
 LEAN = dict(zip(WIDTHS, map(float, LEAN_ERRORS.split()), strict=True))
 """Word length -> largest permitted hand error / reach of the lean datapath. Targets from a search for large errors have
-their own tolerance, :func:`sought`. In ulps of a result: 3.3 at 18 bits, 3.4 at 16, 4.2 at 24 and 27, 3.5 at others
-below 28, and 21.5 at 32, where inner words have only three fraction bits more than the results (seven at 17 to 28 bits)
-and roots one. At 28 to 31 bits it is the proved limit: searches (`soak --worst 200`) find 5.27e-8, 3.42e-8, 2.43e-8 and
-2.08e-8 there. Others (`--worst 300`) find up to 3.2 ulps from 17 to 26 bits, and 1.91e-8 at 32 bits."""
+their own tolerance, :func:`sought`. In ulps of a result: 3.4 at 16 bits, 4.2 at 24 and 27, 3.5 at others below 28, and 21.5 at 32, where inner words have only three fraction bits more than the results (seven at 17 to 28 bits)
+and roots one. At 18 and 28 to 31 bits it is the proved limit: searches (`soak --worst 200`) find 5.07e-5, 5.27e-8,
+3.42e-8, 2.43e-8 and 2.08e-8 there. Others (`--worst 300`) find up to 3.2 ulps from 17 to 26 bits, and 1.91e-8 at 32 bits."""
 
 ROUNDED_ULPS = 2 + 2**0.5
 """Largest hand error / reach, in ulps, that rounding exact results to the nearest word can cause: Qs is a quarter turn
 about a frame axis, the forearm is the whole reach, all roundings have the same direction. More bits inside the core do
-not reduce it. It exceeds the tolerance of 3.28 ulps at 18 bits."""
+not reduce it."""
 
 REGULAR = 1e-4
 """Tolerance of the paper's equations if all targets are regular: the paper's 1/16 mm, on an arm of 0.6 m."""
