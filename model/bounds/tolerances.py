@@ -23,9 +23,9 @@ LEAN_ERRORS = """
 LEAN = dict(zip(WIDTHS, map(float, LEAN_ERRORS.split()), strict=True))
 """Word length -> largest permitted hand error / reach of the lean datapath. Targets from a search for large errors have
 their own tolerance, :func:`sought`. In ulps of a result: 3.4 at 16 bits, 4.2 at 24 and 27, 3.5 at others below 28, and
-21.5 at 32, where inner words have only three fraction bits more than the results (seven at 17 to 28 bits) and roots one.
-At 18 and 28 to 31 bits it is the proved limit: searches (`soak --worst 200`) find 5.07e-5, 5.27e-8, 3.42e-8, 2.43e-8 and
-2.08e-8 there. Others (`--worst 300`) find up to 3.2 ulps from 17 to 26 bits, and 1.91e-8 at 32 bits."""
+21.5 at 32, where inner words have only three fraction bits more than the results (seven at 17 to 28 bits) and roots
+one. At 18 and 28 to 31 bits it is the proved limit: searches (`soak --worst 200`) find 5.07e-5, 5.27e-8, 3.42e-8,
+2.43e-8 and 2.08e-8 there. Others (`--worst 300`) find up to 3.2 ulps from 17 to 26 bits, and 1.91e-8 at 32 bits."""
 
 ROUNDED_ULPS = 2 + 2**0.5
 """Largest hand error / reach, in ulps, that rounding exact results to the nearest word can cause: Qs is a quarter turn
