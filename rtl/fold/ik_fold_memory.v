@@ -15,7 +15,9 @@ module ik_fold_memory #(
     parameter integer AD = 33,  // high bits read as a
     parameter integer DOWN = 12,  // shift applied to small powers
     parameter integer RW = 12,  // bits below the sign that select a table row
-    parameter integer WORDS = 32  // read/write words in use
+    // verilator lint_off UNUSEDPARAM
+    parameter integer WORDS = 32  // read/write words in use, with IK_NO_INITIAL
+    // verilator lint_on UNUSEDPARAM
 ) (
     input  wire          clk,
     input  wire          go,    // clock enable
@@ -40,16 +42,17 @@ module ik_fold_memory #(
 `ifdef IK_NO_INITIAL
 
   reg [D-1:0] words[0:WORDS-1];
-  wire [D-1:0] a_word = a_at[6] ? power(a_at[5:0]) : words[a_at[4:0]];
+  wire [D-1:0] a_word = a_at[6] ? power({26'd0, a_at[5:0]}) : words[a_at[4:0]];
   wire [D-1:0] r_word = words[r_at[4:0]];
   always @(posedge clk) begin
     if (go) begin
       a <= a_word[D-1-:AD];
-      b <= b_at[6] ? power(b_at[5:0]) : words[b_at[4:0]];
+      b <= b_at[6] ? power({26'd0, b_at[5:0]}) : words[b_at[4:0]];
       r <= r_word[D-2-:RW];
     end
     if (go && w_en) words[w_at[4:0]] <= w;
   end
+  wire unused = &{1'b0, a_word, r_word, r_at[5], w_at[5]};
 
 `else
 
