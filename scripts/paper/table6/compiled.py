@@ -22,7 +22,7 @@ SCALAR = ("-fno-tree-vectorize", "-fno-tree-slp-vectorize")  # flags that disabl
 WAYS = {"chain": ("chain", SCALAR), "batch": ("batch", SCALAR), "vector": ("batch", ())}
 """Way to solve many targets -> function of equations.c and additional flags. chain: each target waits for the previous
 answer; batch: targets are independent; vector: several targets per instruction."""
-ARM = ("arm", ())  # the same for independent hand poses
+ARM = ("arm", ("-DARM",))  # the same for independent hand poses
 
 EQUATIONS = ("lean", "paper")
 REALS = {"double": np.float64, "float": np.float32}

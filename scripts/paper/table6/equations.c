@@ -118,6 +118,7 @@ void batch(ARGUMENTS) {
   }
 }
 
+#ifdef ARM  // not for every C library: it needs atan2 of every type
 // Quaternion Rz(a) Rx(b) Rz(c) to its angles; s + d and s - d may differ from a and c by a turn.
 INLINE void zxz(REAL w, REAL i, REAL j, REAL k, REAL *a, REAL *b, REAL *c) {
   REAL s = atan2(k, w), d = atan2(j, i);
@@ -146,6 +147,7 @@ void arm(long times, long n, const REAL *restrict x, const REAL *restrict y, con
     __asm__ volatile("" ::: "memory");
   }
 }
+#endif
 
 // Each target waits for the complete previous answer, as in a control loop: measures the latency of a solve.
 void chain(ARGUMENTS) {
