@@ -365,6 +365,11 @@ def shoulder(flow: Dataflow, *turns: Turn) -> tuple[Interval, Interval, Interval
     return turned, 2 * size * moved + moved**2, stretch, parts
 
 
+def units(size: Interval, width: int) -> Fraction:
+    """Return the largest magnitude of an interval in units of 2^-(W-2)."""
+    return Fraction(*to_rational(abs(size).b._mpi_[1])) * (1 << width - 2)
+
+
 @cache
 def accuracy(width: int, datapath: str = "lean") -> Accuracy:
     """Return the constants of the theorem for a datapath at a word length."""
@@ -383,12 +388,8 @@ def accuracy(width: int, datapath: str = "lean") -> Accuracy:
         parts |= {f"{name} k": part.stretch, f"{name} w": part.angle}
     inverses = (root.inverse for root in cells(flow.nodes["m_s"].frac - 3, flow.tile, True))
     parts |= {"Qe factors": 2 * factors, "Qe rests": 2 * rests, "Qe skew": skew, "inv": hull(inverses)}
-
-    def units(size: Interval) -> Fraction:
-        return Fraction(*to_rational(abs(size).b._mpi_[1])) * (1 << width - 2)
-
-    a, b, c = map(units, limits)
-    return Accuracy(a, b, c, {name: units(part) for name, part in parts.items()})
+    a, b, c = (units(limit, width) for limit in limits)
+    return Accuracy(a, b, c, {name: units(part, width) for name, part in parts.items()})
 
 
 def main(words: Sequence[str]) -> None:

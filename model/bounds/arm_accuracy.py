@@ -14,14 +14,12 @@ from fractions import Fraction
 from functools import cache
 from typing import NamedTuple
 
-from mpmath.libmp import to_rational
-
 from ..dataflow.angles import GUARD, Interval, arc, head, iv, upper
 from ..dataflow.arm import PRODUCTS
 from ..dataflow.fixed import dataflow
 from ..dataflow.formats import WIDTHS
 from ..dataflow.nodes import Dataflow
-from .accuracy import ZERO, accuracy, interval, largest, norm, sizes, stated, ulps
+from .accuracy import ZERO, accuracy, interval, largest, norm, sizes, stated, ulps, units
 
 STATED = {
     "orientation": stated(
@@ -116,12 +114,8 @@ def arm_accuracy(width: int, datapath: str = "arm") -> ArmAccuracy:
     wrist, both = norm(*offsets), parts["ball, Qs"] + parts["elbow"]
     end = parts["ball, Qw"] + parts["Qw"]
     point = wrist + both + upper(parts["a, arm"] + parts["b, arm"], end + parts["tool"])
-
-    def units(size: Interval) -> Fraction:
-        return Fraction(*to_rational(abs(size).b._mpi_[1])) * (1 << width - 2)
-
-    limits = map(units, (both + end, point, wrist))
-    return ArmAccuracy(*limits, {name: units(part) for name, part in parts.items()})
+    orientation, point, wrist = (units(limit, width) for limit in (both + end, point, wrist))
+    return ArmAccuracy(orientation, point, wrist, {name: units(part, width) for name, part in parts.items()})
 
 
 def main(words: Sequence[str]) -> None:

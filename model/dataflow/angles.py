@@ -158,7 +158,7 @@ def head(width: int, length: Interval) -> Head:
     cubed = tangent**3 / 3
     for step in steps[first:]:
         tangent = upper(step, tangent - step)
-    return Head(*map(upper, (along, across, lost, left, words + cubed + tangent)), gain)
+    return Head(upper(along), upper(across), upper(lost), left, upper(words + cubed + tangent), gain)
 
 
 def length_bound(width: int, length: float = 1.0) -> float:
