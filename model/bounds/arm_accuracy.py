@@ -4,12 +4,11 @@
 docs/generated/accuracy.md is the proof.  This module computes its constants from the errors that the operations of the
 dataflow state, from those of the CORDIC (:func:`head`), and from the constants of the lean datapath.
 
-    python -m model.bounds.arm_accuracy [DATAPATH WIDTH]      print the limits, or the constants of a core
+    python -m model.bounds.arm_accuracy DATAPATH WIDTH      print the constants of a core
 """
 
 import itertools
 import sys
-from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
 from typing import NamedTuple
@@ -17,7 +16,6 @@ from typing import NamedTuple
 from ..dataflow.angles import GUARD, Interval, arc, head, iv, upper
 from ..dataflow.arm import PRODUCTS
 from ..dataflow.fixed import dataflow
-from ..dataflow.formats import WIDTHS
 from ..dataflow.nodes import Dataflow
 from .accuracy import ZERO, accuracy, interval, largest, norm, sizes, stated, ulps, units
 
@@ -118,15 +116,12 @@ def arm_accuracy(width: int, datapath: str = "arm") -> ArmAccuracy:
     return ArmAccuracy(orientation, point, wrist, {name: units(part, width) for name, part in parts.items()})
 
 
-def main(words: Sequence[str]) -> None:
-    """Print the constants of a whole arm at a word length, or all limits."""
-    cores = [(words[0], int(words[1]))] if words else [("arm", width) for width in WIDTHS]
-    for datapath, width in cores:
-        result = arm_accuracy(width, datapath)
-        print(datapath, width, *(f"{float(part):.3f}" for part in result[:3]))
-        for name, part in result.parts.items() if words else ():
-            print(f"{name:<20}{float(part):8.3f}")
+def main(datapath: str, width: str) -> None:
+    """Print the constants of a whole arm at a word length."""
+    result = arm_accuracy(int(width), datapath)
+    for name, part in (*result.parts.items(), *zip(result._fields[:3], result[:3], strict=True)):
+        print(f"{name:<20}{float(part):8.3f}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main(*sys.argv[1:])

@@ -12,7 +12,6 @@ from functools import partial
 from model.bounds import arm_accuracy
 from model.bounds.accuracy import STATED, accuracy
 from model.bounds.ranges import LeanRanges
-from model.dataflow.arm import PRODUCTS
 from model.dataflow.fixed import dataflow
 from model.dataflow.formats import WIDTHS
 from tb.formal.lean_proofs import LIMIT, SOLVER, Exact, Rules
@@ -93,31 +92,21 @@ NODES: dict[str, Lemma] = {
     )
     for unit in "wijk"
 }
-HAMILTON = {"w": "ww+ ii- jj- kk-", "i": "wi+ iw+ jk+ kj-", "j": "wj+ jw+ ki+ ik-", "k": "wk+ kw+ ij+ ji-"}
-"""Part of a product of quaternions -> its products, each written as part of either quaternion, sign."""
-
-
-def whole(unit: str, one: str, two: str, parts: str = "wijk") -> str:
-    """Return a part of the product of two quaternions, whose parts are named by formats."""
-    terms = (tuple(term) for term in HAMILTON[unit].split() if term[0] in parts)
-    return " ".join(f"{sign} ({one.format(a)})*{two.format(b)}" for a, b, sign in terms).removeprefix("+ ")
-
-
-FRAME: dict[str, Lemma] = {}
-for unit in "wijk":
-    size = "(qs_w_w*qs_w_w + qs_i_w*qs_i_w + qs_j_w*qs_j_w + qs_k_w*qs_k_w)"
-    uses = equations(" ".join(f"g_{c} " + " ".join(f"g_{t[:2]}" for t in row.split()) for c, row in PRODUCTS.items()))
-    FRAME[f"g_{unit}"] = f"{whole(unit, 'qs_{}_w', 'g_{}')} == {size}*h_{unit}", uses
-    uses = equations("qw_w qw_i qw_j qw_k f_ww f_wi f_iw f_ii f_jj f_jk f_kk f_kj")
-    left = whole(unit, "{}", "qw_{}", "wi").replace("(w)", "(-qe_i_w)").replace("(i)", "qe_w_w")
-    FRAME[f"qw_{unit}"] = f"{left} == (qe_w_w*qe_w_w + qe_i_w*qe_i_w)*g_{unit}", uses
-for axis, half in {
-    "x": "qh_i*qh_k + qh_w*qh_j",
-    "y": "qh_j*qh_k - qh_w*qh_i",
-    "z": "0.5 - qh_i*qh_i - qh_j*qh_j",
-}.items():
-    uses = equations(f"off_{axis} r_{axis} " + {"x": "h_ik h_wj", "y": "h_jk h_wi", "z": "h_ii h_jj"}[axis])
-    FRAME[f"off_{axis}"] = f"off_{axis} == tool_h*({half})", uses
+GIVEN_G = "=qs_len", *equations(" ".join(f"g_{a} " + " ".join(f"g_{a}{b}" for b in "wijk") for a in "wijk"))
+GIVEN_QW = "=qe_len", *equations("qw_w qw_i qw_j qw_k f_ww f_wi f_iw f_ii f_jj f_jk f_kk f_kj")
+FRAME: dict[str, Lemma] = {
+    "g_w": ("qs_w_w*g_w - qs_i_w*g_i - qs_j_w*g_j - qs_k_w*g_k == qs_len*h_w", GIVEN_G),
+    "g_i": ("qs_w_w*g_i + qs_i_w*g_w + qs_j_w*g_k - qs_k_w*g_j == qs_len*h_i", GIVEN_G),
+    "g_j": ("qs_w_w*g_j + qs_j_w*g_w + qs_k_w*g_i - qs_i_w*g_k == qs_len*h_j", GIVEN_G),
+    "g_k": ("qs_w_w*g_k + qs_k_w*g_w + qs_i_w*g_j - qs_j_w*g_i == qs_len*h_k", GIVEN_G),
+    "qw_w": ("-qe_i_w*qw_w - qe_w_w*qw_i == qe_len*g_w", GIVEN_QW),
+    "qw_i": ("-qe_i_w*qw_i + qe_w_w*qw_w == qe_len*g_i", GIVEN_QW),
+    "qw_j": ("-qe_i_w*qw_j - qe_w_w*qw_k == qe_len*g_j", GIVEN_QW),
+    "qw_k": ("-qe_i_w*qw_k + qe_w_w*qw_j == qe_len*g_k", GIVEN_QW),
+    "off_x": ("off_x == tool_h*(qh_i*qh_k + qh_w*qh_j)", equations("off_x r_x h_ik h_wj")),
+    "off_y": ("off_y == tool_h*(qh_j*qh_k - qh_w*qh_i)", equations("off_y r_y h_jk h_wi")),
+    "off_z": ("off_z == tool_h*(0.5 - qh_i*qh_i - qh_j*qh_j)", equations("off_z r_z h_ii h_jj")),
+}
 NODES |= FRAME
 """Lemma -> statement about exact values of nodes, and the facts that prove it (:mod:`model.dataflow.lean`).  Without
 facts it is an assumption; R is rho, P is |p|.  A count e stands for 2^e, neg_n for the sign of the word of node n."""
