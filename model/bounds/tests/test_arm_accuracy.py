@@ -7,7 +7,7 @@ import pytest
 from model.bounds.arm_accuracy import arm_accuracy
 from model.bounds.predict import Real
 from model.bounds.tests.test_accuracy import REAL, Words, poses, size
-from model.dataflow import angles, fixed
+from model.dataflow import fixed
 from model.io.flags import BAD_HAND, SATURATED, UNREACHABLE
 from model.io.stimuli import REGIONS, hand_poses, region
 from model.reference.joints import Branch, turned
@@ -75,37 +75,6 @@ def test_no_word_exceeds_its_constant(width):
     for name, part in measured(*in_reach(width, 1), width).items():
         print(f"{name}: {part.max():.3f} of the limit")
         assert 0.2 < part.max() <= 1, name
-
-
-@pytest.mark.parametrize("width", [8, *WIDTHS])
-@pytest.mark.parametrize("least", [2.0**-30, 0.1, 0.9])
-def test_cordic_as_an_exact_rotation(width, least):
-    """Check the errors of :func:`angles.head`: the first M iterations are exact for a vector near the given one."""
-    random, first = np.random.default_rng(width), angles.iterations(width)[0]
-    long, least = least >= 0.1, max(least, 2.0 ** (2 - width))
-    length, turn = least * 1.1 ** random.random(40000) * 2.0 ** (width - 2), random.uniform(-np.pi, np.pi, 40000)
-    x, y = (np.rint(length * part).astype(np.int64) << angles.GUARD for part in (np.cos(turn), np.sin(turn)))
-    kept = (x != 0) & (y != 0) & (np.hypot(x, y) >= least * 2.0 ** (width - 2 + angles.GUARD))
-    x, y = x[kept], y[kept]
-    given = np.where(x < 0, -1, 1) * (x.astype(REAL) + 1j * y.astype(REAL))
-    X, Y, turned_by, word, gain = np.where(x < 0, ~x, x), np.where(x < 0, -y, y), REAL(0), REAL(0), REAL(1)
-    for i, step in enumerate(angles.table(width)):
-        if i == first:
-            near = (X + 1j * Y / REAL(2) ** i) * np.exp(1j * turned_by) / gain
-        sign = np.where(Y < 0, -1, 1)
-        X, Y = X + (np.where(Y < 0, ~Y, Y) >> 2 * i if i < first else 0), 2 * (Y - sign * X)
-        turned_by, word = turned_by + sign * np.arctan2(REAL(1), REAL(2) ** i), word + sign * step
-        gain = gain * np.sqrt(1 + REAL(4) ** -i) if i < first else gain
-    assert np.array_equal(X, angles.iterate(x, y, width)[0])
-    most = angles.head(width, float(np.abs(given).min()) / 2.0 ** (width - 2 + angles.GUARD))
-    moved = (near - given) * given.conj() / np.abs(given)
-    rest = np.angle(near * np.exp(-1j * word * np.arctan2(REAL(0), REAL(-1)) / REAL(2) ** (width + 3)))
-    found = {"along": -moved.real, "across": moved.imag, "rest": rest, "lost": np.angle(near * given.conj())}
-    for name, part in found.items():
-        limit = float(getattr(most, name).b)
-        print(f"{name}: {np.abs(part).max() / limit:.3f} of the limit")
-        assert 0.05 * long < np.abs(part).max() / limit <= 1 + 1e-9, name
-    assert moved.real.max() <= 1e-9
 
 
 @pytest.mark.parametrize("width", WIDTHS)

@@ -226,9 +226,30 @@ def vectors(width: int) -> tuple[np.ndarray, np.ndarray]:
     return x[fits], y[fits]
 
 
+def turned_exactly(x, y, width):
+    """Return vectors, and those near them that the first M iterations turn without rounding, as complex numbers in the
+    right half plane in LSBs of X; and the sum of the angle words (rad)."""
+    x, y, real = x << angles.GUARD, y << angles.GUARD, np.longdouble
+    given = np.where(x < 0, -1, 1) * (x.astype(real) + 1j * y.astype(real))
+    x, y, head = np.where(x < 0, ~x, x), np.where(x < 0, -y, y), angles.iterations(width)[0]
+    turned, words, near = np.zeros(x.shape, real), np.zeros(x.shape, real), 0
+    for i, word in enumerate(angles.table(width)):
+        sign, ratio = np.where(y < 0, -1, 1), real(2) ** -i
+        x, y = x + (angles.magnitude(y) >> 2 * i if i < head else 0), 2 * (y - sign * x)
+        turned, words = turned + sign * np.arctan2(ratio, real(1)), words + sign * word
+        if i == head - 1:
+            near = (x + 1j * y * ratio / 2) * np.exp(1j * turned) / angles.gain(width)
+    return given, near, words * np.arctan2(real(0), -real(1)) / real(2) ** (width + 3)
+
+
 @pytest.mark.parametrize("width", (*SHORT, 18, 24, 32))
 def test_angle_and_length_are_within_their_bounds(width):
     x, y = vectors(width)
+    given, near, words = turned_exactly(x, y, width)
+    moved = (near - given) * given.conj() / np.maximum(np.abs(given), 1)
+    errors = {"along": moved.real, "across": moved.imag, "lost": np.angle(near * given.conj())}
+    errors["rest"] = np.angle(near * np.exp(-1j * words))
+    assert moved.real.max() < 1e-4
     long, angle = angles.vector(x, y, width)
     length = np.hypot(x, y) / 2 ** (width - 2)
     turns = (angle / 2 ** (width + angles.ANGLE) - np.arctan2(y, x) / (2 * np.pi) + 0.5) % 1 - 0.5
@@ -244,6 +265,9 @@ def test_angle_and_length_are_within_their_bounds(width):
             print(text)
             assert found.max() <= bound, text
             assert found.min() >= -1e-5, f"{what}, W = {width}: too long"
+        for what, found in errors.items():
+            most = np.abs(found[part & (x != 0) & (y != 0)]).max(initial=0)
+            assert most <= float(getattr(angles.head(width, least), what).b) * (1 + 1e-6), f"{what}, length {least:.2g}"
 
 
 @pytest.mark.parametrize("width", (*SHORT, 18, 24, 32))
