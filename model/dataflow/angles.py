@@ -174,12 +174,6 @@ def length_bound(width: int, length: float = 1.0) -> float:
     return float((cells[0][1].gain * (share + cells[0][1].along)).b)
 
 
-def error_bound(width: int, length: float = 1.0) -> float:
-    """Return the largest error of the angle of a vector of at least ``length``, a word or more, in radians."""
-    errors = head(width, length)
-    return min(float((errors.lost + errors.rest).b), math.pi)
-
-
 class Angle(Operation):
     """Angle of a vector: atan2(+-y, x), a binary angle whose unit is half a turn."""
 

@@ -35,10 +35,10 @@ def size(vectors):
 
 
 class Words:
-    """Words of nodes, as numbers of :data:`REAL`, for targets (N, 6) or hand poses (N, 11)."""
+    """Words of nodes, as numbers of :data:`REAL`, for targets (N, 6)."""
 
-    def __init__(self, words: np.ndarray, width: int, datapath: str, branch=0) -> None:
-        self.nodes = fixed.run(words, width, datapath, branch).bits.nodes
+    def __init__(self, words: np.ndarray, width: int, datapath: str) -> None:
+        self.nodes = fixed.run(words, width, datapath).bits.nodes
         self.zero = np.zeros(len(words), REAL)
 
     def __call__(self, names: str):

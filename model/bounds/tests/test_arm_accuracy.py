@@ -6,15 +6,14 @@ import pytest
 
 from model.bounds.arm_accuracy import arm_accuracy
 from model.bounds.predict import Real
-from model.bounds.tests.test_accuracy import REAL, Words, poses, size
+from model.bounds.tests.test_accuracy import poses
 from model.dataflow import fixed
 from model.io.flags import BAD_HAND, SATURATED, UNREACHABLE
 from model.io.stimuli import REGIONS, hand_poses, region
-from model.reference.joints import Branch, turned
-from model.reference.kinematics import product
+from model.reference.joints import Branch, reached, turned
+from model.reference.kinematics import angle_between, conjugate, forward, multiply
 
 WIDTHS = [18, 32, *(pytest.param(width, marks=pytest.mark.slow) for width in (16, 17, 24, 27, 31))]
-BACK = np.array([[1], [-1], [-1], [-1]])
 
 
 def in_reach(width: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -26,55 +25,49 @@ def in_reach(width: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return words[good], branch[good]
 
 
-def angle(p, q):
-    """Return the angle (rad) between the rotations by quaternions (4, N) of any length."""
-    between = product(p * BACK, q)
-    return 2 * np.arctan2(size(between[1:]), np.abs(between[0]))
-
-
-def rotated(q, vectors):
-    """Return vectors (3, N) rotated by quaternions (4, N) of any length."""
-    return product(product(q, np.array([0 * q[0], *vectors])), q * BACK)[1:] / size(q) ** 2
-
-
-def measured(words: np.ndarray, branch: np.ndarray, width: int) -> dict[str, np.ndarray]:
-    """Return what each constant limits, (N,), computed from the words before it, in units of 2^-(W-2); the wrist's
-    errors and the point's are divided by their limits."""
-    v, of, ulp = Words(words, width, "arm", branch), arm_accuracy(width), REAL(2) ** (2 - width)
-    qs, qw, h, hand = (v(" ".join(f"{name}_{part}" for part in parts)) for name, parts in
-                       (("qs", "wijk"), ("qw", "wijk"), ("h", "wijk"), ("hand", "xyz")))  # fmt: skip
-    d1, d2, tool, p = v("d1"), v("d2"), v("tool_h"), v("x y z")
-    bend = np.array([-v("qe_i"), v("qe_w"), v.zero, v.zero])
-    half = np.arctan2(REAL(0), REAL(-1))
-    th = [v(f"th{k}") * half for k in range(1, 8)]
-    other = branch & Branch.ELBOW != 0  # turns both bones about themselves
-    th[2], th[3], th[4] = th[2] + half * other, np.where(other, -th[3], th[3]), th[4] + half * other
-    shoulder, elbow, wrist = turned(*th[:3]), turned(v.zero, th[3], v.zero), turned(*th[4:])
-    parts = {"ball, Qs": angle(shoulder, qs), "elbow": angle(elbow, bend), "ball, Qw": angle(wrist, qw)}
-    parts["Qw"] = angle(qw, product(bend * BACK, product(qs * BACK, h)))
-    parts["orientation"] = angle(product(product(shoulder, elbow), wrist), h)
-    constant = {name: float(part) for name, part in {**of._asdict(), **of.parts}.items() if name != "parts"}
-
-    def reached(q, e, end):
-        return rotated(q, rotated(e, end + np.array([v.zero, v.zero, d2])) + np.array([v.zero, v.zero, d1]))
-
-    off = size(reached(qs, bend, np.array([v.zero] * 3)) - p)
-    parts["a, b"] = off / (constant["a, arm"] * size(p) + constant["b, arm"] * d2)
-    w, i, j, k = h
-    column = np.array([2 * (i * k + w * j), 2 * (j * k - w * i), 1 - 2 * i * i - 2 * j * j])
-    parts["offset"] = size(p - hand + tool * column) / (constant["tool"] * np.abs(tool) + constant["wrist"])
-    off = size(reached(shoulder, elbow, rotated(wrist, np.array([v.zero, v.zero, tool]))) - hand)
-    off -= 2 * np.abs((h * h).sum(axis=0) - 1) * np.abs(tool)
-    whole = (constant["point"] - constant["wrist"]) * (d1 + d2 + np.abs(tool)) + constant["wrist"]
-    parts["hand"] = np.maximum(off, 0) / whole
-    return {name: (part / ulp / constant.get(name, 1)).astype(float) for name, part in parts.items()}
+def length(vectors):
+    return np.linalg.norm(vectors, axis=1)
 
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_no_word_exceeds_its_constant(width):
-    for name, part in measured(*in_reach(width, 1), width).items():
-        print(f"{name}: {part.max():.3f} of the limit")
-        assert 0.2 < part.max() <= 1, name
+    """Check each error, computed from the words before it, in units of 2^-(W-2)."""
+    words, branch = in_reach(width, 1)
+    answer, one, of = fixed.run(words, width, "arm", branch), 2.0 ** (width - 2), arm_accuracy(width)
+    most = {name: float(part) for name, part in {**of.parts, **of._asdict()}.items() if name != "parts"}
+
+    def v(*names):
+        return np.stack([answer.bits.nodes[name].value for name in names], axis=1) / one
+
+    qs, qw, h = (v(*(f"{q}_{part}" for part in "wijk")) for q in ("qs", "qw", "h"))
+    d1, d2, tool = (v(name)[:, 0] for name in ("d1", "d2", "tool_h"))
+    qe, p, at = v("qe_w", "qe_i"), v("x", "y", "z"), v("hand_x", "hand_y", "hand_z")
+    bend = np.column_stack([-qe[:, 1], qe[:, 0], 0 * qe])
+    th = answer.results[:, :7].T * (2 * np.pi / (1 << width))
+    plain = branch & Branch.ELBOW == 0  # otherwise both bones are turned about themselves
+    still = 0 * th[3]
+    pairs = {
+        "ball, Qs": (turned(*th[:3]), qs),
+        "elbow": (turned(still, th[3], still), bend),
+        "ball, Qw": (turned(*th[4:]), qw),
+    }
+    errors = {name: angle_between(q.T, exact) * plain for name, (q, exact) in pairs.items()}
+    errors["Qw"] = angle_between(qw, multiply(conjugate(bend), multiply(conjugate(qs), h)))
+    point, hand = reached(th, d1, d2, tool[:, None] * (0.0, 0.0, 1.0))
+    errors["orientation"] = angle_between(hand, h)
+    errors = {name: part / most[name] for name, part in errors.items()}
+
+    off = length(forward(qs / length(qs)[:, None], qe / length(qe)[:, None], d1, d2)[1] - p)
+    errors["a, b"] = off / (most["a, arm"] * length(p) + most["b, arm"] * d2)
+    w, i, j, k = h.T
+    column = np.stack([2 * (i * k + w * j), 2 * (j * k - w * i), 1 - 2 * i * i - 2 * j * j], axis=1)
+    errors["offset"] = length(p - at + tool[:, None] * column) / (most["tool"] * np.abs(tool) + most["wrist"])
+    off = length(point - at) - 2 * np.abs((h * h).sum(axis=1) - 1) * np.abs(tool)
+    limit = (most["point"] - most["wrist"]) * (d1 + d2 + np.abs(tool)) + most["wrist"]
+    errors["point"] = off / limit
+    for name, part in errors.items():
+        print(f"{name}: {part.max() * one:.3f} of the limit")
+        assert 0.2 < part.max() * one <= 1, name
 
 
 @pytest.mark.parametrize("width", WIDTHS)
@@ -85,18 +78,17 @@ def test_no_group_of_errors_exceeds_its_constant(width):
     tool = np.abs(words[:, 6]) / 2.0 ** (width - 2)
     frame = [node.name for node in bits.nodes.values() if node.section == "frame" and any(node.error)]
     groups = {
-        "Qw": (frame, [f"qw_{c}" for c in "wijk"], 1.0),
-        "tool": ("h_ik h_wj h_jk h_wi h_ii h_jj".split(), "xyz", tool),
-        "wrist": ("x y z off_x off_y off_z".split(), "xyz", 1.0),
+        "Qw": (frame, [f"qw_{c}" for c in "wijk"], float(of.parts["Qw"]) / 2),
+        "tool": ("h_ik h_wj h_jk h_wi h_ii h_jj".split(), "xyz", float(of.parts["tool"]) * tool),
+        "wrist": ("x y z off_x off_y off_z".split(), "xyz", float(of.wrist)),
     }
     still = Real(bits, {}).values
-    for name, (members, results, scale) in groups.items():
-        constant = float(of.parts[name] if name in of.parts else of.wrist) / (2 if name == "Qw" else 1)
+    for name, (members, results, limit) in groups.items():
         worst = 0.0
         for _ in range(8):
-            nodes = (bits.nodes[member] for member in members)
-            values = Real(bits, {node.name: random.choice(node.error, len(tool)) for node in nodes}).values
-            off = np.linalg.norm([values[result] - still[result] for result in results], axis=0)
-            worst = max(worst, ((off * 2.0 ** (width - 2) - 1e-3) / (constant * scale + 1e-3)).max())
+            moves = {member: random.choice(bits.nodes[member].error, len(tool)) for member in members}
+            values = Real(bits, moves).values
+            off = np.linalg.norm([values[result] - still[result] for result in results], axis=0) * 2.0 ** (width - 2)
+            worst = max(worst, (off / (limit + 1e-3)).max())
         print(f"{name}: {worst:.3f} of the limit")
         assert 0.2 < worst <= 1, name

@@ -256,9 +256,9 @@ def test_angle_and_length_are_within_their_bounds(width):
     off = np.where(length > 0, np.abs(turns) * 2 * np.pi, 0)
     short = angles.gain(width) * length * 2 ** (width + 1) - long
     for least in (1, 2**-2, 2**-4, 2.0 ** -(width // 2), 2.0 ** (3 - width), 2.0 ** (2 - width)):
-        part = (length >= least) & (length <= 2 * least)
+        part, limit = (length >= least) & (length <= 2 * least), angles.head(width, least)
         for what, found, bound in (
-            ("angle", off[part], angles.error_bound(width, least)),
+            ("angle", off[part], float((limit.lost + limit.rest).b)),
             ("length", short[part], angles.length_bound(width, 2 * least)),
         ):
             text = f"{what}, W = {width}, length {least:.2g}: error {found.max():.3g}, bound {bound:.3g}"
@@ -267,7 +267,7 @@ def test_angle_and_length_are_within_their_bounds(width):
             assert found.min() >= -1e-5, f"{what}, W = {width}: too long"
         for what, found in errors.items():
             most = np.abs(found[part & (x != 0) & (y != 0)]).max(initial=0)
-            assert most <= float(getattr(angles.head(width, least), what).b) * (1 + 1e-6), f"{what}, length {least:.2g}"
+            assert most <= float(getattr(limit, what).b) * (1 + 1e-6), f"{what}, length {least:.2g}"
 
 
 @pytest.mark.parametrize("width", (*SHORT, 18, 24, 32))
@@ -280,7 +280,8 @@ def test_longest_vector_keeps_every_bit(width):
         _, angle = angles.iterate(x, y, width)
         return np.abs((angle / 2 ** (width + angles.ANGLE) - np.arctan2(y, x) / (2 * np.pi) + 0.5) % 1 - 0.5).max()
 
-    assert off(angles.LONGEST) * 2 * np.pi < angles.error_bound(width, 1)
+    limit = angles.head(width, 1)
+    assert off(angles.LONGEST) * 2 * np.pi < float((limit.lost + limit.rest).b)
     assert off(2 * angles.LONGEST) > 0.01
 
 
