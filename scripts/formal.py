@@ -18,6 +18,7 @@ from fractions import Fraction
 from functools import partial
 from os import cpu_count
 
+from model.bounds import arm_accuracy
 from model.bounds.accuracy import CELLS, SIDES, STATED, accuracy
 from model.dataflow.fixed import dataflow
 from model.dataflow.formats import WIDTHS
@@ -76,14 +77,19 @@ def accuracy_page() -> str:
             pair = (of[width], accuracy(width, datapath).c) if width in of else ()
             yield "{} ({})".format(*(share(limit, width) for limit in pair)) if pair else ""
 
+    rows = [
+        {**of.parts, **of._asdict(), "a + b": of.both, **arm.parts, **arm._asdict()}
+        for of, arm in ((of, arm_accuracy.arm_accuracy(width)) for width, of in shown.items())
+    ]
+
     def parts(*names: str) -> list[list[str]]:
-        rows = [{**of.parts, **of._asdict(), "a + b": of.both} for of in shown.values()]
         return [[name, *(up(row[name]) for row in rows)] for name in names]
 
     return render(
         "accuracy",
         names=list(STATED),
         rows=[[width, *limits(width)] for width in WIDTHS],
+        arm=[[width, *(share(of[width], width) for of in arm_accuracy.STATED.values())] for width in WIDTHS],
         widths=list(shown),
         parts=parts,
         lemma=lambda name: NODES[name][0],

@@ -13,12 +13,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import cache, reduce
 from operator import mul
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import mpmath
-from mpmath.ctx_iv import MPIntervalContext
 from mpmath.libmp import to_rational
 
+from ..dataflow.angles import Interval, iv
 from ..dataflow.expressions import EXACT
 from ..dataflow.fixed import dataflow
 from ..dataflow.formats import WIDTHS
@@ -38,18 +38,19 @@ from ..dataflow.quadratic import (
 )
 
 
-def _stated(ulps: str) -> dict[int, Fraction]:
+def stated(ulps: str) -> dict[int, Fraction]:
+    """Return word length -> limit."""
     return {width: Fraction(text) for width, text in zip(WIDTHS, ulps.split(), strict=False)}
 
 
 STATED = {
-    "lean": _stated(
+    "lean": stated(
         "3.884 4.354 4.549 4.327 4.33 4.337 4.35 4.377 4.43 4.5 4.549 4.949 5.762 8.109 12.803 22.19 40.966"
     ),
-    "lean25": _stated(
+    "lean25": stated(
         "3.884 4.353 4.547 4.324 4.325 4.326 4.328 4.332 4.341 4.359 4.395 4.644 5.17 6.925 10.436 17.457 31.498"
     ),
-    "lean16": _stated("3.876 4.336 4.513 4.371 4.418 4.474 4.498 4.77 5.225"),
+    "lean16": stated("3.876 4.336 4.513 4.371 4.418 4.474 4.498 4.77 5.225"),
 }
 """Datapath -> word length -> proved limit of hand error / reach, in units of 2^-(W-2)."""
 
@@ -58,10 +59,6 @@ CELLS = 8
 
 SIDES = 32
 """Number of parts of the range of g, the tangent of half an angle."""
-
-iv = MPIntervalContext()
-iv.prec = PRECISION  # the row errors have as many bits, so that they are converted exactly
-Interval = Any  # of mpmath, whose ends are .a and .b
 
 
 def interval(low, high=None) -> Interval:
@@ -318,16 +315,18 @@ def products(flow: Dataflow) -> tuple[Interval, Interval, Interval]:
     return first, sizes(flow, "w_0", "i_0", "j_0", "k_0"), norm(*pairs)
 
 
-def elbow(flow: Dataflow) -> tuple[Interval, Interval]:
-    """Return two parts of the length of Qe's error: of the factors of its words, and of their rests and rounding."""
+def elbow(flow: Dataflow) -> tuple[Interval, Interval, Interval]:
+    """Return two parts of the length of Qe's error, of the factors of its words, and of their rests and rounding; and
+    the largest angle by which unequal factors turn Qe."""
     inverse, factors, rests = flow.nodes["inv_12"], [], []
     shared = hull(Words(places)(inverse).factor for places in combinations(flow, inverse))
     for half in "wi":
         node = flow.nodes[f"elbow_{half}"]
         words = [Words(places, "inv_12")(node) for places in combinations(flow, node, "inv_12")]
-        factors.append(hull(word.factor for word in words) * shared - 1)
+        factors.append(hull(word.factor for word in words))
         rests.append(largest(word.rest for word in words) + largest([ulps(flow.nodes[f"qe_{half}"])]))
-    return largest(factors), norm(*rests)
+    ratio = factors[0] / factors[1]
+    return largest(factor * shared - 1 for factor in factors), norm(*rests), largest([(ratio - 1) / iv.sqrt(ratio) / 2])
 
 
 class Accuracy(NamedTuple):
@@ -362,8 +361,13 @@ def shoulder(flow: Dataflow, *turns: Turn) -> tuple[Interval, Interval, Interval
     moved = sum(steps)
     names = "first products", "tilt products", "bend products", "inv_q products", "Qs rounding"
     parts = {name: 2 * step for name, step in zip(names, steps, strict=True)}
-    parts |= {"phi k": phi, "length k": last, "K": off, "w": angle, "turned": turned}
+    parts |= {"phi k": phi, "length k": last, "K": off, "w": angle, "turned": turned, "rounded": moved}
     return turned, 2 * size * moved + moved**2, stretch, parts
+
+
+def units(size: Interval, width: int) -> Fraction:
+    """Return the largest magnitude of an interval in units of 2^-(W-2)."""
+    return Fraction(*to_rational(abs(size).b._mpi_[1])) * (1 << width - 2)
 
 
 @cache
@@ -373,7 +377,7 @@ def accuracy(width: int, datapath: str = "lean") -> Accuracy:
     azimuth = turn(flow, "u_y", "u_x", "inv_rho", mirrored=True)
     tilt, bend = turn(flow, "sin_el", "cos_el", "inv_s"), turn(flow, "cos_a", "sin_a", "inv_law")
     turned, spread, stretch, parts = shoulder(flow, azimuth, tilt, bend)
-    factors, rests = elbow(flow)
+    factors, rests, skew = elbow(flow)
     bent = factors + rests
     limits = [
         turned + spread,
@@ -383,13 +387,9 @@ def accuracy(width: int, datapath: str = "lean") -> Accuracy:
     for name, part in (("azimuth", azimuth), ("tilt", tilt), ("bend", bend)):
         parts |= {f"{name} k": part.stretch, f"{name} w": part.angle}
     inverses = (root.inverse for root in cells(flow.nodes["m_s"].frac - 3, flow.tile, True))
-    parts |= {"Qe factors": 2 * factors, "Qe rests": 2 * rests, "inv": hull(inverses)}
-
-    def units(size: Interval) -> Fraction:
-        return Fraction(*to_rational(abs(size).b._mpi_[1])) * (1 << width - 2)
-
-    a, b, c = map(units, limits)
-    return Accuracy(a, b, c, {name: units(part) for name, part in parts.items()})
+    parts |= {"Qe factors": 2 * factors, "Qe rests": 2 * rests, "Qe skew": skew, "inv": hull(inverses)}
+    a, b, c = (units(limit, width) for limit in limits)
+    return Accuracy(a, b, c, {name: units(part, width) for name, part in parts.items()})
 
 
 def main(words: Sequence[str]) -> None:

@@ -16,15 +16,20 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import mpmath
 import numpy as np
+from mpmath.ctx_iv import MPIntervalContext
 
 from .expressions import Operation, magnitude, number, round_shift, wrap
 
 if TYPE_CHECKING:
     from .nodes import Node
+
+iv = MPIntervalContext()
+iv.prec = 200
+Interval = Any  # of mpmath, whose ends are .a and .b
 
 GUARD = 3  # bits of X and Y below a word's LSB
 ANGLE = 4  # bits of an angle below the LSB of a word of one turn
@@ -95,56 +100,78 @@ def gain(width: int) -> float:
     return math.prod(math.sqrt(1 + 4.0**-i) for i in range(iterations(width)[0]))
 
 
-def _head(width: int, length: float) -> tuple[float, float, float]:
-    """Return bounds after the first M iterations: angle lost to rounding (rad), angle left (rad), length lost.
+class Head(NamedTuple):
+    """Errors for vectors of a least length; intervals, whose upper ends are limits, rounded outwards.
 
-    Lengths are in units of X's LSB.  Each rounding shortens X by at most 1: the one's complement of X at the start, and
-    each truncated |Y| / 4^i, where a negative Y has its one's complement.  By the law of sines, the rounding turns a
-    vector of shortened length l, at an angle psi from the x axis, by at most asin(sin(psi) / l).  The angle left after
-    iteration i is at most this turn plus the larger of a_i = atan(2^-i) and the angle left before minus a_i.
+    * ``along``, ``across``: parts of the sum of the roundings of X in the given vector's frame, in LSBs of X
+    * ``lost``: angle that they turn the vector; ``left``: angle left after the first M iterations (rad)
+    * ``rest``: error of the computed angle apart from ``lost``
+    * ``gain``: K
     """
-    long = length * 2.0 ** (width - 2 + GUARD)
-    short, left = long - 1, math.pi / 2
-    lost = math.asin(min(1 / max(short, 1), 1))
-    for i in range(iterations(width)[0]):
-        turn = math.atan(2.0**-i)
-        left = max(turn, left - turn)
-        short = short * math.sqrt(1 + 4.0**-i) - 1
-        long *= math.sqrt(1 + 4.0**-i)
-        off = math.asin(min(math.sin(min(left, math.pi / 2)) / max(short, 1), 1))
+
+    along: Interval
+    across: Interval
+    lost: Interval
+    left: Interval
+    rest: Interval
+    gain: Interval
+
+
+def upper(*limits: Interval) -> Interval:
+    """Return the largest upper end."""
+    return iv.mpf(max(iv.mpf(limit).b for limit in limits))
+
+
+def arc(sine: Interval) -> Interval:
+    """Return a limit of the angle with a sine."""
+    return sine / iv.sqrt(1 - sine**2)
+
+
+@cache
+def head(width: int, length: Interval) -> Head:
+    """Return the errors for vectors of at least ``length``.
+
+    * Each rounding shortens X by at most 1: the one's complement of X at the start, and each truncated |Y| / 4^i, where
+      a negative Y has its one's complement.  X never decreases; it is at least |x| + |y| - 2 after the first iteration.
+    * By the law of sines, a rounding turns a vector that then has the length l, at an angle psi from the x axis, by at
+      most asin(sin(psi) / l).  The angle left after iteration i is at most this turn plus the larger of a_i =
+      atan(2^-i) and the angle left before minus a_i.
+    * The words of the table have errors: in the first M iterations relative to a_i, later to 2^-i, because X is then
+      constant, so each iteration changes the tangent t of the angle left by 2^-i.  The words then add up to t instead
+      of atan(t), a difference below t^3 / 3.  At the end t is at most 2^-(N-1) or the one before minus 2^-(N-1).
+    """
+    first, last = iterations(width)
+    one, quarter, long = iv.mpf(1), iv.pi / 2, iv.mpf(length) * 2 ** (width - 2 + GUARD)
+    gain, along, across, left, lost, short = one, one, one, quarter, arc(1 / (long - 1)), long - 1
+    steps = [iv.atan2(one, iv.mpf(2**i)) if i < first else iv.mpf(2) ** -i for i in range(last)]
+    for turn in steps[:first]:
+        left = upper(turn, left - turn)
+        if (left + lost).b >= quarter.a:  # roundings might lengthen the vector
+            raise ValueError(f"length {length}: less than a word")
+        stretch = 1 / iv.cos(turn)
+        gain, short = gain * stretch, max(short * stretch - 1, long - 2, key=lambda size: size.a)
+        along, across = along + 1 / gain, across + iv.sin(left + lost) / gain
+        off = arc(iv.sin(left) / short)
         lost, left = lost + off, left + off
-    return lost, left, long - short * math.cos(min(left, math.pi / 2))
+    words = sum(abs(word * iv.pi / 2 ** (width + 3) - step) for word, step in zip(table(width), steps, strict=True))
+    tangent = iv.tan(left)
+    cubed = tangent**3 / 3
+    for step in steps[first:]:
+        tangent = upper(step, tangent - step)
+    return Head(upper(along), upper(across), upper(lost), left, upper(words + cubed + tangent), gain)
 
 
 def length_bound(width: int, length: float = 1.0) -> float:
-    """Return the largest error of a computed length in its ulps, 2^-(W+1).  A computed length is never too large.
+    """Return the largest error of the computed length of a vector no longer than ``length``, in its ulps, 2^-(W+1).  A
+    computed length is never too large.
 
-    X is K times the length, minus the rounding of :func:`_head`, times the cosine of the angle left.
+    It is K times the length less ``along``, times the cosine of the angle left, which depends on the vector's length:
+    the bound is the largest over vectors from length / 2^(k+1) to length / 2^k.
     """
-    return _head(width, length)[2]
-
-
-def error_bound(width: int, length: float = 1.0) -> float:
-    """Return the largest error of the angle of a vector of at least ``length`` in radians.
-
-    * ``lost``: the angle lost to rounding in the first M iterations (:func:`_head`)
-    * ``words``: the error of each word of the table: in the first M iterations relative to atan(2^-i), later to 2^-i
-    * ``cubed``: in the later iterations X is constant, so each changes the tangent t of the angle left by 2^-i.  The
-      words then add up to t instead of atan(t), a difference below t^3 / 3.
-    * ``tangent``: the tangent of the angle left at the end, at most 2^-(N-1) or the previous tangent minus 2^-(N-1)
-    """
-    head, last = iterations(width)
-    radians = [word * 2 * math.pi / 2.0 ** (width + ANGLE) for word in table(width)]
-    steps = [math.atan(2.0**-i) if i < head else 2.0**-i for i in range(last)]
-    words = sum(abs(word - step) for word, step in zip(radians, steps, strict=True))
-    lost, left, _ = _head(width, length)
-    if left >= math.pi / 2:
-        return math.pi
-    tangent = math.tan(left)
-    cubed = tangent**3 / 3
-    for step in steps[head:]:
-        tangent = max(step, tangent - step)
-    return min(lost + words + cubed + tangent, math.pi)
+    word = 2.0 ** (2 - width)
+    cells = [(length / 2**k, head(width, max(length / 2 ** (k + 1), word))) for k in range(width)]
+    share = upper(*(iv.mpf(long) * 2 ** (width + 1) * (1 - iv.cos(part.left)) for long, part in cells))
+    return float((cells[0][1].gain * (share + cells[0][1].along)).b)
 
 
 class Angle(Operation):

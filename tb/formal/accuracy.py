@@ -9,6 +9,7 @@ computes the constants; the last questions compare them with the stated ones.
 from collections.abc import Iterator, Sequence
 from functools import partial
 
+from model.bounds import arm_accuracy
 from model.bounds.accuracy import STATED, accuracy
 from model.bounds.ranges import LeanRanges
 from model.dataflow.fixed import dataflow
@@ -22,7 +23,11 @@ from tb.sim.sources import code
 
 Lemma = tuple[str, tuple[str, ...]]
 
-FILES = ("model/bounds/accuracy.py", "model/dataflow/quadratic.py", "model/dataflow/mul3.py", "tb/formal/accuracy.py")
+FILES = (
+    *(f"model/bounds/{name}.py" for name in ("accuracy", "arm_accuracy")),
+    *(f"model/dataflow/{name}.py" for name in ("angles", "mul3", "quadratic")),
+    "tb/formal/accuracy.py",
+)
 
 # ---- the dataflow in exact arithmetic --------------------------------------------------------------------------------
 
@@ -87,6 +92,22 @@ NODES: dict[str, Lemma] = {
     )
     for unit in "wijk"
 }
+GIVEN_G = "=qs_len", *equations(" ".join(f"g_{a} " + " ".join(f"g_{a}{b}" for b in "wijk") for a in "wijk"))
+GIVEN_QW = "=qe_len", *equations("qw_w qw_i qw_j qw_k f_ww f_wi f_iw f_ii f_jj f_jk f_kk f_kj")
+FRAME: dict[str, Lemma] = {
+    "g_w": ("qs_w_w*g_w - qs_i_w*g_i - qs_j_w*g_j - qs_k_w*g_k == qs_len*h_w", GIVEN_G),
+    "g_i": ("qs_w_w*g_i + qs_i_w*g_w + qs_j_w*g_k - qs_k_w*g_j == qs_len*h_i", GIVEN_G),
+    "g_j": ("qs_w_w*g_j + qs_j_w*g_w + qs_k_w*g_i - qs_i_w*g_k == qs_len*h_j", GIVEN_G),
+    "g_k": ("qs_w_w*g_k + qs_k_w*g_w + qs_i_w*g_j - qs_j_w*g_i == qs_len*h_k", GIVEN_G),
+    "qw_w": ("-qe_i_w*qw_w - qe_w_w*qw_i == qe_len*g_w", GIVEN_QW),
+    "qw_i": ("-qe_i_w*qw_i + qe_w_w*qw_w == qe_len*g_i", GIVEN_QW),
+    "qw_j": ("-qe_i_w*qw_j - qe_w_w*qw_k == qe_len*g_j", GIVEN_QW),
+    "qw_k": ("-qe_i_w*qw_k + qe_w_w*qw_j == qe_len*g_k", GIVEN_QW),
+    "off_x": ("off_x == tool_h*(qh_i*qh_k + qh_w*qh_j)", equations("off_x r_x h_ik h_wj")),
+    "off_y": ("off_y == tool_h*(qh_j*qh_k - qh_w*qh_i)", equations("off_y r_y h_jk h_wi")),
+    "off_z": ("off_z == tool_h*(0.5 - qh_i*qh_i - qh_j*qh_j)", equations("off_z r_z h_ii h_jj")),
+}
+NODES |= FRAME
 """Lemma -> statement about exact values of nodes, and the facts that prove it (:mod:`model.dataflow.lean`).  Without
 facts it is an assumption; R is rho, P is |p|.  A count e stands for 2^e, neg_n for the sign of the word of node n."""
 
@@ -146,6 +167,11 @@ ALGEBRA: dict[str, tuple[Sequence[str], str]] = {
         "(q*c - p)**2 + (q*s)**2 == (q - p)**2 + p*q*((c - 1)**2 + s*s)",
     ),
     "Qe": (("c*c + s*s == 1", "-m <= a", "a <= m", "-m <= b", "b <= m"), "(c*a)**2 + (s*b)**2 <= m*m"),
+    "unequal": (("0 < m",), "4*m*t*t <= (1 + m*t*t)*(1 + m*t*t)"),
+    "column": (
+        ("w*w + i*i + j*j + k*k == n",),
+        "1 - 2*i*i - 2*j*j == w*w - i*i - j*j + k*k + 1 - n",
+    ),
     "step 1": (
         ("a*a + b*b <= m", "c*c + d*d <= m"),
         "(p*a)**2 + (q*c)**2 + (q*d)**2 + (p*b)**2 <= (p*p + q*q)*m",
@@ -176,6 +202,19 @@ def holds(width: int, datapath: str) -> Answer:
         return Answer(str(error), 0.0)
 
 
+def arm_holds(width: int) -> Answer:
+    """Return "unsat" if the whole arm has the core's nodes, and its constants are at most the stated ones."""
+    core, arm = dataflow("lean", width).nodes, dataflow("arm", width).nodes
+    same = all(
+        (node.right_side, node.format, node.error) == (arm[name].right_side, arm[name].format, arm[name].error)
+        for name, node in core.items()
+        if node.operands
+    )
+    limits = arm_accuracy.arm_accuracy(width)
+    small = all(getattr(limits, name) <= of[width] for name, of in arm_accuracy.STATED.items())
+    return Answer("unsat" if same and small else "sat", 0.0)
+
+
 def questions(widths: Sequence[int] = WIDTHS, false: bool = False) -> Iterator[Question]:
     """Yield all questions; yield a question only once if word lengths share it.  ``false``: only the seeded bug."""
     if false:
@@ -194,6 +233,9 @@ def questions(widths: Sequence[int] = WIDTHS, false: bool = False) -> Iterator[Q
         for width in (width for width in stated if width in widths):
             says = f"a + b <= {float(stated[width])}"
             yield Question(f"{datapath}, W={width}", says, partial(holds, width, datapath))
+    for width in widths:
+        limits = ", ".join(f"{name} <= {float(of[width])}" for name, of in arm_accuracy.STATED.items())
+        yield Question(f"arm, W={width}", limits, partial(arm_holds, width))
 
 
 def digest() -> str:
@@ -202,7 +244,7 @@ def digest() -> str:
     for width in WIDTHS:
         steps = Steps(width)
         texts += [steps.question(name) for name in steps.names()]
-    for datapath, stated in STATED.items():
+    for datapath, stated in {**STATED, "arm": WIDTHS}.items():
         for width in stated:
             texts += [
                 f"{node.right_side} {node.format} {node.error}" for node in dataflow(datapath, width).nodes.values()

@@ -181,7 +181,7 @@ TASKS = (
     *(Task(p.name, p.claim, p.engine, partial(induction.digest, p), partial(induction.run, p)) for p in PROOFS),
     _ranges("rules", "exact ranges of the whole arm's dataflow", Rules),
     _ranges("errors", "errors of the whole arm's words", Rounded),
-    Task("accuracy", "hand error of lean, all W and TILE: [accuracy](accuracy.md)", "z3", accuracy.digest, _accuracy),
+    Task("accuracy", "errors of lean and of the whole arm: [accuracy](accuracy.md)", "z3", accuracy.digest, _accuracy),
     _seeded("floors", "from rows to the floor, divider and root, all widths", FLOORS, floors),
     _seeded("rsqrt", "`ik_rsqrt` equals its model, W = 16 to 32", STAGES, stages),
 )

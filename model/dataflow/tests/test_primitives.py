@@ -226,24 +226,48 @@ def vectors(width: int) -> tuple[np.ndarray, np.ndarray]:
     return x[fits], y[fits]
 
 
+def turned_exactly(x, y, width):
+    """Return vectors, and those near them that the first M iterations turn without rounding, as complex numbers in the
+    right half plane in LSBs of X; and the sum of the angle words (rad)."""
+    x, y, real = x << angles.GUARD, y << angles.GUARD, np.longdouble
+    given = np.where(x < 0, -1, 1) * (x.astype(real) + 1j * y.astype(real))
+    x, y, head = np.where(x < 0, ~x, x), np.where(x < 0, -y, y), angles.iterations(width)[0]
+    turned, words, near = np.zeros(x.shape, real), np.zeros(x.shape, real), 0
+    for i, word in enumerate(angles.table(width)):
+        sign, ratio = np.where(y < 0, -1, 1), real(2) ** -i
+        x, y = x + (angles.magnitude(y) >> 2 * i if i < head else 0), 2 * (y - sign * x)
+        turned, words = turned + sign * np.arctan2(ratio, real(1)), words + sign * word
+        if i == head - 1:
+            near = (x + 1j * y * ratio / 2) * np.exp(1j * turned) / angles.gain(width)
+    return given, near, words * np.arctan2(real(0), -real(1)) / real(2) ** (width + 3)
+
+
 @pytest.mark.parametrize("width", (*SHORT, 18, 24, 32))
 def test_angle_and_length_are_within_their_bounds(width):
     x, y = vectors(width)
+    given, near, words = turned_exactly(x, y, width)
+    moved = (near - given) * given.conj() / np.maximum(np.abs(given), 1)
+    errors = {"along": moved.real, "across": moved.imag, "lost": np.angle(near * given.conj())}
+    errors["rest"] = np.angle(near * np.exp(-1j * words))
+    assert moved.real.max() < 1e-4
     long, angle = angles.vector(x, y, width)
     length = np.hypot(x, y) / 2 ** (width - 2)
     turns = (angle / 2 ** (width + angles.ANGLE) - np.arctan2(y, x) / (2 * np.pi) + 0.5) % 1 - 0.5
     off = np.where(length > 0, np.abs(turns) * 2 * np.pi, 0)
     short = angles.gain(width) * length * 2 ** (width + 1) - long
     for least in (1, 2**-2, 2**-4, 2.0 ** -(width // 2), 2.0 ** (3 - width), 2.0 ** (2 - width)):
-        part = (length >= least) & (length <= 2 * least)
+        part, limit = (length >= least) & (length <= 2 * least), angles.head(width, least)
         for what, found, bound in (
-            ("angle", off[part], angles.error_bound(width, least)),
+            ("angle", off[part], float((limit.lost + limit.rest).b)),
             ("length", short[part], angles.length_bound(width, 2 * least)),
         ):
             text = f"{what}, W = {width}, length {least:.2g}: error {found.max():.3g}, bound {bound:.3g}"
             print(text)
             assert found.max() <= bound, text
             assert found.min() >= -1e-5, f"{what}, W = {width}: too long"
+        for what, found in errors.items():
+            most = np.abs(found[part & (x != 0) & (y != 0)]).max(initial=0)
+            assert most <= float(getattr(limit, what).b) * (1 + 1e-6), f"{what}, length {least:.2g}"
 
 
 @pytest.mark.parametrize("width", (*SHORT, 18, 24, 32))
@@ -256,7 +280,8 @@ def test_longest_vector_keeps_every_bit(width):
         _, angle = angles.iterate(x, y, width)
         return np.abs((angle / 2 ** (width + angles.ANGLE) - np.arctan2(y, x) / (2 * np.pi) + 0.5) % 1 - 0.5).max()
 
-    assert off(angles.LONGEST) * 2 * np.pi < angles.error_bound(width, 1)
+    limit = angles.head(width, 1)
+    assert off(angles.LONGEST) * 2 * np.pi < float((limit.lost + limit.rest).b)
     assert off(2 * angles.LONGEST) > 0.01
 
 

@@ -2,18 +2,22 @@
 """Test the proof of the accuracy: it passes, and each planted change makes a lemma fail or the limit grow."""
 
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from model.bounds import accuracy as constants
-from model.dataflow import fixed, formats, lean, mul3, quadratic
+from model.bounds import arm_accuracy
+from model.dataflow import angles, arm, fixed, formats, lean, mul3, quadratic
+from model.dataflow.expressions import FLOOR
 from tb.formal import accuracy, task
 
 pytestmark = pytest.mark.needs("fpga")
 WIDTH = 24
 CACHED = (fixed.dataflow, constants.accuracy, constants.cells, quadratic.table_rows, quadratic.columns,
-          quadratic.row_error, quadratic.rsqrt_error, quadratic.half_sincos_error)  # fmt: skip
+          quadratic.row_error, quadratic.rsqrt_error, quadratic.half_sincos_error, arm_accuracy.arm_accuracy,
+          angles.head, angles.table)  # fmt: skip
 
 
 @pytest.fixture
@@ -110,3 +114,29 @@ ERRORS = {
 def test_larger_error(change, fresh):
     ERRORS[change](fresh)
     assert fails(LIMIT)
+
+
+def table_word(to):
+    first, *others = angles.table(WIDTH)
+    to.setattr(angles, "table", lambda width: (first + 4, *others))
+
+
+def cordic(less: int, to):
+    head, last = angles.iterations(WIDTH)
+    to.setattr(angles, "iterations", lambda width: (head - less, last - 1 + less))
+
+
+ARM = {
+    "a sign of G": (lambda to: to.setitem(arm.PRODUCTS, "j", "wj+ jw- ki- ik-"), "g_j"),
+    "Qw rounded down": (lambda to: to.setattr(arm, "HALF_UP", FLOOR), f"arm, W={WIDTH}"),
+    "a word of the CORDIC's table": (table_word, f"arm, W={WIDTH}"),
+    "an iteration less": (partial(cordic, 0), f"arm, W={WIDTH}"),
+    "X constant an iteration earlier": (partial(cordic, 1), f"arm, W={WIDTH}"),
+}
+
+
+@pytest.mark.parametrize("change", ARM)
+def test_changed_arm(change, fresh):
+    apply, name = ARM[change]
+    apply(fresh)
+    assert fails(name)
