@@ -13,6 +13,7 @@ from ..dataflow.formats import WIDTHS
 from ..io.flags import BAD_HAND, SATURATED, SINGULAR, UNREACHABLE
 from ..reference.joints import reached
 from ..reference.kinematics import angle_between
+from . import arm_accuracy
 from .accuracy import STATED
 from .predict import predicted_error
 
@@ -50,8 +51,8 @@ PAPER_NORM = 16.0
 
 ARM_ULPS = 12.5, 19.5
 """Largest permitted errors of the hand at the seven joint angles, in ulps of a result: of its point / reach with the
-tool, and of its orientation (rad). They are 1.2e-8 and 1.8e-8 at W = 32, 3e-6 and 4.6e-6 at W = 24, 1.9e-4 and 3e-4
-at W = 18."""
+tool up to 27 bits, beyond which it is the proved limit, and of its orientation (rad). They are 4.4e-8 and 1.8e-8 at
+W = 32, 3e-6 and 4.6e-6 at W = 24, 1.9e-4 and 3e-4 at W = 18. Searches find 1.51e-8 and 1.52e-8 at W = 32."""
 
 WRIST_ULPS = 3**0.5 * 0.9
 """Further error of the hand's point, in ulps of a length: each coordinate of the wrist is rounded to a word, half the
@@ -61,8 +62,8 @@ tool's offset to an inner word, at W = 32 three bits longer. Searches find 1.4 t
 def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
     """Return the largest permitted errors for poses (N, 11): of the hand's point (N,), ulps, and orientation, rad."""
     reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
-    point, orientation = (ulps * 2.0 ** (2 - width) for ulps in ARM_ULPS)
-    return point * reach + WRIST_ULPS, orientation
+    point, orientation = ARM_ULPS if width < 28 else (float(arm_accuracy.STATED["point"][width]), ARM_ULPS[1])
+    return point * 2.0 ** (2 - width) * reach + WRIST_ULPS, orientation * 2.0 ** (2 - width)
 
 
 def pose_errors(words: np.ndarray, results: np.ndarray, flags: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
