@@ -78,10 +78,10 @@ DESIGNS = (
     *(Design("arm", width, "ik_arm", FAMILIES, {}, {"DATAPATH": 1}) for width in (18, 24, 32)),
     *(
         Design(
-            name, width, top, ("ecp5",), {"ecp5": 170}, {} if top == "ik_lean_joints" else {"N": inner_frac(width) + 2}
+            name, width, top, ("ecp5",), {"ecp5": aim}, {} if top == "ik_lean_joints" else {"N": inner_frac(width) + 2}
         )
+        for width, aim in ((18, 170), (24, 150), (32, 150))
         for name, top in ARM_PARTS.items()
-        for width in (18, 24, 32)
     ),
     Design("paper", 32, "ik_paper", FAMILIES, {}, {"DIGIT": 1}),
     Design("paper", 18, "ik_paper", ("ecp5",), {"ecp5": 150}, {"DIGIT": 1}, within={"DATAPATH": 0}),
