@@ -90,7 +90,7 @@ def norm(*sizes: Interval) -> Interval:
 
 class Cell(NamedTuple):
     """Mantissas V, real numbers, in a part of [1/4, 1): sqrt V, the error of ``ik_rsqrt``'s word y relative to
-    1/(2 sqrt V), and that of the product 2 y m relative to sqrt V, where m is V's word."""
+    1/(2 sqrt V), and the error of the product 2 y m relative to sqrt V, where m is V's word."""
 
     root: Interval
     inverse: Interval
@@ -125,7 +125,7 @@ def cells(frac: int, tile: int, cut: bool) -> tuple[Cell, ...]:
 
 
 def combinations(flow: Dataflow, node: Node, given: str = "") -> list[dict[str, Cell]]:
-    """Return all combinations of cells of the mantissas on which a node depends, apart from those of node ``given``."""
+    """Return all combinations of cells of the mantissas on which a node depends, except node ``given``'s."""
 
     def mantissas(node: Node) -> list[Node]:
         if isinstance(node.op, Even):

@@ -2,7 +2,7 @@
 """Proved accuracy of the whole arm: limits of the error of the hand's point and orientation at the seven joint angles.
 
 docs/generated/accuracy.md is the proof.  This module computes its constants from the errors that the operations of the
-dataflow state, from those of the CORDIC (:func:`head`), and from the constants of the lean datapath.
+dataflow state, from the CORDIC's errors (:func:`head`), and from the lean datapath's constants.
 
     python -m model.bounds.arm_accuracy DATAPATH WIDTH      print the constants of a core
 """
@@ -38,9 +38,8 @@ def ball(width: int, least: Interval) -> dict[str, Interval]:
     lsb = word / 2**GUARD
     worst = {"ball": ZERO}
     shares = [1 / root, *(interval(2) ** -k for k in range(1, width))]
-    for high, low in itertools.pairwise(
-        shares
-    ):  # ranges of the shorter of (w, k) and (i, j), relative to the quaternion
+    # Ranges of the shorter of (w, k) and (i, j), relative to the quaternion
+    for high, low in itertools.pairwise(shares):
         longer, shorter = least * iv.sqrt(1 - high**2), interval((least * low).a)
         one, other = head(width, upper(root * word, shorter)), head(width, interval(longer.a))
         left = head(width, upper(word, shorter)).left  # a vector of one word is on an axis: its angle is exact

@@ -52,7 +52,7 @@ PAPER_NORM = 16.0
 ARM_ULPS = 12.5, 19.5
 """Largest permitted errors of the hand at the seven joint angles, in ulps of a result: of its point / reach with the
 tool up to 27 bits, beyond which it is the proved limit, and of its orientation (rad). They are 4.4e-8 and 1.8e-8 at
-W = 32, 3e-6 and 4.6e-6 at W = 24, 1.9e-4 and 3e-4 at W = 18. Searches find 1.51e-8 and 1.52e-8 at W = 32."""
+W = 32, 3e-6 and 4.6e-6 at W = 24, 1.9e-4 and 3e-4 at W = 18. Searches find 1.50e-8 and 1.52e-8 at W = 32."""
 
 WRIST_ULPS = 3**0.5 * 0.9
 """Further error of the hand's point, in ulps of a length: each coordinate of the wrist is rounded to a word, half the

@@ -27,7 +27,7 @@ from model.dataflow.nodes import Node
 from model.dataflow.paper_operations import SINCOS_GUARD, cordic_gain
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, Form, Table, table_rows
 from model.io.flags import ARM_FLAGS
-from scripts.console import Options, command, option
+from scripts.console import InputError, Options, command, option
 from scripts.generate.render import TEMPLATES, update
 from tb.sim.env import ROOT
 from tb.sim.sources import nets
@@ -246,16 +246,20 @@ def texts() -> dict[Path, str]:
 
 
 @command(
-    "headers", __doc__.splitlines()[0], [option("--nets", "write copies with nets to this folder", metavar="FOLDER")]
+    "headers",
+    __doc__.splitlines()[0],
+    [option("--nets", "write copies with nets to this new folder", metavar="FOLDER")],
 )
 def main(options: Options) -> int:
     if not options.nets:
         update(texts())
         return 0
+    folder = Path(options.nets)
+    if folder.exists():
+        raise InputError(f"argument --nets: {folder} exists")
+    folder.mkdir(parents=True)
     for path, text in texts().items():
-        copy = Path(options.nets) / path.name
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        copy.write_text(nets(text), encoding="utf-8")
+        (folder / path.name).write_text(nets(text), encoding="utf-8")
     return 0
 
 
