@@ -6,6 +6,7 @@ Exit status of a command: 0 success, 1 a check or a simulation fails, 2 bad inpu
 """
 
 import contextlib
+import importlib
 import itertools
 import os
 import re
@@ -103,7 +104,8 @@ def command(
     """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status.
 
     After an error, `main` prints one line that begins with `name`. If make started the command, the line shows options
-    as make variables. passes, fails: meanings of exit status 0 and 1, for --help.
+    as make variables. passes, fails: meanings of exit status 0 and 1, for --help. In a program (`python -m`) the
+    decorator runs `main` and exits.
     """
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
     epilog = f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}."
@@ -136,6 +138,8 @@ def command(
             print(f"{name}: {line}", file=sys.stderr)
             return status
 
+        if work.__module__ == "__main__":  # import it by its name, by which worker processes find its functions
+            sys.exit(importlib.import_module(module.name).main() if module else main())
         return main
 
     return main_of

@@ -9,7 +9,6 @@ the UART.
 
 import logging
 import subprocess
-import sys
 from pathlib import Path
 
 import click
@@ -100,7 +99,3 @@ def main(options: Options) -> int:
     soc.build(out, options.width, options.bus, options.arm, optimize=options.targets > 10)
     soc.load(out, header(options.targets, options.width, options.arm))
     return 0 if run(out) else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import datetime
 import json
-import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from types import SimpleNamespace
@@ -163,7 +162,3 @@ def main(options: SimpleNamespace) -> int:
     made = page(data)
     print("\n".join([made.comparison(), made.folded(), *(f"{title}: no figures" for title in left_out)]))
     return 1 if left_out else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -9,7 +9,6 @@ or renaming a step of the dataflow.
 """
 
 import json
-import sys
 from collections.abc import Callable, Iterable
 from dataclasses import asdict
 from types import SimpleNamespace
@@ -202,7 +201,3 @@ def main(parsed: SimpleNamespace) -> int:
     SCHEDULES[name].write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
     print(f"wrote {SCHEDULES[name].name}")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

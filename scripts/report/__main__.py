@@ -18,7 +18,6 @@ page of 3000 frames at a few megabytes.
 
 import html
 import json
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -377,7 +376,3 @@ def main(parsed: Options) -> int:
         trajectory.write_results(files, parsed.out, folders.values(), prepared, done)
     print(f"wrote {path}")
     return verdict("report", [result for ran in done for _, result in ran])
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -72,7 +72,7 @@ def test_progress_is_printed_while_nothing_gets_done(monkeypatch, capsys):
 
 
 COMMAND = """
-import os, sys, tempfile
+import os, tempfile
 from scripts.console import command
 from tb.sim.subprocesses import started
 
@@ -81,8 +81,6 @@ def main(_):
     with tempfile.TemporaryDirectory() as folder, started(["sleep", "600"], folder) as simulator:
         print(os.getpid(), simulator.pid, flush=True)
         return simulator.wait()
-
-sys.exit(main())
 """
 
 
