@@ -34,8 +34,7 @@ from scripts.fpga.designs import clock, load
 from scripts.generate.pages import measured
 from scripts.generate.render import render
 from scripts.paper import tables
-from scripts.paper.table6.compiled import FLAGS, compiler_version
-from scripts.paper.table6.contenders import Contender, contenders
+from scripts.paper.table6.contenders import FLAGS, Contender, compiler_version, contenders
 from tb.sim.env import GENERATED, SIMULATORS
 from tb.sim.simulate import SimulationError, simulate
 
