@@ -11,8 +11,7 @@ OUT/paper, and prints them next to tables 5 and 6 of the paper.
 from model.io import trajectories
 from scripts import trajectory
 from scripts.console import MOST_DATAPATHS, Options, command, show, switch, trajectory_options
-from scripts.paper.tables import table_of_datapaths
-from scripts.score_tables import table_of_many, table_of_one, verdict
+from scripts.score_tables import table_of_datapaths, table_of_many, table_of_one, verdict
 from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file
 
 PREDICTED = 5000  # most targets with predicted errors, whose computation takes longer than everything else

@@ -11,7 +11,6 @@ or renaming a step of the dataflow.
 import json
 from collections.abc import Callable, Iterable
 from dataclasses import asdict
-from types import SimpleNamespace
 
 import click
 
@@ -19,7 +18,7 @@ from model.dataflow.fold import steps as timing
 from model.dataflow.fold.lowering import Groups, Lowering
 from model.dataflow.fold.program import PROGRAMS, SCHEDULES, Schedule, encode, lower, schedules
 from model.dataflow.fold.steps import Placed, Selector
-from scripts.console import InputError, command, option, whole
+from scripts.console import InputError, Options, command, option, whole
 
 LATENCY, PERIOD = {"fold": 140, "fold_arm": 340}, {"fold": {32: 88}, "fold_arm": {24: 140, 32: 143}}
 """Clocks: datapath -> largest latency of a target; datapath -> longest word length of a program -> default period."""
@@ -174,7 +173,7 @@ class _Problem:
     ],
     fails="no schedule was found",
 )
-def main(parsed: SimpleNamespace) -> int:
+def main(parsed: Options) -> int:
     try:
         from ortools.sat.python import cp_model
     except ImportError:

@@ -11,7 +11,6 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from model.io import trajectories
 from model.io.scoring import model_errors
 from model.io.stimuli import REGIONS, hand_poses, region
 from scripts import run
-from scripts.console import command, sim_option, switch
+from scripts.console import Options, command, sim_option, switch
 from scripts.generate.flow import KINDS, WIDTH, kind, longest_path, start
 from scripts.generate.render import error, render, update
 from scripts.soak import hand_errors
@@ -121,7 +120,7 @@ def texts() -> dict[Path, str]:
     [sim_option(), switch("--memory", "write memory.md too, which takes several minutes")],
     fails="a simulation or a trajectory fails",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     scores = {}
     for datapath in DATAPATHS:
         with tempfile.TemporaryDirectory() as out:
