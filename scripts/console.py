@@ -122,9 +122,8 @@ def command(
                 return work(_parsed(parser, program, sys.argv[1:] if arguments is None else arguments))
             except click.exceptions.Exit as exc:  # after --help
                 return exc.exit_code
-            except KeyboardInterrupt as exc:
-                number = exc.args[0] if exc.args else signal.SIGINT
-                status, line = 128 + number, SIGNALS[number]
+            except Stopped as exc:
+                status, line = 128 + exc.args[0], SIGNALS[exc.args[0]]
             except OSError as exc:
                 where = repr(os.fspath(exc.filename)) if exc.filename else "a file"
                 status, line = 2, f"cannot read or write {where}: {exc.strerror or exc}"

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """make formal: run the proofs and check that each fails on its seeded bug.
 
-    python -m scripts.formal [--only NAME] [--again] [--list]
-
 Each proof that succeeds updates its row of docs/generated/proofs.md; its full table is in build/proofs/. The proof
 ``accuracy`` also writes docs/generated/accuracy.md.
 """

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run trajectories through the core in a simulator and score them: `make run`.
 
-    python -m scripts.run [--trajectory NAME|all|FILE.csv] [--out DIR] [--sim icarus|verilator] ...
-
 Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.json, and prints a table. Without
 --trajectory and --datapath it runs both datapaths on the paper's scenario, writes the results to OUT/lean and
 OUT/paper, and prints them next to tables 5 and 6 of the paper.

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Schedule a program of the fold datapath: assign a clock to every step by constraint programming.
 
-    make schedule [DATAPATH=fold|fold_arm] [PERIOD=CLOCKS] [SECONDS=N]
-
 Writes the schedule with the least latency found within the time limit to model/dataflow/fold/schedule.json or
 schedule_arm.json, from which `python -m scripts.generate.headers` makes the program.  Rerun it after adding, dropping
 or renaming a step of the dataflow.

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pages of scores, latency and memory-to-memory clocks, and pictures of the pipelines (make docs).
 
-    python -m scripts.generate.pages [--sim icarus|verilator] [--memory]
-
 Runs all trajectories through the RTL; with --memory also `ik_axi` with buses of 32, 64 and 128 bits.
 """
 

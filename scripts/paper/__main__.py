@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reproduce the paper: derivation, table 4, figures 6 and 7, table 6 (make paper).
 
-    python -m scripts.paper [--only derivation|operations|figures|table6]
-
 Each part but table6 writes only pages that have changed. A failed check stops the command. Table 5 is `make fpga`.
 
 Figures 6 and 7 are the dataflow graph and the pipeline schedule of p_e_x (13), as SVG. A balancing delay lasts from the

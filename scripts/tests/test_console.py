@@ -30,7 +30,7 @@ OPTIONS = [
     ("error", "status", "message"),
     [
         (console.InputError("no"), 2, "no"),
-        (KeyboardInterrupt(), 130, "interrupted"),
+        (console.Stopped(signal.SIGINT), 130, "interrupted"),
         (OSError(28, "disk full", "a/b"), 2, "cannot read or write 'a/b': disk full"),
         (OSError(28, "disk full"), 2, "cannot read or write a file: disk full"),
     ],

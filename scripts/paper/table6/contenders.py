@@ -77,7 +77,7 @@ def solver(
     columns: list[np.ndarray], equations: str = "lean", real: str = "double", way: str = "batch"
 ) -> Callable[..., np.ndarray]:
     """Return a C function solve(times=1) that solves targets ``times`` times and returns the answers, (N, 6) or, of
-    seven joints, (N, 7). columns: x, y, z, phi, d1, d2 of the targets, (N,) each; for hand poses tool and qh too."""
+    seven joints, (N, 7). columns: x, y, z, phi, d1, d2 of the targets, (N,) each; of hand poses also tool and qh."""
     name, extra = (WAYS | {"arm": ARM})[way]
     function = getattr(shared_object(equations, real, extra), name)
     inputs = [np.ascontiguousarray(column, dtype=REALS.get(real, np.longdouble)) for column in columns]
