@@ -71,7 +71,6 @@ def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterat
 
 @command(
     "follow",
-    "Print every node of one target in dataflow order, RTL next to model.",
     OPTIONS,
     passes="every node of the target equals the model",
     fails="one differs",

@@ -17,7 +17,6 @@ PREDICTED = 5000  # most targets with predicted errors, whose computation takes 
 
 @command(
     "run",
-    "Run trajectories through the core in a simulator and score them.",
     [
         *trajectory_options("build/run", "results.csv and score.json", datapath=None, most=MOST_DATAPATHS),
         switch("--waves", f"also write OUT/{VCD}, for a single trajectory OUT/{ALIGNED}, and GTKWave save files"),

@@ -28,7 +28,6 @@ PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "-
 
 @command(
     "test",
-    "Run the tests of a gate with pytest.",
     [
         click.Argument(["gate"], type=click.Choice(GATES)),
         sim_option(),

@@ -260,14 +260,16 @@ def align(
 
 @command(
     "waves",
-    "Write a GTKWave save file for a VCD of ik_axis or ik_arm that a simulator of your own recorded. "
-    f"DATAPATH is one of {', '.join(MODELS)}; WIDTH is the word length.",
     [
         click.Argument(["vcd"], type=Path, metavar="WAVES.vcd"),
         click.Argument(["datapath"], type=click.Choice(list(MODELS)), metavar="DATAPATH"),
         click.Argument(["width"], type=WORD_LENGTH),
         click.Argument(["save"], type=Path, metavar="SAVE.gtkw"),
     ],
+    about=(
+        "Write a GTKWave save file for a VCD of ik_axis or ik_arm that a simulator of your own recorded. "
+        f"DATAPATH is one of {', '.join(MODELS)}; WIDTH is the word length."
+    ),
     passes="the save file is written",
     fails="not used",
 )

@@ -115,7 +115,6 @@ def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
 
 @command(
     "icebreaker",
-    "Send targets through a board with examples/icebreaker and score its answers.",
     [
         *trajectory_options("build/icebreaker", "results.csv and score.json", core=False),
         click.Argument(["port"]),

@@ -77,7 +77,6 @@ def run(out: Path) -> bool:
 
 @command(
     "litex",
-    __doc__.splitlines()[0],
     [
         option("--targets", "number of the paper's targets", click.IntRange(1, 100), default=100),
         option("--width", "word length W", WORD_LENGTH, default=32),

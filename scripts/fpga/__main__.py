@@ -136,7 +136,6 @@ def write(data: dict) -> None:
 
 @command(
     "fpga",
-    __doc__.splitlines()[0],
     [
         option("--datapath", "only this datapath or core", click.Choice(designs.GROUPS), multiple=True),
         option("--width", "only this word length", WORD_LENGTH, metavar="BITS", multiple=True),

@@ -163,7 +163,6 @@ class _Problem:
 
 @command(
     "schedule",
-    "Schedule a program of the folded datapath.",
     [
         option("--datapath", "program", click.Choice([*PROGRAMS]), default="fold"),
         option("--period", "clocks of a lap", whole(1), metavar="CLOCKS"),

@@ -114,7 +114,6 @@ def texts() -> dict[Path, str]:
 
 @command(
     "generate.pages",
-    __doc__.splitlines()[0],
     [sim_option(), switch("--memory", "write memory.md too, which takes several minutes")],
     fails="a simulation or a trajectory fails",
 )

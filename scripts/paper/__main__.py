@@ -148,11 +148,7 @@ PARTS = {"derivation": derivation, "operations": operations, "figures": figures}
 """Part -> function that returns a dict: path -> text. The part table6 has a command of its own."""
 
 
-@command(
-    "paper",
-    "Write the pages of comparison with the paper.",
-    [option("--only", "one part  [default: all]", click.Choice([*PARTS, "table6"]))],
-)
+@command("paper", [option("--only", "one part  [default: all]", click.Choice([*PARTS, "table6"]))])
 def main(options: Options) -> int:
     parts = [options.only] if options.only else [*PARTS, "table6"]
     try:

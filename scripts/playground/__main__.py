@@ -222,7 +222,6 @@ def page(machines: Sequence[Machine]) -> str:
 
 @command(
     "playground",
-    "Write a page that runs the Verilog in a browser.",
     [
         option("--out", "folder for index.html", Path, default="build/playground", metavar="DIR"),
         option("--datapath", f"some of {', '.join(NAMES)}", some_of(NAMES, len(NAMES)), metavar="NAME[,NAME]"),

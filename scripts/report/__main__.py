@@ -351,7 +351,6 @@ def page(
 
 @command(
     "report",
-    "Run trajectories through the core in a simulator and write a page that shows them.",
     trajectory_options("build/report", "report.html", most=MOST_DATAPATHS),
     passes="all trajectories pass",
     fails="one fails",

@@ -39,7 +39,7 @@ def test_errors_become_a_status_and_one_line(error, status, message, capsys):
     def work(_):
         raise error
 
-    assert console.command("some", "", OPTIONS)(work)([]) == status
+    assert console.command("some", OPTIONS)(work)([]) == status
     assert capsys.readouterr().err == f"some: {message}\n"
 
 
@@ -58,7 +58,7 @@ def test_variables_of_make_are_options(monkeypatch, capsys, words, values):
     monkeypatch.setattr(console, "end_with_parent", lambda: None)
     monkeypatch.setenv("MAKELEVEL", "1")
     parsed = []
-    status = console.command("some", "", OPTIONS)(lambda options: parsed.append(options) or 0)(words)
+    status = console.command("some", OPTIONS)(lambda options: parsed.append(options) or 0)(words)
     if isinstance(values, str):
         assert (status, capsys.readouterr().err) == (2, f"some: {values}\n")
     else:
@@ -80,7 +80,7 @@ import os, tempfile
 from scripts.console import command
 from tb.sim.subprocesses import started
 
-@command("some", "")
+@command("some")
 def main(_):
     assert __name__ == "command", "worker processes import its functions by this name"
     with tempfile.TemporaryDirectory() as folder, started(["sleep", "600"], folder) as simulator:

@@ -179,7 +179,6 @@ def write(figures: dict[str, Any]) -> int:
 
 @command(
     "table6",
-    __doc__.splitlines()[0],
     [
         option("--only", "only software with this in its key; dates these rows", multiple=True, metavar="KEY"),
         switch("--hardware", "only the core's rows"),
