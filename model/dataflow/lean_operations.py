@@ -240,8 +240,7 @@ def signed(value: Term, negative: Term) -> Choice:
 
 def elbow(value: Term, sign: int, clamp: Term, closed: Term, ends: tuple[int, int]) -> Choice:
     """Return a word times ``sign``; for a clamped target, ``ends[0]`` if the arm is closed, else ``ends[1]``."""
-    part = Select(clamp, Select(closed, *ends), value if sign > 0 else -value)
-    return Choice(part, "elbow", value, sign)
+    return Choice(Select(clamp, Select(closed, *ends), value if sign > 0 else -value), "elbow", value, sign)
 
 
 # -- half angles -----------------------------------------------------------------------------------------------------
@@ -258,8 +257,7 @@ def _halved(s: Term, none: Term | None = None) -> Term:
 
 def half_length(c: Term, unit: Term | None = None) -> Choice:
     """Return the squared length (1 + |c|)/2; 1 where the mask ``unit`` is set."""
-    length = Select(unit, 1, _half_length(c)) if unit else _half_length(c)
-    return Choice(length, "half_length", c, unit)
+    return Choice(Select(unit, 1, _half_length(c)) if unit else _half_length(c), "half_length", c, unit)
 
 
 def half_part(c: Term, s: Term, large: Term, length: Term | None = None, none: Term | None = None) -> Choice:
@@ -267,17 +265,14 @@ def half_part(c: Term, s: Term, large: Term, length: Term | None = None, none: T
 
     Without the node ``length`` the part computes the squared length itself.
     """
-    part = Select(large, length or _half_length(c), _halved(s, none))
-    return Choice(part, "half_part", c, s, large, none)
+    return Choice(Select(large, length or _half_length(c), _halved(s, none)), "half_part", c, s, large, none)
 
 
 def half_sum(length: Term, s: Term, none: Term, sign: int) -> Choice:
     """Return the squared length plus or minus half the sine, or without the sine where the mask ``none`` is set."""
-    total = Sum((1, length), (sign, _halved(s, none)))
-    return Choice(total, "half_sum", length, s, sign)
+    return Choice(Sum((1, length), (sign, _halved(s, none))), "half_sum", length, s, sign)
 
 
 def add_sub(whole: Term, part: Term, add: Term) -> Choice:
     """Return ``whole`` minus ``part``; their sum where the mask ``add`` is set."""
-    total = Select(add, whole + part, whole - part)
-    return Choice(total, "add_sub", whole, part, add)
+    return Choice(Select(add, whole + part, whole - part), "add_sub", whole, part, add)

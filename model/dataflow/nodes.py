@@ -206,7 +206,8 @@ class Dataflow:
 
     def node(self, name: str, op: Operation, fmt: Format, latency: str | None = "", after=None, **record) -> Node:
         """Add a node.  Its ``latency``, by default the operation's, is counted from the last of its operands and
-        ``after``.  ``record``: further fields of :class:`Node`.  Raises ValueError if the name is taken."""
+        ``after``.  ``record``: further fields of :class:`Node`; ``proof`` is a text, facts separated by semicolons.
+        Raises ValueError if the name is taken."""
         if name in self.nodes:
             raise ValueError(f"node {name} is defined twice")
         latency = op.latency if latency == "" else latency
@@ -215,6 +216,8 @@ class Dataflow:
         time = start + (self.latency[latency] if latency else 0)
         as_words = self._as_words & {operand.name for operand in op.operands}
         where = self._section, self._equation
+        if "proof" in record:
+            record["proof"] = tuple(record["proof"].split("; "))
         node = Node(name, *where, op, fmt, latency, time, self, after, as_words=as_words, **record)
         node.op.error(node)  # may raise RangeError
         self.nodes[name] = node
@@ -237,6 +240,6 @@ class Dataflow:
         self._since = self.nodes[names[-1]]
         self._as_words |= {*names}
 
-    def lemma(self, name: str, statement: str, *facts: str) -> None:
+    def lemma(self, name: str, statement: str, facts: str = "") -> None:
         """Add a lemma for proofs of ranges, with the facts that prove it; without facts the lemma is assumed."""
-        self.lemmas[name] = statement, facts
+        self.lemmas[name] = statement, tuple(facts.split("; ")) if facts else ()
