@@ -97,7 +97,7 @@ class Even(Operation):
 class EvenCount(Operation):
     """Number of pairs by which :class:`Even` shifts."""
 
-    kind, latency = "even", "even"
+    kind, latency, pattern = "even", "even", "clz({}) / 2"
 
     def __init__(self, shifted: Even) -> None:
         super().__init__(shifted.value)
@@ -108,9 +108,6 @@ class EvenCount(Operation):
 
     def facts(self, node, domain):
         return [f"(and (<= 1.0 {node.name}) (<= {node.name} {number(2.0**self.most)}))"]
-
-    def text(self, level=0):
-        return f"clz({self.shifted.value.text()}) / 2"
 
     def lower(self, to, node):
         pass  # made by the mantissa's step
@@ -150,12 +147,10 @@ class Shift(Operation):
     def __init__(self, value: Node, count: Node, power: int = 0) -> None:
         super().__init__(value, count)
         self.value, self.count, self.power, self.frac = value, count, power, value.frac - power
+        self.smt, self.pattern = f"(* {number(2.0**power)} {{}} {{}})", f"{{}} * {_power(count, self.sign, power)}"
 
     def words(self, values):
         return self.value.words(values) * 2.0 ** (self.sign * self.count.words(values))
-
-    def text(self, level=0):
-        return f"{self.value.text()} * {_power(self.count, self.sign, self.power)}"
 
 
 class ShiftUp(Shift):
@@ -170,9 +165,6 @@ class ShiftUp(Shift):
         if up < 0:
             shifted = shifted >> np.maximum(-up - count, 0)
         return wrap(shifted, node.format.width).astype(np.int64)
-
-    def formula(self, domain):
-        return f"(* {number(2.0**self.power)} {self.value.formula(domain)} {self.count.name})"
 
     def lower(self, to, node):
         to.shift_up(node, self.value, self.count.name, self.power)

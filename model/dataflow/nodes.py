@@ -147,10 +147,7 @@ Limits = Sequence[Sequence[int]]  # (lower, upper) limit of each joint, words wi
 class Input(Operation):
     """Input word of a target."""
 
-    kind, latency = "input", None
-
-    def text(self, level=0):
-        return "input"
+    kind, latency, pattern = "input", None, "input"
 
     def lower(self, to, node):
         pass

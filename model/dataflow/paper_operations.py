@@ -165,6 +165,7 @@ class Div(Saturating):
     """floor(n / d), saturated; where d <= 0, the smallest word if n < 0, else the largest."""
 
     kind, latency, rounds = "div", "div", FLOOR
+    pattern, inner = "{} / {}", SCALED
 
     def __init__(self, n: Term, d: Term) -> None:
         super().__init__(n, d)
@@ -190,9 +191,6 @@ class Div(Saturating):
         words = [u / v for u in p.word for v in q.word]
         word = min(words) - fmt.ulp, max(words)
         return min(ends), max(ends), (p.error + size * q.error) / least + fmt.ulp, word
-
-    def text(self, level=0):
-        return f"{self.n.text(SCALED)} / {self.d.text(SCALED)}"
 
 
 class Root(Unary):
