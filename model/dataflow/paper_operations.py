@@ -101,11 +101,6 @@ class Saturating(Operation):
     def result(self, node, values):
         return np.clip(self.unlimited(node, values), node.format.low, node.format.high)
 
-    def overflow(self, node, values):
-        """Return a mask of the words that saturate."""
-        words = self.unlimited(node, values)
-        return (words < node.format.low) | (words > node.format.high)
-
 
 class Rounded(Saturating):
     """Operation that rounds half up and saturates."""
