@@ -27,14 +27,13 @@ from functools import partial
 from ..io.words import JOINTS, RESULT_FIELDS
 from ..reference.joints import NEGATED, TURNED
 from .angles import Angle, Gained
-from .annotations import SAME, SUM, Growth, Limited, Within
 from .expressions import ANY, HALF_UP, Function, Logic, Operation, Select, Sum, Term, number, square
 from .formats import Format, LeanFormats
 from .lean import SECTIONS as CORE_SECTIONS
 from .lean import lean, norm
 from .lean_operations import Choice
 from .mul3 import Mul3
-from .nodes import SATURATE, WRAP, Dataflow, Node, Record
+from .nodes import SAME, SATURATE, SUM, WRAP, Dataflow, Growth, Limited, Node, Record, Within
 
 SECTIONS = {"hand": "wrist target of a hand pose", **CORE_SECTIONS, "frame": "wrist quaternion", "joints": "angles"}
 """Section name -> description; the core's sections are the lean datapath's."""

@@ -194,7 +194,7 @@ class Operation(Term):
         return self.words(values) * 2.0 ** (node.frac - self.frac)
 
     def growth(self, node, bounds) -> float:
-        """Return the largest error of the node's word.  ``bounds``: operand name -> :class:`.annotations.Bound`."""
+        """Return the largest error of the word.  ``bounds``: operand name -> :class:`model.bounds.ranges.Bound`."""
         return node.grows([bounds[operand.name].error for operand in self.operands if operand.frac], node.format.ulp)
 
     def facts(self, node, domain) -> list[str]:

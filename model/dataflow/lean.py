@@ -28,12 +28,11 @@ stated after their nodes.  A range without ``proof`` follows from the node's equ
 """
 
 from . import lean_operations as ops
-from .annotations import SUM, Growth, Limited, Within
 from .expressions import FLOOR, HALF_UP, Product, Select, square, zero
 from .formats import Format, LeanFormats
 from .lean_operations import Count, Even, EvenCount, ShiftDown, ShiftUp
 from .mul3 import Mul3
-from .nodes import SATURATE, Dataflow, Node, Record
+from .nodes import SATURATE, SUM, Dataflow, Growth, Limited, Node, Record, Within
 from .quadratic import HalfAngle, Rsqrt
 
 SECTIONS = {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations of the paper's dataflow: rounded products and sums, division, root, CORDIC, normalization.
 
-``interval(node, bounds)`` returns low, high, error and (floor, ceiling) of a :class:`.annotations.Bound`.
+``interval(node, bounds)`` returns low, high, error and (floor, ceiling) of a :class:`model.bounds.ranges.Bound`.
 """
 
 import math
@@ -13,11 +13,10 @@ import mpmath
 import numpy as np
 
 from .angles import TABLE_BITS, atan_table
-from .annotations import Given, RangeError, leading
 from .expressions import EXACT, FLOOR, HALF_UP, SCALED, Operation, Product, Sum, Term, Unary, round_shift
 from .formats import Format
 from .lean_operations import room
-from .nodes import Dataflow, Node
+from .nodes import Dataflow, Given, Node, RangeError
 from .quadratic import HalfAngle
 
 SINCOS_GUARD = 6
@@ -263,6 +262,11 @@ class Normalized(Operation):
 
     def text(self, level=0):
         return f"{self.operands[self.index].name} << {self.count.text()}"
+
+
+def leading(most: int) -> Given:
+    """Return the range of a count of leading sign bits."""
+    return Given("leading sign bits", lambda case: (0, most))
 
 
 def normalize(d: Dataflow, names: tuple[str, ...], words: tuple[Node, ...], count: str, within: Given) -> Node:

@@ -11,9 +11,9 @@ from model.bounds import ranges
 from model.bounds.predict import Real
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
-from model.dataflow.annotations import Within
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.formats import WIDTHS as ALL_WIDTHS
+from model.dataflow.nodes import Within
 from model.dataflow.paper_operations import Saturating
 from model.io.flags import UNREACHABLE, expected_flags
 from model.io.scoring import singular_distance
