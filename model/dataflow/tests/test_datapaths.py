@@ -411,10 +411,8 @@ def searched(joints, references, limits, width):
 
 @pytest.mark.parametrize("width", [16, 24, 32])
 def test_no_branch_has_a_smaller_step(width):
-    words, limits = (
-        stimuli.referenced(stimuli.arm_targets(3000, width, 1), width, 1),
-        stimuli.arm_limits(width, long=True),
-    )
+    limits = stimuli.arm_limits(width, long=True)
+    words = stimuli.referenced(stimuli.arm_targets(3000, width, 1), width, 1)
     answer = fixed.run(words[:, :-1], width, "choose", words[:, -1], limits)
     given = fixed.run(words[:, :11], width, "arm", words[:, -1], limits)
     steps, joints, singular = searched(given.results[:, :7], words[:, 11:18], limits, width)
