@@ -136,7 +136,7 @@ class Count(Operation):
         return " ".join(names) + f" + {self.constant}" * (self.constant > 0)
 
     def lower(self, to, node):
-        to.count(node, self.constant, self.terms)
+        to.counts[node.name] = self.constant, tuple((factor, count.name) for factor, count in self.terms)
 
 
 class Shift(Operation):

@@ -14,7 +14,6 @@ import numpy as np
 
 from .angles import TABLE_BITS, atan_table
 from .expressions import EXACT, FLOOR, HALF_UP, SCALED, Operation, Product, Sum, Term, Unary, round_shift
-from .formats import Format
 from .lean_operations import room
 from .nodes import Dataflow, Given, Node, RangeError
 from .quadratic import HalfAngle
@@ -33,12 +32,6 @@ def cordic_gain() -> int:
     with mpmath.workprec(200):
         gain = mpmath.fprod(1 / mpmath.sqrt(1 + mpmath.mpf(4) ** -i) for i in range(100))
         return int(mpmath.nint(gain * 2**TABLE_BITS))
-
-
-def floor_div(n, d, shift: int, fmt: Format):
-    """Return floor(n 2^shift / d); where d <= 0, the number just below ``fmt`` if n < 0, else the number just above."""
-    q = (n << shift) // np.where(d > 0, d, 1)
-    return np.where(d > 0, q, np.where(n < 0, fmt.low - 1, fmt.high + 1))
 
 
 def floor_root(n, shift: int):
@@ -156,7 +149,7 @@ class Total(Rounded, Sum):
 
 
 class Div(Saturating):
-    """floor(n / d), saturated; where d <= 0, the smallest word if n < 0, else the largest."""
+    """floor(n / d), saturated.  Proved ranges exclude divisors <= 0 (:meth:`interval`)."""
 
     kind, latency, rounds = "div", "div", FLOOR
     pattern, inner = "{} / {}", SCALED
@@ -166,8 +159,7 @@ class Div(Saturating):
         self.n, self.d = n, d
 
     def unlimited(self, node, values):
-        shift = node.frac - self.n.frac + self.d.frac
-        return floor_div(self.n.words(values), self.d.words(values), shift, node.format)
+        return (self.n.words(values) << node.frac - self.n.frac + self.d.frac) // self.d.words(values)
 
     def real_result(self, node, values):
         n, d = self.n.words(values), self.d.words(values)

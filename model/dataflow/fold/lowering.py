@@ -190,9 +190,6 @@ class Lowering:
 
     # ---- shifts --------------------------------------------------------------------------------------------------
 
-    def count(self, node: Node, constant: int, terms: tuple[tuple[int, Node], ...]) -> None:
-        self.counts[node.name] = constant, tuple((factor, count.name) for factor, count in terms)
-
     def even(self, node: Node, value: Node, count: str) -> None:
         inverse = any(of.inverse and of.name == value.name for sums in self.sums.values() for of in sums)
         kind = "arm" if value.name in ARMS else "inverse" if inverse else "even"

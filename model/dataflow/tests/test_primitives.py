@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from model.dataflow import angles, quadratic
 from model.dataflow.expressions import round_shift, wrap
-from model.dataflow.formats import Format, inner_frac
+from model.dataflow.formats import inner_frac
 from model.dataflow.mul3 import TILE, cuts, mul3, mul3_error, unseen
-from model.dataflow.paper_operations import floor_div, floor_root
+from model.dataflow.paper_operations import floor_root
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, SINE_FRACS, SMALL_FRAC
 
 ROOT_LIMIT = 1 << 63  # upper bound of floor_root's arguments; none in the datapath reaches 2^62
@@ -25,27 +25,6 @@ ROOT_LIMIT = 1 << 63  # upper bound of floor_root's arguments; none in the datap
 
 def signed(width: int):
     return st.integers(-(1 << width - 1), (1 << width - 1) - 1)
-
-
-NEAR_QUOTIENTS = st.tuples(st.integers(1, (1 << 31) - 1), signed(32), st.integers(-1, 1)).map(
-    lambda drawn: ((drawn[0] * drawn[1] >> 22) + drawn[2], drawn[0])
-)
-"""(n, d) with n 2^22 / d close to an integer, so that floating point would give a wrong floor."""
-
-
-@given(st.one_of(st.tuples(signed(40), signed(32)), NEAR_QUOTIENTS))
-@example((0, 0))
-@example((-1, 0))
-@example((1, -1))
-@example((-(1 << 39), -(1 << 31)))
-@example((-(1 << 39), 1))
-@example(((1 << 39) - 1, 1))
-@example((-1, (1 << 31) - 1))
-def test_floor_div_is_the_floor_of_a_fraction(operands):
-    """Check the floor; where d <= 0, the sign of n decides beyond which end of the format the quotient is."""
-    (n, d), fmt = operands, Format(32, 30, "")
-    q = math.floor(Fraction(n << 22, d)) if d > 0 else fmt.low - 1 if n < 0 else fmt.high + 1
-    assert floor_div(np.array([n]), np.array([d]), 22, fmt)[0] == q
 
 
 NEAR_SQUARES = st.tuples(st.integers(1, math.isqrt(ROOT_LIMIT)), st.integers(-1, 1)).map(
