@@ -168,6 +168,8 @@ class Operation(Term):
     adds_rounding = False  # True: :meth:`growth` leaves out the rounding of this operation
     rounds: tuple[float, float] | None = None  # error range in ulps, if the operation rounds by a rule of its own
     free = False  # True: proofs have no formula for it
+    method = ""  # of the folded program's lowering; without it, :meth:`lower` must be defined
+    given: tuple[Any, ...] = ()  # its arguments, by default the parts
     parts: tuple[Any, ...]  # terms; some operations take nodes
 
     def __init__(self, *parts: Term) -> None:
@@ -202,8 +204,10 @@ class Operation(Term):
         return [] if self.free else [f"(= {node.name} {self.formula(domain)})"]
 
     def lower(self, to, node) -> None:
-        """Add the node's steps to the folded program ``to``, a :class:`.fold.lowering.Lowering`."""
-        raise NotImplementedError(f"{node.name}: the folded program has no {type(self).__name__}")
+        """Add the node's steps to the folded program: call ``method`` of ``to``, a :class:`.fold.lowering.Lowering`."""
+        if not self.method:
+            raise NotImplementedError(f"{node.name}: the folded program has no {type(self).__name__}")
+        getattr(to, self.method)(node, *(self.given or self.parts))
 
     def mask_registers(self, to, node) -> set[str]:
         """Return the names of the folded datapath's registers on which the mask ``node`` depends."""
@@ -231,11 +235,11 @@ class Constant(Term):
 class Sum(Operation):
     """Sum of signed terms."""
 
-    level = ADDED
+    level, method = ADDED, "sum"
 
     def __init__(self, *terms: tuple[int, Term]) -> None:
         super().__init__(*(term for _, term in terms))
-        self.terms = terms
+        self.terms, self.given = terms, (terms,)
         self.frac = max(term.frac for term in self.parts)
 
     def words(self, values):
@@ -255,14 +259,11 @@ class Sum(Operation):
         text = f"{'-' if first[0] < 0 else ''}{first[1]}{signed}"
         return f"({text})" if level > ADDED else text
 
-    def lower(self, to, node):
-        to.sum(node, self.terms)
-
 
 class Product(Operation):
     """a * b * 2^scale, exactly."""
 
-    smt = "(* {} {})"
+    smt, method = "(* {} {})", "exact_product"
 
     def __init__(self, a: Term, b: Term, scale: int = 0) -> None:
         super().__init__(a, b)
@@ -275,9 +276,6 @@ class Product(Operation):
     def text(self, level=0):
         a, b = (part.text(SCALED) for part in self.parts)
         return f"{2**self.scale} * " * (self.scale > 0) + (f"{a}^2" if a == b else f"{a} * {b}")
-
-    def lower(self, to, node):
-        to.exact_product(node, *self.parts)
 
 
 def square(a: Term) -> Product:

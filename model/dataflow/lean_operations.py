@@ -147,6 +147,7 @@ class Shift(Operation):
     def __init__(self, value: Node, count: Node, power: int = 0) -> None:
         super().__init__(value, count)
         self.value, self.count, self.power, self.frac = value, count, power, value.frac - power
+        self.given = value, count.name, power
         self.smt, self.pattern = f"(* {number(2.0**power)} {{}} {{}})", f"{{}} * {_power(count, self.sign, power)}"
 
     def words(self, values):
@@ -156,7 +157,7 @@ class Shift(Operation):
 class ShiftUp(Shift):
     """v 2^(power + n), truncated.  Bits above the format, set only for clamped targets, are dropped."""
 
-    sign = 1
+    sign, method = 1, "shift_up"
 
     def result(self, node, values):
         up = node.frac - self.frac
@@ -166,23 +167,17 @@ class ShiftUp(Shift):
             shifted = shifted >> np.maximum(-up - count, 0)
         return wrap(shifted, node.format.width).astype(np.int64)
 
-    def lower(self, to, node):
-        to.shift_up(node, self.value, self.count.name, self.power)
-
 
 class ShiftDown(Shift):
     """v 2^(power - n), truncated."""
 
-    sign = -1
+    sign, method = -1, "shift_down"
 
     def result(self, node, values):
         return self.value.words(values) << node.frac - self.frac >> self.count.words(values)
 
     def facts(self, node, domain):
         return [f"(= (* {node.name} {self.count.name}) (* {number(2.0**self.power)} {self.value.formula(domain)}))"]
-
-    def lower(self, to, node):
-        to.shift_down(node, self.value, self.count.name, self.power)
 
 
 def _power(count: Node, sign: int, constant: int) -> str:
@@ -204,10 +199,7 @@ class Choice(Unary):
 
     def __init__(self, expression: Term, method: str, *given: Any, operands: tuple = (), free: bool = False) -> None:
         super().__init__(expression)
-        self.operands, self.method, self._given, self.free = operands or self.operands, method, given, free
-
-    def lower(self, to, node):
-        getattr(to, self.method)(node, *self._given)
+        self.operands, self.method, self.given, self.free = operands or self.operands, method, given, free
 
 
 def _at_most(term: Term) -> Function:

@@ -50,7 +50,7 @@ class Sum:
 class Lowering:
     """Lean dataflow as steps: call :meth:`build`, then :meth:`groups`.
 
-    ``lower`` of an operation calls the method with the operation's name, with the node and its terms.
+    ``lower`` of an operation calls the operation's ``method`` with the node and its terms.
     """
 
     INPUTS: tuple[str, ...] = FIELDS
@@ -92,7 +92,8 @@ class Lowering:
         """Raise NotImplementedError if the node's steps do not round as the node does."""
         other = (HALF_UP,) if node.name in self.joints else (EXACT, FLOOR)
         if node.rounding not in ((HALF_UP, FLOOR) if node.name in self.rounded else other):
-            method = getattr(node.op, "method", f"called by {type(node.op).__name__}.lower")
+            kind = type(node.op)
+            method = f"called by {kind.__name__}.lower" if "lower" in vars(kind) else node.op.method
             where = f"model/dataflow/fold/lowering.py, class {type(self).__name__}, method {method}"
             raise NotImplementedError(f"{node.name}: the folded program lacks its rounding; implement it in {where}")
 
