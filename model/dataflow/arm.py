@@ -22,12 +22,13 @@ K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  The 
 negate them, as in :mod:`model.reference.joints`.  The flag over_k is set if and only if th_k is outside its limits.
 """
 
-from functools import partial
+from functools import partial, reduce
+from operator import or_
 
 from ..io.words import JOINTS, RESULT_FIELDS
 from ..reference.joints import NEGATED, TURNED
 from .angles import Angle, Gained
-from .expressions import ANY, HALF_UP, Function, Logic, Operation, Select, Sum, Term, number, square
+from .expressions import ANY, HALF_UP, Function, Logic, Select, Sum, Term, number, square
 from .formats import Format, LeanFormats
 from .lean import SECTIONS as CORE_SECTIONS
 from .lean import lean, norm
@@ -102,24 +103,16 @@ class Outside(Function):
         return {node.name}  # set after the joint's angle
 
 
-class OutsideFormat(Operation):
+class OutsideFormat(Function):
     """Mask of wrists that have a coordinate outside the format of its node."""
 
-    free = True
+    def __init__(self, *wrists: Node) -> None:
+        def mask(*words):
+            rounded = [node.rounded(word) for node, word in zip(wrists, words, strict=True)]
+            return reduce(or_, ((word > fmt.high) | (word < fmt.low) for word in rounded))
 
-    def __init__(self, *wrists) -> None:
-        super().__init__(*(operand for node in wrists for operand in node.operands))
-        self.wrists = wrists
-
-    def words(self, values):
-        out = False
-        for node in self.wrists:
-            word = node.rounded(node.op.words(values))
-            out = out | (word > node.format.high) | (word < node.format.low)
-        return out
-
-    def text(self, level=0):
-        return f"{', '.join(node.name for node in self.wrists)} outside the format"
+        fmt, names = wrists[0].format, ", ".join(node.name for node in wrists)
+        super().__init__(mask, f"{names} outside the format", *(node.op for node in wrists), frac=0)
 
     def mask_registers(self, to, node):
         return to.wrist_registers()
