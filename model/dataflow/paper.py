@@ -17,7 +17,7 @@ from .expressions import FLOOR, HALF_UP, JAM, Constant, Floor, Function, Select,
 from .formats import Format
 from .lean_operations import ShiftDown, ShiftUp
 from .nodes import ANYTHING, SAME, SATURATE, SUM, Dataflow, Given, Growth, Interval, Limited, Node, Rule
-from .paper_operations import Div, LeadingBits, Mul, Root, SineCosine, Total, leading, normalize
+from .paper_operations import Div, Mul, Root, SineCosine, Total, leading_bits, normalize
 
 SQRT3 = math.sqrt(3)
 
@@ -112,7 +112,7 @@ def guard(d: Dataflow, target: dict[str, Node]) -> None:
     # The target's horizontal direction in its own unit; on the z axis the azimuth is 0.
     normalize(d, ("b_x", "b_y"), (x, y), "lz_b", DIRECTION_UNIT)
     # The lengths in a unit that brings d1 + d2 to [1/2, 1), and the target in the same unit.
-    lz_r = d.node("lz_r", LeadingBits(r_raw), d.count, "lzc", within=leading(w))
+    lz_r = d.node("lz_r", leading_bits(r_raw), d.count, "lzc", within=Given("leading sign bits", lambda c: (0, w)))
     mantissa = Format(w + 1, w, "W")
     for name, raw in (("d_1", d1), ("d_2", d2)):
         shifted = d.node(f"{name}_sh", ShiftUp(raw, lz_r, -2), mantissa, "shift", within=ARM_SH)

@@ -13,7 +13,7 @@ import mpmath
 import numpy as np
 
 from .angles import TABLE_BITS, atan_table
-from .expressions import EXACT, FLOOR, HALF_UP, SCALED, Operation, Product, Sum, Term, Unary, round_shift
+from .expressions import EXACT, FLOOR, HALF_UP, SCALED, Function, Operation, Product, Sum, Term, Unary, round_shift
 from .lean_operations import room
 from .nodes import Dataflow, Given, Node, RangeError
 from .quadratic import HalfAngle
@@ -215,22 +215,18 @@ class SineCosine(HalfAngle):
         return -1.0, 1.0, CORDIC[1] * node.format.ulp, (-math.inf, math.inf)
 
 
-class LeadingBits(Operation):
-    """Left shift that makes the largest of a vector's words fill its width; 0 for the all-zero vector."""
+def leading_bits(*vector: Node) -> Function:
+    """Return the left shift that makes the largest of a vector's words fill its width; 0 for the all-zero vector."""
 
-    latency = "norm"
+    def count(*words):
+        shifts = [room(word, vector[0].format.width) for word in words]
+        return np.where(np.any(words, axis=0), np.minimum.reduce(shifts), 0)
 
-    def words(self, values):
-        words = [part.words(values) for part in self.parts]
-        width = self.operands[0].format.width
-        return np.where(np.any(words, axis=0), np.minimum.reduce([room(word, width) for word in words]), 0)
-
-    def text(self, level=0):
-        return f"leading_sign_bits({', '.join(part.text() for part in self.parts)})"
+    return Function(count, f"leading_sign_bits({', '.join(['{}'] * len(vector))})", *vector, frac=0)
 
 
 class Normalized(Operation):
-    """Word of a vector, shifted left by its :class:`LeadingBits`; the all-zero vector becomes (1/2, 0, ..)."""
+    """Word of a vector, shifted left by its :func:`leading_bits`; the all-zero vector becomes (1/2, 0, ..)."""
 
     kind, latency = "normalize", "norm"
 
@@ -256,18 +252,13 @@ class Normalized(Operation):
         return f"{self.operands[self.index].name} << {self.count.text()}"
 
 
-def leading(most: int) -> Given:
-    """Return the range of a count of leading sign bits."""
-    return Given("leading sign bits", lambda case: (0, most))
-
-
 def normalize(d: Dataflow, names: tuple[str, ...], words: tuple[Node, ...], count: str, within: Given) -> Node:
     """Build a vector's words, shifted left together until the largest fills its width; return the shift count.
 
     The shifted nodes ``names`` are mantissas in [-1, 1).  The all-zero vector becomes (1/2, 0, ..).
     """
-    bits = words[0].format.width - 1
-    counts = d.node(count, LeadingBits(*words), d.count, within=leading(bits))
+    bits = Given("leading sign bits", lambda case: (0, words[0].format.width - 1))
+    counts = d.node(count, leading_bits(*words), d.count, "norm", within=bits)
     for index, name in enumerate(names):
         d.node(name, Normalized(counts, words, index), d.word(0), within=within)
     return counts
