@@ -227,8 +227,7 @@ class Ranges:
         if node.kind == "div" and node.limited:
             self.saturated.add(node.name)
             return self._fit(node, Bound(fmt.low * fmt.ulp, fmt.high * fmt.ulp))
-        bounds = interval(node, self)
-        return self._rule(node, *bounds) if bounds else self._given(node)
+        return self._rule(node, *interval(node, self))
 
     def _fit(self, node: Node, bound: Bound) -> Bound:
         """Return a bound limited to the node's format; record the node if the bound does not fit."""

@@ -245,9 +245,6 @@ class Normalized(Operation):
         scaled = word.words(values) * 2.0 ** (self.count.words(values) + node.format.width - word.format.width)
         return np.where(empty, 0.0 if self.index else 0.5 / node.format.ulp, scaled)
 
-    def interval(self, node, bounds):
-        return None  # exact: a shift changes the unit, not the vector; bounds downstream refer to the actual words
-
     def text(self, level=0):
         return f"{self.operands[self.index].name} << {self.count.text()}"
 
@@ -255,7 +252,8 @@ class Normalized(Operation):
 def normalize(d: Dataflow, names: tuple[str, ...], words: tuple[Node, ...], count: str, within: Given) -> Node:
     """Build a vector's words, shifted left together until the largest fills its width; return the shift count.
 
-    The shifted nodes ``names`` are mantissas in [-1, 1).  The all-zero vector becomes (1/2, 0, ..).
+    The shifted nodes ``names`` are mantissas in [-1, 1), of the range ``within``, and exact: a shift changes the unit,
+    not the vector.  The all-zero vector becomes (1/2, 0, ..).
     """
     bits = Given("leading sign bits", lambda case: (0, words[0].format.width - 1))
     counts = d.node(count, leading_bits(*words), d.count, "norm", within=bits)
