@@ -259,11 +259,10 @@ class Lowering:
         self.signs.add(cosine.name)
         self.weight[node.name] = 1
         unit = mask.name if mask else ""
-        a: str | Pick = cosine.name
         if mask:
-            a = self.picks[cosine.name] = Pick(cosine.name, Selector(unit), constant=ZERO)
-        minus = Selector(cosine.name, True, unless=unit)
-        self.terms[node.name] = Step(node.name, a, HALF, "word", "length", addend_by=Selector(unit), minus=minus)
+            self.picks[cosine.name] = Pick(cosine.name, Selector(unit), constant=ZERO)
+        by, minus = Selector(unit), Selector(cosine.name, True, unless=unit)
+        self.terms[node.name] = Step(node.name, cosine.name, HALF, "word", "length", addend_by=by, minus=minus)
 
     def half_part(self, node: Node, cosine: Node, sine: Node, large: Term, none: Node | None) -> None:
         """Record one part of a rotation.  The call for the second part adds the writes of both: the squared length's
@@ -282,11 +281,10 @@ class Lowering:
         flag = Selector("bend_swap") if none else Selector(cosine.name, negative=True)
         self.picks[length] = Pick(first, flag, second_larger)
         self.terms[length] = replace(self.terms[length], write=Write(self.picks[length]))
-        a: str | Pick = sine.name
         if none:
-            a = self.picks[sine.name] = Pick(sine.name, Selector(none.name), constant=ZERO)
+            self.picks[sine.name] = Pick(sine.name, Selector(none.name), constant=ZERO)
         name = f"{sine.name}/2"
-        small = Step(name, a, HALF, cut="word", write=Write(Pick(first, flag, not second_larger)))
+        small = Step(name, sine.name, HALF, cut="word", write=Write(Pick(first, flag, not second_larger)))
         if mask and not none:  # where the mask is set, both parts are 1/2
             small = replace(small, addend="none_or_half", addend_by=Selector(mask))
         self.terms[name] = small
