@@ -71,7 +71,7 @@ class Lowering:
         self.signs: set[str] = set()  # nodes whose signs select
         self.made_of: dict[str, set[str]] = {}  # mask -> the signs, zeros and counts that it depends on
         self.pairs: dict[str, tuple[str, str]] = {}  # the two parts of a rotation, whose places a flag selects
-        self.picks: dict[str, Pick] = {}  # squared lengths, and words that a flag replaces by a constant
+        self.picks: dict[Any, Pick] = {}  # pairs, squared lengths, and words that a flag replaces by a constant
         self.vectors: dict[str, timing.Vector] = {}  # of the angle unit
         self.joints: dict[str, timing.Joint] = {}
         self.rounded: set[str] = set()  # nodes that their steps round half up or down, as the node does
@@ -276,6 +276,7 @@ class Lowering:
             return
         first, mask = self.pairs[length]
         self.pairs[length] = first, node.name
+        self.picks |= {first: Pick(first, NEVER), node.name: Pick(first, NEVER, second=True)}
         # A positive cosine and no mask: is the second part the larger one?
         second_larger = bool(large.words({cosine.name: 1, **dict.fromkeys(masks, False)}))
         flag = Selector("bend_swap") if none else Selector(cosine.name, negative=True)
@@ -332,19 +333,11 @@ class Lowering:
                 self._extend(groups.setdefault(name, []), 0, step)
         return groups
 
-    def _picked(self, operand: str | Pick | None) -> str | Pick | None:
-        """Return an operand; part of a pair, or a word that a flag can replace, as a :class:`Pick`."""
-        if not isinstance(operand, str):
-            return operand
-        for pair in self.pairs.values():
-            if operand in pair:
-                return Pick(pair[0], NEVER, operand == pair[1])
-        return self.picks.get(operand, operand)
-
     def _extend(self, group: list[tuple[int, Step]], at: int, step: Step) -> None:
         """Add a step to a group, and the steps whose addend is its T."""
         normal, counted = self.norms.get(step.name, (None, step.count))
-        a, b, sign = self._picked(step.a), self._picked(step.b) or ZERO, step.name if step.name in self.signs else ""
+        a, b = self.picks.get(step.a, step.a), self.picks.get(step.b, step.b)
+        sign = step.name if step.name in self.signs else ""
         group.append((at, replace(step, a=a, b=b, norm=normal, count=counted, sign=sign)))
         sums = sorted(self.sums.get(step.name, ()), key=lambda s: s.name in self.sums)
         for number, of in enumerate(sums):
