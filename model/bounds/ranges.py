@@ -4,14 +4,16 @@
 A node's :class:`Bound` has the interval of exact arithmetic (``low``, ``high``) and the largest error of its word
 (``error``): the operation's own rounding plus the errors of its operands, in a product each times the largest other
 operand. The interval, widened by the error, must fit the format. Ranges from geometry, error growth and intended
-saturation are stated at the nodes (:mod:`model.dataflow.annotations`), each with its reason.
+saturation are stated at the nodes (:mod:`model.dataflow.nodes`), each with its reason.
 
 * :class:`Ranges`, paper dataflow: interval arithmetic, narrowed by rules at some nodes. The input words are split into
-  :func:`model.dataflow.annotations.cases`; a node's range is the union over the cases.
+  :func:`cases`; a node's range is the union over the cases.
 * :class:`LeanRanges`, lean dataflow and whole arm: the nodes state all ranges, and `make formal` proves ranges and
   errors (``tb/formal/lean_proofs.py``). Words that are not used may lose high bits: K and its dependents for a clamped
   target, the products of a bad hand.
 """
+
+from __future__ import annotations
 
 import itertools
 import math
@@ -21,17 +23,157 @@ from functools import cache, reduce
 
 import numpy as np
 
-from ..dataflow.annotations import ANYTHING, Bound, Case, Given, RangeError, Rule, Within, cases
 from ..dataflow.expressions import Constant, Term
 from ..dataflow.fixed import dataflow
 from ..dataflow.formats import Format
-from ..dataflow.nodes import Node
+from ..dataflow.nodes import ANYTHING, Given, Node, RangeError, Rule, Within
 from ..io.words import ARMS
 
 SLACK = 2.0**-48
 """Relative allowance for the rounding of the bounds themselves, which :class:`Ranges` computes in doubles."""
 
 UP = 1 + 2.0**-50  # factor by which LeanRanges rounds its errors upwards
+
+SQRT2, SQRT3 = math.sqrt(2), math.sqrt(3)
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Bounds of a node.  Its value in exact arithmetic lies in [low, high].  Its word differs from this value by at
+    most ``error``, and lies in [floor, ceiling], the range of the operation on its operands' words."""
+
+    low: float
+    high: float
+    error: float = 0.0
+    floor: float = -math.inf
+    ceiling: float = math.inf
+
+    @property
+    def word(self) -> tuple[float, float]:
+        """Range of the word's value."""
+        return max(self.low - self.error, self.floor), min(self.high + self.error, self.ceiling)
+
+    @property
+    def size(self) -> float:
+        """Largest magnitude in exact arithmetic."""
+        return max(abs(self.low), abs(self.high))
+
+
+@dataclass(frozen=True)
+class Case:
+    """Part of the inputs of the paper datapath: bounds of d1 and d2, of the exponent j in p_w = 2^j p_a, and of |p_w|
+    and |b|.  Three cases:
+
+    * ``exact``: the target is in reach, and d1 + d2 < 2: scaling loses no bit of d1 and d2.
+    * ``long``: the target is in reach, and d1 + d2 >= 2: scaling rounds odd lengths, so d1 + d2 is off by ulps.
+    * ``clamped``: any other target, computed with d1 = d2 = 1/4 (see :func:`model.dataflow.paper.guard`).
+    """
+
+    name: str
+    clamped: bool
+    d_high: float  # upper bound of d1 and d2
+    j: tuple[int, int]
+    long: bool = False  # scaling may round d1 and d2
+    p: tuple[float, float] = (0.5, SQRT3)
+    b: tuple[float, float] = (0.5, SQRT2)
+    ulp: float = 0.0  # ulp of d1 and d2
+    elbow: float = 0.0  # ulp of p_e
+    tilt: float = 0.0  # sine of the angle between p_w and the plane that the words pi_swivel define
+    straight: float = 0.0  # error of the vector p_e relative to a + t m (:func:`off_length`)
+    square: float = 0.0  # error of |p_e|^2 computed from the words p_e
+
+    def tilted(self, error: float) -> Case:
+        """Return the case in which the words pi_swivel, whose error is at most ``error``, count as exact."""
+        b = self.b[0] - error, self.b[1] + error
+        return replace(self, b=b, tilt=error / b[0])
+
+    @property
+    def excess(self) -> float:
+        """Largest increase of |k_e| due to rounded lengths: the rounding error of d1 + d2, times |d1 - d2|."""
+        return 4 * self.ulp if self.long else 0.0
+
+    @property
+    def k_e(self) -> float:
+        """Upper bound of |k_e|: 2 d1 |p_w|; where d1 and d2 are rounded, also s_j + (d1 + d2) |d_dif_j|."""
+        limit = 2 * self.d_high * self.p[1] + self.excess
+        return min(limit, self.p[1] ** 2 * 2.0 ** -self.j[0] + 2) if self.long else limit
+
+    @property
+    def p_e(self) -> float:
+        """Upper bound of |p_e| = max(d1, |k_e| / (2 |p_w|)), divided by the cosine of the tilt."""
+        return (self.d_high + self.excess / (2 * self.p[0])) / math.sqrt(1 - self.tilt**2)
+
+    @property
+    def pp(self) -> tuple[float, float]:
+        """Range of |PP^-| = 2 |p_w| |pi_swivel|; the tilt reduces the lower end."""
+        return 2 * self.p[0] * self.b[0] * math.sqrt(1 - self.tilt**2), 2 * self.p[1] * self.b[1]
+
+    @property
+    def tmp1(self) -> tuple[float, float]:
+        """Range of (d1 sin a)^2 |PP^-|^2; where d1 and d2 are rounded, of |pi_swivel|^2 ((2 d1 |p_w|)^2 - k_e^2)."""
+        most = (min(self.d_high, 0.5) * self.pp[1]) ** 2
+        tilted = (self.pp[1] * self.p_e * self.tilt) ** 2
+        if not self.long:
+            return -tilted, most
+        # from |k_e| <= 2 d1 |p_w| + excess, or from |k_e| alone
+        near = 4 * self.d_high * self.p[1] * self.excess + self.excess**2
+        return -(self.b[1] ** 2) * min(near, self.k_e**2) - tilted, most
+
+    @property
+    def t_e(self) -> tuple[float, float]:
+        """Range of p_e (p_e - p_w), which is d1 d2 times a cosine."""
+        if self.clamped:
+            return 0.0, 0.75
+        most = (self.p_e + self.elbow) ** 2 if self.long else 0.25 + (self.p_e * self.tilt) ** 2
+        return -most, most
+
+    @property
+    def forearm(self) -> float:
+        """Upper bound of |p_e - p_w|, which is d2 unless rounded lengths do not reach the target."""
+        return math.sqrt((self.p_e + self.elbow) ** 2 + self.square) + 2 * self.ulp
+
+    @property
+    def p_e_words(self) -> float:
+        """Upper bound of |p_e| computed from the rounded words p_e."""
+        return math.sqrt(self.p_e**2 + self.square)
+
+
+def off_length(c: Case, nodes: Mapping[str, Node], bounds: Mapping[str, Bound]) -> Case:
+    """Return the case with bounds of the errors of p_e (``straight``) and |p_e|^2 (``square``).
+
+    The root t = tmp_sqr in (13) may lose half of its digits, and so may p_e.  But |p_e|^2 = |a|^2 + t^2 |m|^2 contains
+    only t^2, which is precise; a is along p_w, and m = PP^- / |PP^-|^2 is perpendicular to p_w.
+    """
+    root, inf, worst = bounds["tmp_sqr"], bounds["inf_pp"], 0.0
+    if min(inf.low, inf.word[0]) <= 0:
+        return c  # the division then raises RangeError
+    for axis, m in zip("xyz", "123", strict=True):
+        if f"e_{axis}_pp" not in bounds:  # not yet evaluated: use the first axis's bound
+            axis, m = "x", max("123", key=lambda k: bounds[f"pp_{k}_m"].error)
+        along = bounds[f"e_{axis}_pp"].error + root.word[1] * bounds[f"pp_{m}_m"].error
+        num = along + nodes[f"e_{axis}_pp"].format.ulp
+        worst = max(worst, (num + c.p_e * 1.1 * inf.error) / inf.word[0] + c.elbow)
+    straight = SQRT3 * worst
+    square = bounds["tmp1"].error + 2 * root.word[1] * nodes["tmp_sqr"].format.ulp
+    return replace(c, straight=straight, square=square / inf.low + 2 * straight * c.p_e * 1.1 + straight**2)
+
+
+EDGES_P = (0.5, math.sqrt(0.5), 1.0, SQRT2, SQRT3)
+EDGES_B = (0.5, math.sqrt(0.5), 1.0, SQRT2)
+"""Boundaries that divide the ranges of |p_w| and |b| into parts; quotients have tighter bounds in a narrow part."""
+
+
+def cases(width: int) -> list[Case]:
+    """Return the parts of the input domain; together they contain every target."""
+    ulp = 2.0 ** (1 - width)
+    last = 1 - 2 * ulp  # d1 + d2 <= 1 - ulp, d2 >= ulp
+    whole = [
+        Case("exact", False, last, (0, width - 1)),
+        Case("long", False, 0.5, (0, width), True),
+        Case("clamped", True, 0.25, (2, 2)),
+    ]
+    boxes = list(itertools.product(itertools.pairwise(EDGES_P), itertools.pairwise(EDGES_B)))
+    return [replace(c, p=p, b=b, ulp=ulp) for c in whole for p, b in boxes]
 
 
 def unfit(node: Node, low: float, high: float, where: str = "") -> str:
@@ -54,8 +196,8 @@ class Ranges:
         self.saturated: set[str] = set()
         self.proved: dict[str, Bound] = {}
         for number, node in enumerate(self.flow.nodes.values()):
-            if fact := self.flow.learned.get(number):
-                self.case = fact(self.case, self.flow.nodes, self.bounds)
+            if number in self.flow.learned:
+                self.case = off_length(self.case, self.flow.nodes, self.bounds)
             if names := self.flow.restarts.get(number, ()):
                 self.case = self.case.tilted(reduce(math.hypot, (self.bounds[name].error for name in names)))
                 for name in names:
@@ -85,8 +227,7 @@ class Ranges:
         if node.kind == "div" and node.limited:
             self.saturated.add(node.name)
             return self._fit(node, Bound(fmt.low * fmt.ulp, fmt.high * fmt.ulp))
-        bounds = interval(node, self)
-        return self._rule(node, *bounds) if bounds else self._given(node)
+        return self._rule(node, *interval(node, self))
 
     def _fit(self, node: Node, bound: Bound) -> Bound:
         """Return a bound limited to the node's format; record the node if the bound does not fit."""

@@ -22,19 +22,19 @@ K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  The 
 negate them, as in :mod:`model.reference.joints`.  The flag over_k is set if and only if th_k is outside its limits.
 """
 
-from functools import partial
+from functools import partial, reduce
+from operator import or_
 
 from ..io.words import JOINTS, RESULT_FIELDS
 from ..reference.joints import NEGATED, TURNED
 from .angles import Angle, Gained
-from .annotations import SAME, SUM, Growth, Limited, Within
-from .expressions import ANY, HALF_UP, Function, Logic, Operation, Select, Sum, Term, number, square
+from .expressions import ANY, HALF_UP, Function, Logic, Select, Sum, Term, number, square
 from .formats import Format, LeanFormats
 from .lean import SECTIONS as CORE_SECTIONS
-from .lean import equations, lean, norm
+from .lean import lean, norm
 from .lean_operations import Choice
 from .mul3 import Mul3
-from .nodes import SATURATE, WRAP, Dataflow, Node, Record
+from .nodes import SAME, SATURATE, SUM, WRAP, Dataflow, Growth, Limited, Node, Record, Within
 
 SECTIONS = {"hand": "wrist target of a hand pose", **CORE_SECTIONS, "frame": "wrist quaternion", "joints": "angles"}
 """Section name -> description; the core's sections are the lean datapath's."""
@@ -103,24 +103,16 @@ class Outside(Function):
         return {node.name}  # set after the joint's angle
 
 
-class OutsideFormat(Operation):
+class OutsideFormat(Function):
     """Mask of wrists that have a coordinate outside the format of its node."""
 
-    free = True
+    def __init__(self, *wrists: Node) -> None:
+        def mask(*words):
+            rounded = [node.rounded(word) for node, word in zip(wrists, words, strict=True)]
+            return reduce(or_, ((word > fmt.high) | (word < fmt.low) for word in rounded))
 
-    def __init__(self, *wrists) -> None:
-        super().__init__(*(operand for node in wrists for operand in node.operands))
-        self.wrists = wrists
-
-    def words(self, values):
-        out = False
-        for node in self.wrists:
-            word = node.rounded(node.op.words(values))
-            out = out | (word > node.format.high) | (word < node.format.low)
-        return out
-
-    def text(self, level=0):
-        return f"{', '.join(node.name for node in self.wrists)} outside the format"
+        fmt, names = wrists[0].format, ", ".join(node.name for node in wrists)
+        super().__init__(mask, f"{names} outside the format", *(node.op for node in wrists), frac=0)
 
     def mask_registers(self, to, node):
         return to.wrist_registers()
@@ -131,43 +123,46 @@ def parts(before: str, after: str = "", of: str = "wijk") -> tuple[str, ...]:
     return tuple(f"{before}{part}{after}" for part in of)
 
 
+def equations(*names: str) -> str:
+    """Return the facts that are the equations of these nodes."""
+    return "; ".join(f"={name}" for name in names)
+
+
 def hand(d: Dataflow, target: dict[str, Node]) -> None:
     """Build the wrist point (x, y, z), the quaternion h, which is Qh or, for a bad hand, 1, and the flags of both."""
     f = LeanFormats(d.width)
     d.at("hand")
-    good = ("=qh_len", "good hand", "|Qh|")
+    good = "=qh_len; good hand; |Qh|"
     # Four squares add up to at most 16; the sum wraps at 8. A wrapped sum is far from 1, so the hand is still bad.
     exact = Format(2 * d.width, 2 * d.width - 4, "2*W - 4")
     sums = equations("bad_hand", "hand_sq", "hijk_sq", "hij_sq", *parts("h", "_sq"), *parts("qh_"))
     squares = {}
     for c in "ijkw":
-        proof: tuple[str, ...] = (f"=h{c}_sq", *good)
-        facts: Record = {"within": LENGTH, "grows": SAME, "proof": proof}
+        facts: Record = {"within": LENGTH, "grows": SAME, "proof": f"=h{c}_sq; {good}"}
         squares[c] = d.node(f"h{c}_sq", square(target[f"qh_{c}"]), exact, "square", **facts)
     total = squares["i"]
     for c, name in (("j", "hij_sq"), ("k", "hijk_sq"), ("w", "hand_sq")):
-        facts = {"ends": WRAP, "within": LENGTH, "grows": SUM, "proof": (*good, *sums)}
+        facts = {"ends": WRAP, "within": LENGTH, "grows": SUM, "proof": f"{good}; {sums}"}
         total = d.node(name, WrappedSum((1, total), (1, squares[c])), exact, "wide", **facts)
     least, most = ((1 + side / 256) ** 2 for side in (-1, 1))
     bad_hand = d.mask("bad_hand", (total < least) | (total >= most))
     for c in "wijk":
-        facts = {"within": GOOD, "grows": SAME, "proof": ("=h_len", "|h|")}
+        facts = {"within": GOOD, "grows": SAME, "proof": "=h_len; |h|"}
         d.node(f"h_{c}", replaced(target[f"qh_{c}"], bad_hand, int(c == "w")), f.result, **facts)
-    facts = {"within": POINT, "grows": SAME, "proof": ("=tool_h", "=tool")}
+    facts = {"within": POINT, "grows": SAME, "proof": "=tool_h; =tool"}
     tool_h = d.node("tool_h", replaced(target["tool"], bad_hand, 0), f.result, **facts)
     d.definitions["qh_len"] = norm(*parts("qh_"))
     d.definitions["h_len"] = norm(*parts("h_"))
     d.lemma("good hand", "not bad_hand")  # assumption, used only for the hand's products
-    d.lemma("|Qh|", f"implies(not bad_hand, qh_len <= {MOST_H})", "=qh_len", *sums)
-    d.lemma("|h|", f"0 <= h_len and h_len <= {MOST_H}", "=h_len", "=qh_len", "|Qh|", *equations(*parts("h_")))
+    d.lemma("|Qh|", f"implies(not bad_hand, qh_len <= {MOST_H})", f"=qh_len; {sums}")
+    d.lemma("|h|", f"0 <= h_len and h_len <= {MOST_H}", f"=h_len; =qh_len; |Qh|; {equations(*parts('h_'))}")
 
     def product(a: str, b: str) -> Node:
-        proof = (f"=h_{a}{b}", *good)
-        operands = target[f"qh_{a}"], target[f"qh_{b}"]
-        return d.node(f"h_{a}{b}", Mul3(*operands), f.inner, within=GOOD, proof=proof)
+        operation = Mul3(target[f"qh_{a}"], target[f"qh_{b}"])
+        return d.node(f"h_{a}{b}", operation, f.inner, within=GOOD, proof=f"=h_{a}{b}; {good}")
 
     def row(axis: str, total: Sum) -> Node:
-        proof = (f"=r_{axis}", *equations(*(node.name for node in total.operands)), *good)
+        proof = f"=r_{axis}; {equations(*(node.name for node in total.operands))}; {good}"
         return d.node(f"r_{axis}", total, f.inner, ends=WRAP, within=ROW, grows=SUM, proof=proof)
 
     rows = {"x": row("x", product("i", "k") + product("w", "j")), "y": row("y", product("j", "k") - product("w", "i"))}
@@ -194,20 +189,19 @@ def frame(d: Dataflow) -> None:
     for c, row in PRODUCTS.items():
         terms = []
         for a, b, sign in map(tuple, row.split()):
-            proof: tuple[str, ...] = (f"=g_{a}{b}", "=qs_len", "=h_len", "words of Qs", "|h|")
-            product, facts = Mul3(n[f"qs_{a}"], n[f"h_{b}"]), {"within": PART, "proof": proof}
-            terms.append((1 if sign == "+" else -1, d.node(f"g_{a}{b}", product, f.inner, "mul3_far", **facts)))
-        d.node(f"g_{c}", Sum(*terms), f.inner, "sum2", within=PART, grows=SUM, proof=("=g_len", "|G|"))
+            facts = {"within": PART, "proof": f"=g_{a}{b}; =qs_len; =h_len; words of Qs; |h|"}
+            term = d.node(f"g_{a}{b}", Mul3(n[f"qs_{a}"], n[f"h_{b}"]), f.inner, "mul3_far", **facts)
+            terms.append((1 if sign == "+" else -1, term))
+        d.node(f"g_{c}", Sum(*terms), f.inner, "sum2", within=PART, grows=SUM, proof="=g_len; |G|")
     turned = []
     for c, other, direction in (("w", "i", 1), ("i", "w", -1), ("j", "k", 1), ("k", "j", -1)):
         products = []
         for part, half in ((c, "i"), (other, "w")):
             name = f"f_{c}{part}"
-            facts = {"within": PART, "proof": (f"={name}", "=g_len", "=qe_len", "|G|", "words of Qe")}
-            product = Mul3(n[f"g_{part}"], n[f"qe_{half}"])
-            products.append(d.node(name, product, f.inner, "mul3_far", **facts))
+            facts = {"within": PART, "proof": f"={name}; =g_len; =qe_len; |G|; words of Qe"}
+            products.append(d.node(name, Mul3(n[f"g_{part}"], n[f"qe_{half}"]), f.inner, "mul3_far", **facts))
             turned.append(name)
-        facts = {"rounding": HALF_UP, "within": PART, "grows": ROUNDED_SUM, "proof": ("=qw_len", "|Qw|")}
+        facts = {"rounding": HALF_UP, "within": PART, "grows": ROUNDED_SUM, "proof": "=qw_len; |Qw|"}
         difference = Sum((direction, products[1]), (-1, products[0]))
         total = Choice(difference, "rounded_sum", *products, direction, operands=tuple(products))
         d.node(f"qw_{c}", total, f.result, "sum2", **facts)
@@ -216,32 +210,29 @@ def frame(d: Dataflow) -> None:
 
 def frame_lemmas(d: Dataflow, turned: list[str]) -> None:
     """State the lemmas on the lengths of Qs, Qe, G and Qw, in exact arithmetic and as words."""
-    uses: tuple[str, ...] = equations("w_q", "i_q", "j_q", "k_q", "wi_1_len", "kj_1_len")
-    d.lemma("|w_q|", f"{norm('w_q', 'i_q', 'j_q', 'k_q')} <= 1", *uses, "q_1", "1/|q|", "length_sq")
-    d.lemma("|Qs|", f"{norm(*parts('qs_'))} <= 1", "|w_q|", *equations(*parts("qs_")))
-    uses = ("case", "=qe_w", "=qe_i", "elbow w", "elbow i", "A + B", "=d1", "=d2")
-    d.lemma("|Qe|", f"{norm('qe_w', 'qe_i')} == 1", *uses)
+    uses = "=w_q; =i_q; =j_q; =k_q; =wi_1_len; =kj_1_len; q_1; 1/|q|; length_sq"
+    d.lemma("|w_q|", f"{norm('w_q', 'i_q', 'j_q', 'k_q')} <= 1", uses)
+    d.lemma("|Qs|", f"{norm(*parts('qs_'))} <= 1", f"|w_q|; {equations(*parts('qs_'))}")
+    d.lemma("|Qe|", f"{norm('qe_w', 'qe_i')} == 1", "case; =qe_w; =qe_i; elbow w; elbow i; A + B; =d1; =d2")
     for q, e in WORST_ERROR.items():  # |w| <= |q| + e and |q| <= q^2 + 1/4
         for part in parts(f"{q}_", of="wi" if q == "qe" else "wijk"):
             statement = f"{part}_w*{part}_w <= {1 + 2 * e}*{part}*{part} + {e / 2 + e * e:.9f}"
-            d.lemma(f"word {part}", statement, part, f"~{part}")
+            d.lemma(f"word {part}", statement, f"{part}; ~{part}")
     for q, of in (("qs", "wijk"), ("qe", "wi")):
         d.definitions[f"{q}_len"] = norm(*parts(f"{q}_", "_w", of))
     d.definitions["g_len"] = norm(*parts("g_"))
     d.definitions["qw_len"] = norm(*parts("qw_"))
-    words = [f"word {part}" for part in parts("qs_")]
-    d.lemma("words of Qs", "0 <= qs_len and qs_len <= 1.017", "=qs_len", "|Qs|", *words)
-    uses = ("=qe_len", "|Qe|", "word qe_w", "word qe_i")
-    d.lemma("words of Qe", "0 <= qe_len and qe_len <= 1.001", *uses)
-    lengths = equations("g_len", "qs_len", "h_len")
-    products = [f"=g_{a}{b}" for a in "wijk" for b in "wijk"]
-    d.lemma("|G| = |Qs| |h|", "g_len == qs_len*h_len", *lengths, *equations(*parts("g_")), *products)
-    d.lemma("|G|", "0 <= g_len and g_len <= 1.025", "|G| = |Qs| |h|", "words of Qs", "|h|")
-    lengths = equations("qw_len", "g_len", "qe_len", *parts("qw_"))
-    d.lemma("|Qw| = |G| |Qe|", "qw_len == g_len*qe_len", *lengths, *equations(*turned))
-    d.lemma("|Qw|", "qw_len <= 1.0265", "|Qw| = |G| |Qe|", "|G|", "words of Qe")
-    words = [f"word {part}" for part in parts("qw_")]
-    d.lemma("words of Qw", f"{norm(*parts('qw_', '_w'))} <= 1.028", "=qw_len", "|Qw|", *words)
+    uses = "=qs_len; |Qs|; word qs_w; word qs_i; word qs_j; word qs_k"
+    d.lemma("words of Qs", "0 <= qs_len and qs_len <= 1.017", uses)
+    d.lemma("words of Qe", "0 <= qe_len and qe_len <= 1.001", "=qe_len; |Qe|; word qe_w; word qe_i")
+    products = (f"g_{a}{b}" for a in "wijk" for b in "wijk")
+    uses = equations("g_len", "qs_len", "h_len", *parts("g_"), *products)
+    d.lemma("|G| = |Qs| |h|", "g_len == qs_len*h_len", uses)
+    d.lemma("|G|", "0 <= g_len and g_len <= 1.025", "|G| = |Qs| |h|; words of Qs; |h|")
+    d.lemma("|Qw| = |G| |Qe|", "qw_len == g_len*qe_len", equations("qw_len", "g_len", "qe_len", *parts("qw_"), *turned))
+    d.lemma("|Qw|", "qw_len <= 1.0265", "|Qw| = |G| |Qe|; |G|; words of Qe")
+    uses = "=qw_len; |Qw|; word qw_w; word qw_i; word qw_j; word qw_k"
+    d.lemma("words of Qw", f"{norm(*parts('qw_', '_w'))} <= 1.028", uses)
 
 
 def joints(d: Dataflow) -> None:
@@ -260,7 +251,7 @@ def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
     fmt = Format(d.width + 3, d.width + 1, "W + 1", signed=False)
     for name, x, y in (("d", "i", "j"), ("s", "w", "k")):
         of = Angle(n[f"{q}_{x}"], n[f"{q}_{y}"])
-        proof = (f"={q}_{x}{y}", *["=qs_len"] * (q == "qs"), f"words of Q{q[1]}")
+        proof = f"={q}_{x}{y}; {'=qs_len; ' * (q == 'qs')}words of Q{q[1]}"
         of.length = d.node(f"{q}_{x}{y}", Gained(of), fmt, within=GAINED, proof=proof)
         angle(d, f"{q}_{name}", of)
     between = angle(d, f"{q}_b", Angle(n[f"{q}_wk"], n[f"{q}_ij"]))
@@ -269,8 +260,7 @@ def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
     for name, sign in ((names[0], 1), (names[2], -1)):
         turned = tuple(n[bit] for bit in TURNED[name])
         total = Sum((1, one), (sign, other), (1, Select(Logic("xor", ANY, *turned), -1, 0)))
-        joint = Choice(total, "joint", one, other, sign, turned, free=True)
-        d.node(name, joint, d.word(0), "sum2", **facts)
+        d.node(name, Choice(total, "joint", one, other, sign, turned, free=True), d.word(0), "sum2", **facts)
     _twice(d, names[1], between)
 
 
@@ -284,5 +274,4 @@ def angle(d: Dataflow, name: str, of: Angle) -> Node:
 def _twice(d: Dataflow, name: str, half: Node) -> None:
     facts: Record = {"rounding": HALF_UP, "ends": WRAP, "within": TURN, "grows": Growth((2.0,))}
     term, negated = 2 * half, d.nodes[NEGATED[name]]
-    joint = Choice(Select(negated, -term, term), "twice", half, negated, free=True)
-    d.node(name, joint, d.word(0), **facts)
+    d.node(name, Choice(Select(negated, -term, term), "twice", half, negated, free=True), d.word(0), **facts)

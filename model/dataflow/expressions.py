@@ -156,21 +156,32 @@ def _aligned(values: Values, *terms: Term) -> list:
 class Operation(Term):
     """Operation of a dataflow on the terms ``parts``.
 
-    ``words``, ``formula`` and ``text`` read it as a term.  The methods with the argument ``node`` also use the rounding
-    and the format of the node that it computes.
+    ``words``, ``formula`` and ``text`` read it as a term.  By default, formula and text are the patterns ``smt`` and
+    ``pattern``, with braces for the parts.  The methods with the argument ``node`` also use the rounding and the format
+    of the node that it computes.
     """
 
-    level = ATOM
+    smt, pattern = "", ""
+    level, inner = ATOM, CHOICE  # binding strength of the text, and of the context of the parts in it
     kind = "choose"
     latency: str | None = "mux"  # key of :class:`.formats.Latency`
     adds_rounding = False  # True: :meth:`growth` leaves out the rounding of this operation
     rounds: tuple[float, float] | None = None  # error range in ulps, if the operation rounds by a rule of its own
     free = False  # True: proofs have no formula for it
+    method = ""  # of the folded program's lowering; without it, :meth:`lower` must be defined
+    given: tuple[Any, ...] = ()  # its arguments, by default the parts
     parts: tuple[Any, ...]  # terms; some operations take nodes
 
     def __init__(self, *parts: Term) -> None:
         self.parts = parts
         self.operands = self.leaves = tuple(dict.fromkeys(node for part in parts for node in part.leaves))
+
+    def formula(self, domain):
+        return self.smt.format(*(part.formula(domain) for part in self.parts))
+
+    def text(self, level=0):
+        text = self.pattern.format(*(part.text(self.inner) for part in self.parts))
+        return f"({text})" if level > self.level else text
 
     def error(self, node) -> tuple[float, float]:
         """Return the range (low, high) of the rounding error that the operation adds, in ulps of the node."""
@@ -185,7 +196,7 @@ class Operation(Term):
         return self.words(values) * 2.0 ** (node.frac - self.frac)
 
     def growth(self, node, bounds) -> float:
-        """Return the largest error of the node's word.  ``bounds``: operand name -> :class:`.annotations.Bound`."""
+        """Return the largest error of the word.  ``bounds``: operand name -> :class:`model.bounds.ranges.Bound`."""
         return node.grows([bounds[operand.name].error for operand in self.operands if operand.frac], node.format.ulp)
 
     def facts(self, node, domain) -> list[str]:
@@ -193,15 +204,14 @@ class Operation(Term):
         return [] if self.free else [f"(= {node.name} {self.formula(domain)})"]
 
     def lower(self, to, node) -> None:
-        """Add the node's steps to the folded program ``to``, a :class:`.fold.lowering.Lowering`."""
-        raise NotImplementedError(f"{node.name}: the folded program has no {type(self).__name__}")
+        """Add the node's steps to the folded program: call ``method`` of ``to``, a :class:`.fold.lowering.Lowering`."""
+        if not self.method:
+            raise NotImplementedError(f"{node.name}: the folded program has no {type(self).__name__}")
+        getattr(to, self.method)(node, *(self.given or self.parts))
 
     def mask_registers(self, to, node) -> set[str]:
         """Return the names of the folded datapath's registers on which the mask ``node`` depends."""
         return set().union(*(to.operand_registers(node, operand) for operand in self.operands))
-
-    def enclosed(self, text: str, level: int) -> str:
-        return f"({text})" if level > self.level else text
 
 
 class Constant(Term):
@@ -225,11 +235,11 @@ class Constant(Term):
 class Sum(Operation):
     """Sum of signed terms."""
 
-    level = ADDED
+    level, method = ADDED, "sum"
 
     def __init__(self, *terms: tuple[int, Term]) -> None:
         super().__init__(*(term for _, term in terms))
-        self.terms = terms
+        self.terms, self.given = terms, (terms,)
         self.frac = max(term.frac for term in self.parts)
 
     def words(self, values):
@@ -246,14 +256,14 @@ class Sum(Operation):
         terms = [(s, t) for s, t in self.terms if not (isinstance(t, Constant) and t.value == 0)]
         first, *others = ((sign, term.text(ADDED + (sign < 0))) for sign, term in terms)
         signed = "".join(f" {'+' if sign > 0 else '-'} {text}" for sign, text in others)
-        return self.enclosed(f"{'-' if first[0] < 0 else ''}{first[1]}{signed}", level)
-
-    def lower(self, to, node):
-        to.sum(node, self.terms)
+        text = f"{'-' if first[0] < 0 else ''}{first[1]}{signed}"
+        return f"({text})" if level > ADDED else text
 
 
 class Product(Operation):
     """a * b * 2^scale, exactly."""
+
+    smt, method = "(* {} {})", "exact_product"
 
     def __init__(self, a: Term, b: Term, scale: int = 0) -> None:
         super().__init__(a, b)
@@ -263,15 +273,9 @@ class Product(Operation):
         a, b = (part.words(values) for part in self.parts)
         return a * b
 
-    def formula(self, domain):
-        return f"(* {' '.join(part.formula(domain) for part in self.parts)})"
-
     def text(self, level=0):
         a, b = (part.text(SCALED) for part in self.parts)
         return f"{2**self.scale} * " * (self.scale > 0) + (f"{a}^2" if a == b else f"{a} * {b}")
-
-    def lower(self, to, node):
-        to.exact_product(node, *self.parts)
 
 
 def square(a: Term) -> Product:
@@ -281,6 +285,7 @@ def square(a: Term) -> Product:
 class Unary(Operation):
     """Operation on one term.  By default its value is the term's value."""
 
+    smt = "{}"
     term: Any  # some operations take a node
 
     def __init__(self, term: Term) -> None:
@@ -290,9 +295,6 @@ class Unary(Operation):
     def words(self, values):
         return self.term.words(values)
 
-    def formula(self, domain):
-        return self.term.formula(domain)
-
     def text(self, level=0):
         return self.term.text(level)
 
@@ -300,19 +302,15 @@ class Unary(Operation):
 class Scaled(Unary):
     """Term times 2^power."""
 
-    level = SCALED
+    level = inner = SCALED
+    text = Operation.text
 
     def __init__(self, term: Term, power: int) -> None:
         super().__init__(term)
-        self.power, self.frac = power, term.frac - power
-
-    def formula(self, domain):
-        term = self.term.formula(domain)
-        return f"(* {number(2**self.power)} {term})" if self.power > 0 else f"(/ {term} {number(2**-self.power)})"
-
-    def text(self, level=0):
-        term = self.term.text(SCALED)
-        return self.enclosed(f"{2**self.power} * {term}" if self.power > 0 else f"{term} / {2**-self.power}", level)
+        self.frac = term.frac - power
+        factor = 2 ** abs(power)
+        self.smt = f"(* {number(factor)} {{}})" if power > 0 else f"(/ {{}} {number(factor)})"
+        self.pattern = f"{factor} * {{}}" if power > 0 else f"{{}} / {factor}"
 
 
 class Floor(Unary):
@@ -330,8 +328,8 @@ class Floor(Unary):
 class Function(Operation):
     """Any function of the words of ``parts``.
 
-    * ``pattern``: text with braces for the parts' texts, in a context of binding strength ``level``
-    * ``formula``: the same for the formula; without it, proofs have none
+    * ``pattern``: of the text; ``level``: binding strength of the context of the parts in it
+    * ``formula``: pattern of the formula; without it, proofs have none
     * ``frac``: fraction bits, by default the largest number of the parts
     """
 
@@ -339,23 +337,17 @@ class Function(Operation):
         self, function: Callable, pattern: str, *parts: Term, frac: int | None = None, formula: str = "", level: int = 0
     ) -> None:
         super().__init__(*parts)
-        self.function, self.patterns, self.inner, self.free = function, (pattern, formula), level, not formula
+        self.function, self.pattern, self.inner, self.smt, self.free = function, pattern, level, formula, not formula
         self.frac = max(part.frac for part in parts) if frac is None else frac
 
     def words(self, values):
         return self.function(*(part.words(values) for part in self.parts))
 
-    def formula(self, domain):
-        return self.patterns[1].format(*(part.formula(domain) for part in self.parts))
-
-    def text(self, level=0):
-        return self.patterns[0].format(*(part.text(self.inner) for part in self.parts))
-
 
 class Select(Operation):
     """``yes`` where the mask is set, else ``no``."""
 
-    level = CHOICE
+    smt = "(ite {2} {0} {1})"
 
     def __init__(self, mask: Term, yes, no) -> None:
         self.mask, self.yes, self.no = mask, as_term(yes), as_term(no)
@@ -365,11 +357,9 @@ class Select(Operation):
     def words(self, values):
         return np.where(self.mask.words(values), *_aligned(values, self.yes, self.no))
 
-    def formula(self, domain):
-        return f"(ite {' '.join(part.formula(domain) for part in (self.mask, self.yes, self.no))})"
-
     def text(self, level=0):
-        return self.enclosed(f"{self.mask.text(COMPARED)} ? {self.yes.text(CHOICE + 1)} : {self.no.text()}", level)
+        text = f"{self.mask.text(COMPARED)} ? {self.yes.text(CHOICE + 1)} : {self.no.text()}"
+        return f"({text})" if level > CHOICE else text
 
 
 # -- decisions -------------------------------------------------------------------------------------------------------
@@ -378,12 +368,14 @@ class Select(Operation):
 class Compared(Operation):
     """Relation of two terms: ``<``, ``<=`` or ``=``."""
 
-    level = COMPARED
+    level, inner = COMPARED, ADDED
     RELATIONS: Mapping[str, Callable] = {"<": np.less, "<=": np.less_equal, "=": np.equal}
 
     def __init__(self, relation: str, left: Term, right: Term) -> None:
         super().__init__(left, right)
         self.relation = relation
+        swapped = isinstance(left, Constant)  # a >= 0 is stored as 0 <= a
+        self.pattern = f"{{1}} {relation.replace('<', '>')} {{0}}" if swapped else f"{{0}} {relation} {{1}}"
 
     def words(self, values):
         return np.asarray(self.RELATIONS[self.relation](*_aligned(values, *self.parts))).astype(bool)
@@ -391,26 +383,14 @@ class Compared(Operation):
     def formula(self, domain):
         return domain.compared(self)
 
-    def text(self, level=0):
-        left, right = (part.text(ADDED) for part in self.parts)
-        if isinstance(self.parts[0], Constant):  # a >= 0 is stored as 0 <= a
-            left, right = right, left
-            return self.enclosed(f"{left} {self.relation.replace('<', '>')} {right}", level)
-        return self.enclosed(f"{left} {self.relation} {right}", level)
-
 
 class Logic(Operation):
     """Masks joined by ``or``, ``and`` or ``xor``."""
 
     def __init__(self, word: str, level: int, *masks: Term) -> None:
         super().__init__(*masks)
-        self.word, self.level = word, level
+        self.word, self.level, self.inner = word, level, level
+        self.smt, self.pattern = f"({word}{' {}' * len(masks)})", f" {word} ".join(["{}"] * len(masks))
 
     def words(self, values):
         return getattr(np, f"logical_{self.word}").reduce([part.words(values) for part in self.parts])
-
-    def formula(self, domain):
-        return f"({self.word} {' '.join(part.formula(domain) for part in self.parts)})"
-
-    def text(self, level=0):
-        return self.enclosed(f" {self.word} ".join(part.text(self.level) for part in self.parts), level)

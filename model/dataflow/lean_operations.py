@@ -97,7 +97,7 @@ class Even(Operation):
 class EvenCount(Operation):
     """Number of pairs by which :class:`Even` shifts."""
 
-    kind, latency = "even", "even"
+    kind, latency, pattern = "even", "even", "clz({}) / 2"
 
     def __init__(self, shifted: Even) -> None:
         super().__init__(shifted.value)
@@ -108,9 +108,6 @@ class EvenCount(Operation):
 
     def facts(self, node, domain):
         return [f"(and (<= 1.0 {node.name}) (<= {node.name} {number(2.0**self.most)}))"]
-
-    def text(self, level=0):
-        return f"clz({self.shifted.value.text()}) / 2"
 
     def lower(self, to, node):
         pass  # made by the mantissa's step
@@ -139,7 +136,7 @@ class Count(Operation):
         return " ".join(names) + f" + {self.constant}" * (self.constant > 0)
 
     def lower(self, to, node):
-        to.count(node, self.constant, self.terms)
+        to.counts[node.name] = self.constant, tuple((factor, count.name) for factor, count in self.terms)
 
 
 class Shift(Operation):
@@ -150,18 +147,17 @@ class Shift(Operation):
     def __init__(self, value: Node, count: Node, power: int = 0) -> None:
         super().__init__(value, count)
         self.value, self.count, self.power, self.frac = value, count, power, value.frac - power
+        self.given = value, count.name, power
+        self.smt, self.pattern = f"(* {number(2.0**power)} {{}} {{}})", f"{{}} * {_power(count, self.sign, power)}"
 
     def words(self, values):
         return self.value.words(values) * 2.0 ** (self.sign * self.count.words(values))
-
-    def text(self, level=0):
-        return f"{self.value.text()} * {_power(self.count, self.sign, self.power)}"
 
 
 class ShiftUp(Shift):
     """v 2^(power + n), truncated.  Bits above the format, set only for clamped targets, are dropped."""
 
-    sign = 1
+    sign, method = 1, "shift_up"
 
     def result(self, node, values):
         up = node.frac - self.frac
@@ -171,26 +167,17 @@ class ShiftUp(Shift):
             shifted = shifted >> np.maximum(-up - count, 0)
         return wrap(shifted, node.format.width).astype(np.int64)
 
-    def formula(self, domain):
-        return f"(* {number(2.0**self.power)} {self.value.formula(domain)} {self.count.name})"
-
-    def lower(self, to, node):
-        to.shift_up(node, self.value, self.count.name, self.power)
-
 
 class ShiftDown(Shift):
     """v 2^(power - n), truncated."""
 
-    sign = -1
+    sign, method = -1, "shift_down"
 
     def result(self, node, values):
         return self.value.words(values) << node.frac - self.frac >> self.count.words(values)
 
     def facts(self, node, domain):
         return [f"(= (* {node.name} {self.count.name}) (* {number(2.0**self.power)} {self.value.formula(domain)}))"]
-
-    def lower(self, to, node):
-        to.shift_down(node, self.value, self.count.name, self.power)
 
 
 def _power(count: Node, sign: int, constant: int) -> str:
@@ -212,10 +199,7 @@ class Choice(Unary):
 
     def __init__(self, expression: Term, method: str, *given: Any, operands: tuple = (), free: bool = False) -> None:
         super().__init__(expression)
-        self.operands, self.method, self._given, self.free = operands or self.operands, method, given, free
-
-    def lower(self, to, node):
-        getattr(to, self.method)(node, *self._given)
+        self.operands, self.method, self.given, self.free = operands or self.operands, method, given, free
 
 
 def _at_most(term: Term) -> Function:
@@ -240,8 +224,7 @@ def signed(value: Term, negative: Term) -> Choice:
 
 def elbow(value: Term, sign: int, clamp: Term, closed: Term, ends: tuple[int, int]) -> Choice:
     """Return a word times ``sign``; for a clamped target, ``ends[0]`` if the arm is closed, else ``ends[1]``."""
-    part = Select(clamp, Select(closed, *ends), value if sign > 0 else -value)
-    return Choice(part, "elbow", value, sign)
+    return Choice(Select(clamp, Select(closed, *ends), value if sign > 0 else -value), "elbow", value, sign)
 
 
 # -- half angles -----------------------------------------------------------------------------------------------------
@@ -258,8 +241,7 @@ def _halved(s: Term, none: Term | None = None) -> Term:
 
 def half_length(c: Term, unit: Term | None = None) -> Choice:
     """Return the squared length (1 + |c|)/2; 1 where the mask ``unit`` is set."""
-    length = Select(unit, 1, _half_length(c)) if unit else _half_length(c)
-    return Choice(length, "half_length", c, unit)
+    return Choice(Select(unit, 1, _half_length(c)) if unit else _half_length(c), "half_length", c, unit)
 
 
 def half_part(c: Term, s: Term, large: Term, length: Term | None = None, none: Term | None = None) -> Choice:
@@ -267,17 +249,14 @@ def half_part(c: Term, s: Term, large: Term, length: Term | None = None, none: T
 
     Without the node ``length`` the part computes the squared length itself.
     """
-    part = Select(large, length or _half_length(c), _halved(s, none))
-    return Choice(part, "half_part", c, s, large, none)
+    return Choice(Select(large, length or _half_length(c), _halved(s, none)), "half_part", c, s, large, none)
 
 
 def half_sum(length: Term, s: Term, none: Term, sign: int) -> Choice:
     """Return the squared length plus or minus half the sine, or without the sine where the mask ``none`` is set."""
-    total = Sum((1, length), (sign, _halved(s, none)))
-    return Choice(total, "half_sum", length, s, sign)
+    return Choice(Sum((1, length), (sign, _halved(s, none))), "half_sum", length, s, sign)
 
 
 def add_sub(whole: Term, part: Term, add: Term) -> Choice:
     """Return ``whole`` minus ``part``; their sum where the mask ``add`` is set."""
-    total = Select(add, whole + part, whole - part)
-    return Choice(total, "add_sub", whole, part, add)
+    return Choice(Select(add, whole + part, whole - part), "add_sub", whole, part, add)

@@ -19,6 +19,7 @@ proved (:mod:`model.bounds.ranges`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -26,13 +27,84 @@ from typing import Any
 import numpy as np
 
 from ..io.words import BRANCHES, FIELDS, REFERENCES
-from .annotations import Bound, Case, Growth, Limited, Rule, Within
 from .expressions import EXACT, HALF_UP, JAM, Operation, Term, round_shift, wrap
 from .formats import GUARD, WIDTHS, Format, Latency
 from .mul3 import TILE
 
 WIDE = 0.999 * 2.0**62  # largest magnitude that is computed in 64 bits
 SATURATE, WRAP = "saturate", "wrap"
+
+# ---- statements about a node -----------------------------------------------------------------------------------------
+
+
+class RangeError(Exception):
+    """Range or format that does not fit the node; the message names the node."""
+
+
+Interval = tuple[float, float]
+ANYTHING = -math.inf, math.inf
+
+
+@dataclass(frozen=True)
+class Within:
+    """Range [low, high] of a node in exact arithmetic, from geometry; ``why`` is the reason.
+
+    ``below``: the value stays below ``high``, and so does its word, which is exact or truncated.
+    """
+
+    low: float
+    high: float
+    why: str
+    below: bool = False
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Rule for one node of the paper datapath in each :class:`model.bounds.ranges.Case`.  ``limit`` narrows the range
+    computed from the operands, and ``why`` is the reason.  ``word`` is the range of the rounded word.  ``error`` is an
+    upper limit for the error computed from the operands."""
+
+    why: str
+    limit: Callable[[Any], Interval]
+    word: Callable[[Any], Interval] = lambda case: ANYTHING
+    error: Callable[[Any], float] = lambda case: math.inf
+
+
+class Given(Rule):
+    """Range of an exact word that its operands' ranges do not bound: a count, or a word that wraps where it is unused.
+    ``limit`` is the permitted part of the word's format."""
+
+
+@dataclass(frozen=True)
+class Growth:
+    """Error growth of an operation: the largest of the operands' errors, or their sum if ``added``.  Each error is
+    multiplied by its gain (default 1).  Unless ``exact``, rounding adds an ulp.  Masks and counts have no error and no
+    entry in ``gains``."""
+
+    gains: tuple[float, ...] = ()
+    added: bool = False
+    exact: bool = False
+
+    def __call__(self, errors: Sequence[float], ulp: float) -> float:
+        """Return the error of the result from the operands' errors."""
+        grown = [gain * error for gain, error in zip(self.gains, errors, strict=True)] if self.gains else errors
+        return (sum(grown) if self.added else max(grown)) + (0.0 if self.exact else ulp)
+
+
+@dataclass(frozen=True)
+class Limited:
+    """Intended saturation at the end of the format; ``why`` is the reason.  ``clamped``: only for clamped targets."""
+
+    why: str
+    clamped: bool = False
+
+
+SAME = Growth(exact=True)  # growth of a selection: the result is one of the operands
+
+SUM = Growth(added=True, exact=True)
+
+
+# ---- nodes -----------------------------------------------------------------------------------------------------------
 
 
 @dataclass(eq=False)
@@ -147,10 +219,7 @@ Limits = Sequence[Sequence[int]]  # (lower, upper) limit of each joint, words wi
 class Input(Operation):
     """Input word of a target."""
 
-    kind, latency = "input", None
-
-    def text(self, level=0):
-        return "input"
+    kind, latency, pattern = "input", None, "input"
 
     def lower(self, to, node):
         pass
@@ -160,7 +229,7 @@ class Dataflow:
     """Dataflow at one word length: its nodes in order, and statements for ranges and proofs.
 
     * ``limits``: (lower, upper) limit of each joint of the whole arm, words with one turn = 2^W; by default none
-    * ``learned``: number of nodes before it -> function that tightens the bounds of a :class:`.annotations.Case`
+    * ``learned``: numbers of nodes before which :func:`model.bounds.ranges.off_length` tightens the bounds of a case
     * ``restarts``: number of nodes before it -> names of nodes that define a plane; their words count as exact from
       there on, because the later nodes are correct for any plane
     * ``lemmas``: name -> (statement, facts that prove it); without facts the statement is assumed
@@ -174,7 +243,7 @@ class Dataflow:
         self.limits = limits or [(-(1 << width - 1), (1 << width - 1) - 1)] * 7
         self.latency = Latency(width, tile)
         self.nodes: dict[str, Node] = {}
-        self.learned: dict[int, Callable[[Case, dict[str, Node], dict[str, Bound]], Case]] = {}
+        self.learned: set[int] = set()
         self.restarts: dict[int, tuple[str, ...]] = {}
         self.lemmas: dict[str, tuple[str, tuple[str, ...]]] = {}
         self.definitions: dict[str, str] = {}
@@ -206,7 +275,8 @@ class Dataflow:
 
     def node(self, name: str, op: Operation, fmt: Format, latency: str | None = "", after=None, **record) -> Node:
         """Add a node.  Its ``latency``, by default the operation's, is counted from the last of its operands and
-        ``after``.  ``record``: further fields of :class:`Node`.  Raises ValueError if the name is taken."""
+        ``after``.  ``record``: further fields of :class:`Node`; ``proof`` is a text, facts separated by semicolons.
+        Raises ValueError if the name is taken."""
         if name in self.nodes:
             raise ValueError(f"node {name} is defined twice")
         latency = op.latency if latency == "" else latency
@@ -215,6 +285,8 @@ class Dataflow:
         time = start + (self.latency[latency] if latency else 0)
         as_words = self._as_words & {operand.name for operand in op.operands}
         where = self._section, self._equation
+        if "proof" in record:
+            record["proof"] = tuple(record["proof"].split("; "))
         node = Node(name, *where, op, fmt, latency, time, self, after, as_words=as_words, **record)
         node.op.error(node)  # may raise RangeError
         self.nodes[name] = node
@@ -237,6 +309,6 @@ class Dataflow:
         self._since = self.nodes[names[-1]]
         self._as_words |= {*names}
 
-    def lemma(self, name: str, statement: str, *facts: str) -> None:
+    def lemma(self, name: str, statement: str, facts: str = "") -> None:
         """Add a lemma for proofs of ranges, with the facts that prove it; without facts the lemma is assumed."""
-        self.lemmas[name] = statement, facts
+        self.lemmas[name] = statement, tuple(facts.split("; ")) if facts else ()

@@ -8,15 +8,18 @@ shoulder or the z axis, and elbows near the z axis lose no precision.
 """
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
-from .annotations import SAME, SQRT3, SUM, Given, Growth, Limited, Rule, leading, not_negative, off_length, upto, used
 from .expressions import FLOOR, HALF_UP, JAM, Constant, Floor, Function, Select, Sum, square, zero
 from .formats import Format
 from .lean_operations import ShiftDown, ShiftUp
-from .nodes import SATURATE, Dataflow, Node
-from .paper_operations import Div, LeadingBits, Mul, Root, SineCosine, Total, normalize
+from .nodes import ANYTHING, SAME, SATURATE, SUM, Dataflow, Given, Growth, Interval, Limited, Node, Rule
+from .paper_operations import Div, Mul, Root, SineCosine, Total, leading_bits, normalize
+
+SQRT3 = math.sqrt(3)
 
 SECTIONS = {
     "guard": "domain and scale",
@@ -38,6 +41,21 @@ def paper(d: Dataflow, target: dict[str, Node]) -> None:
     elbow_quaternion(d)
     rotate_to_elbow(d)
     rotate_to_wrist(d)
+
+
+def upto(size: Callable[[Any], float]) -> Callable[[Any], Interval]:
+    """Return a function: case -> range [-size, size]."""
+    return lambda c: (-size(c), size(c))
+
+
+def used(limit: Callable[[Any], Interval]) -> Callable[[Any], Interval]:
+    """Return the function ``limit``, but without a range for clamped targets: their word is unused and may wrap."""
+    return lambda c: ANYTHING if c.clamped else limit(c)
+
+
+def not_negative(case) -> Interval:
+    """Return the range of a word that rounding never makes negative."""
+    return 0.0, math.inf
 
 
 # Before each section stand its nodes' ranges in exact arithmetic, from geometry, for each case, with the reason.
@@ -94,7 +112,7 @@ def guard(d: Dataflow, target: dict[str, Node]) -> None:
     # The target's horizontal direction in its own unit; on the z axis the azimuth is 0.
     normalize(d, ("b_x", "b_y"), (x, y), "lz_b", DIRECTION_UNIT)
     # The lengths in a unit that brings d1 + d2 to [1/2, 1), and the target in the same unit.
-    lz_r = d.node("lz_r", LeadingBits(r_raw), d.count, "lzc", within=leading(w))
+    lz_r = d.node("lz_r", leading_bits(r_raw), d.count, "lzc", within=Given("leading sign bits", lambda c: (0, w)))
     mantissa = Format(w + 1, w, "W")
     for name, raw in (("d_1", d1), ("d_2", d2)):
         shifted = d.node(f"{name}_sh", ShiftUp(raw, lz_r, -2), mantissa, "shift", within=ARM_SH)
@@ -257,7 +275,7 @@ def elbow(d: Dataflow) -> None:
         d.node(f"e_{axis}_pp", Total(n[f"e_{axis}_{u}"] - n[f"e_{axis}_{v}"]), d.wide(5), within=ELBOW_NUM)
         d.node(f"e_{axis}_sqr", Mul(tmp_sqr, n[f"pp_{m}_m"]), d.wide(5))
         d.node(f"e_{axis}_num", Total(n[f"e_{axis}_pp"] + n[f"e_{axis}_sqr"]), d.wide(5), within=ELBOW_NUM)
-        d.learned[len(n)] = off_length
+        d.learned.add(len(n))
         d.node(f"e_{axis}_quo", Div(n[f"e_{axis}_num"], inf_pp), d.word(1), within=ELBOW)
         # The elbow of a clamped arm lies on the line to the target, here at half the target's distance.
         near = Floor(p[axis] / 2, d.word(1).frac)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations of the paper's dataflow: rounded products and sums, division, root, CORDIC, normalization.
 
-``interval(node, bounds)`` returns low, high, error and (floor, ceiling) of a :class:`.annotations.Bound`.
+``interval(node, bounds)`` returns low, high, error and (floor, ceiling) of a :class:`model.bounds.ranges.Bound`.
 """
 
 import math
@@ -13,11 +13,9 @@ import mpmath
 import numpy as np
 
 from .angles import TABLE_BITS, atan_table
-from .annotations import Given, RangeError, leading
-from .expressions import EXACT, FLOOR, HALF_UP, SCALED, Operation, Product, Sum, Term, Unary, round_shift
-from .formats import Format
+from .expressions import EXACT, FLOOR, HALF_UP, SCALED, Function, Operation, Product, Sum, Term, Unary, round_shift
 from .lean_operations import room
-from .nodes import Dataflow, Node
+from .nodes import Dataflow, Given, Node, RangeError
 from .quadratic import HalfAngle
 
 SINCOS_GUARD = 6
@@ -34,12 +32,6 @@ def cordic_gain() -> int:
     with mpmath.workprec(200):
         gain = mpmath.fprod(1 / mpmath.sqrt(1 + mpmath.mpf(4) ** -i) for i in range(100))
         return int(mpmath.nint(gain * 2**TABLE_BITS))
-
-
-def floor_div(n, d, shift: int, fmt: Format):
-    """Return floor(n 2^shift / d); where d <= 0, the number just below ``fmt`` if n < 0, else the number just above."""
-    q = (n << shift) // np.where(d > 0, d, 1)
-    return np.where(d > 0, q, np.where(n < 0, fmt.low - 1, fmt.high + 1))
 
 
 def floor_root(n, shift: int):
@@ -101,11 +93,6 @@ class Saturating(Operation):
     def result(self, node, values):
         return np.clip(self.unlimited(node, values), node.format.low, node.format.high)
 
-    def overflow(self, node, values):
-        """Return a mask of the words that saturate."""
-        words = self.unlimited(node, values)
-        return (words < node.format.low) | (words > node.format.high)
-
 
 class Rounded(Saturating):
     """Operation that rounds half up and saturates."""
@@ -162,17 +149,17 @@ class Total(Rounded, Sum):
 
 
 class Div(Saturating):
-    """floor(n / d), saturated; where d <= 0, the smallest word if n < 0, else the largest."""
+    """floor(n / d), saturated.  Proved ranges exclude divisors <= 0 (:meth:`interval`)."""
 
     kind, latency, rounds = "div", "div", FLOOR
+    pattern, inner = "{} / {}", SCALED
 
     def __init__(self, n: Term, d: Term) -> None:
         super().__init__(n, d)
         self.n, self.d = n, d
 
     def unlimited(self, node, values):
-        shift = node.frac - self.n.frac + self.d.frac
-        return floor_div(self.n.words(values), self.d.words(values), shift, node.format)
+        return (self.n.words(values) << node.frac - self.n.frac + self.d.frac) // self.d.words(values)
 
     def real_result(self, node, values):
         n, d = self.n.words(values), self.d.words(values)
@@ -190,9 +177,6 @@ class Div(Saturating):
         words = [u / v for u in p.word for v in q.word]
         word = min(words) - fmt.ulp, max(words)
         return min(ends), max(ends), (p.error + size * q.error) / least + fmt.ulp, word
-
-    def text(self, level=0):
-        return f"{self.n.text(SCALED)} / {self.d.text(SCALED)}"
 
 
 class Root(Unary):
@@ -231,22 +215,18 @@ class SineCosine(HalfAngle):
         return -1.0, 1.0, CORDIC[1] * node.format.ulp, (-math.inf, math.inf)
 
 
-class LeadingBits(Operation):
-    """Left shift that makes the largest of a vector's words fill its width; 0 for the all-zero vector."""
+def leading_bits(*vector: Node) -> Function:
+    """Return the left shift that makes the largest of a vector's words fill its width; 0 for the all-zero vector."""
 
-    latency = "norm"
+    def count(*words):
+        shifts = [room(word, vector[0].format.width) for word in words]
+        return np.where(np.any(words, axis=0), np.minimum.reduce(shifts), 0)
 
-    def words(self, values):
-        words = [part.words(values) for part in self.parts]
-        width = self.operands[0].format.width
-        return np.where(np.any(words, axis=0), np.minimum.reduce([room(word, width) for word in words]), 0)
-
-    def text(self, level=0):
-        return f"leading_sign_bits({', '.join(part.text() for part in self.parts)})"
+    return Function(count, f"leading_sign_bits({', '.join(['{}'] * len(vector))})", *vector, frac=0)
 
 
 class Normalized(Operation):
-    """Word of a vector, shifted left by its :class:`LeadingBits`; the all-zero vector becomes (1/2, 0, ..)."""
+    """Word of a vector, shifted left by its :func:`leading_bits`; the all-zero vector becomes (1/2, 0, ..)."""
 
     kind, latency = "normalize", "norm"
 
@@ -265,9 +245,6 @@ class Normalized(Operation):
         scaled = word.words(values) * 2.0 ** (self.count.words(values) + node.format.width - word.format.width)
         return np.where(empty, 0.0 if self.index else 0.5 / node.format.ulp, scaled)
 
-    def interval(self, node, bounds):
-        return None  # exact: a shift changes the unit, not the vector; bounds downstream refer to the actual words
-
     def text(self, level=0):
         return f"{self.operands[self.index].name} << {self.count.text()}"
 
@@ -275,10 +252,11 @@ class Normalized(Operation):
 def normalize(d: Dataflow, names: tuple[str, ...], words: tuple[Node, ...], count: str, within: Given) -> Node:
     """Build a vector's words, shifted left together until the largest fills its width; return the shift count.
 
-    The shifted nodes ``names`` are mantissas in [-1, 1).  The all-zero vector becomes (1/2, 0, ..).
+    The shifted nodes ``names`` are mantissas in [-1, 1), of the range ``within``, and exact: a shift changes the unit,
+    not the vector.  The all-zero vector becomes (1/2, 0, ..).
     """
-    bits = words[0].format.width - 1
-    counts = d.node(count, LeadingBits(*words), d.count, within=leading(bits))
+    bits = Given("leading sign bits", lambda case: (0, words[0].format.width - 1))
+    counts = d.node(count, leading_bits(*words), d.count, "norm", within=bits)
     for index, name in enumerate(names):
         d.node(name, Normalized(counts, words, index), d.word(0), within=within)
     return counts

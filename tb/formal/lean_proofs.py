@@ -18,11 +18,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from model.bounds.ranges import LeanRanges, on_grid
-from model.dataflow.annotations import Limited, Within
 from model.dataflow.expressions import FLOOR, JAM, Compared, Constant, FreeError, number
 from model.dataflow.fixed import dataflow
 from model.dataflow.formats import WIDTHS
-from model.dataflow.nodes import Node
+from model.dataflow.nodes import Limited, Node, Within
 from model.io.words import ARMS
 from tb.formal.smt import formula, smt
 from tb.formal.task import Question, digest_of, no_circle

@@ -11,9 +11,9 @@ from model.bounds import ranges
 from model.bounds.predict import Real
 from model.bounds.tolerances import REGULAR_DISTANCE
 from model.dataflow import fixed
-from model.dataflow.annotations import Within
 from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.formats import WIDTHS as ALL_WIDTHS
+from model.dataflow.nodes import Within
 from model.dataflow.paper_operations import Saturating
 from model.io.flags import UNREACHABLE, expected_flags
 from model.io.scoring import singular_distance
@@ -52,9 +52,8 @@ def test_random_targets_stay_inside_the_proved_ranges(width):
     regular[regular] = singular_distance(from_words(words[regular], 0, width, "random")) >= REGULAR_DISTANCE
     for name, proof in ranges.analyse(width)[0].items():
         node, fmt = proof.node, proof.node.format
-        out = (value[name] < fmt.low) | (value[name] > fmt.high)
-        if isinstance(node.op, Saturating):
-            out = out | node.op.overflow(node, value)
+        word = node.op.unlimited(node, value) if isinstance(node.op, Saturating) else value[name]
+        out = (word < fmt.low) | (word > fmt.high)
         if node.limited:
             out = out & ~clamped & node.limited.clamped
         assert not out.any(), f"{name} of {words[np.argmax(out)]} is beyond its format"

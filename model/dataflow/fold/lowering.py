@@ -50,7 +50,7 @@ class Sum:
 class Lowering:
     """Lean dataflow as steps: call :meth:`build`, then :meth:`groups`.
 
-    ``lower`` of an operation calls the method with the operation's name, with the node and its terms.
+    ``lower`` of an operation calls the operation's ``method`` with the node and its terms.
     """
 
     INPUTS: tuple[str, ...] = FIELDS
@@ -71,7 +71,7 @@ class Lowering:
         self.signs: set[str] = set()  # nodes whose signs select
         self.made_of: dict[str, set[str]] = {}  # mask -> the signs, zeros and counts that it depends on
         self.pairs: dict[str, tuple[str, str]] = {}  # the two parts of a rotation, whose places a flag selects
-        self.picks: dict[str, Pick] = {}  # squared lengths, and words that a flag replaces by a constant
+        self.picks: dict[Any, Pick] = {}  # pairs, squared lengths, and words that a flag replaces by a constant
         self.vectors: dict[str, timing.Vector] = {}  # of the angle unit
         self.joints: dict[str, timing.Joint] = {}
         self.rounded: set[str] = set()  # nodes that their steps round half up or down, as the node does
@@ -92,7 +92,8 @@ class Lowering:
         """Raise NotImplementedError if the node's steps do not round as the node does."""
         other = (HALF_UP,) if node.name in self.joints else (EXACT, FLOOR)
         if node.rounding not in ((HALF_UP, FLOOR) if node.name in self.rounded else other):
-            method = getattr(node.op, "method", f"called by {type(node.op).__name__}.lower")
+            kind = type(node.op)
+            method = f"called by {kind.__name__}.lower" if "lower" in vars(kind) else node.op.method
             where = f"model/dataflow/fold/lowering.py, class {type(self).__name__}, method {method}"
             raise NotImplementedError(f"{node.name}: the folded program lacks its rounding; implement it in {where}")
 
@@ -190,9 +191,6 @@ class Lowering:
 
     # ---- shifts --------------------------------------------------------------------------------------------------
 
-    def count(self, node: Node, constant: int, terms: tuple[tuple[int, Node], ...]) -> None:
-        self.counts[node.name] = constant, tuple((factor, count.name) for factor, count in terms)
-
     def even(self, node: Node, value: Node, count: str) -> None:
         inverse = any(of.inverse and of.name == value.name for sums in self.sums.values() for of in sums)
         kind = "arm" if value.name in ARMS else "inverse" if inverse else "even"
@@ -261,11 +259,10 @@ class Lowering:
         self.signs.add(cosine.name)
         self.weight[node.name] = 1
         unit = mask.name if mask else ""
-        a: str | Pick = cosine.name
         if mask:
-            a = self.picks[cosine.name] = Pick(cosine.name, Selector(unit), constant=ZERO)
-        minus = Selector(cosine.name, True, unless=unit)
-        self.terms[node.name] = Step(node.name, a, HALF, "word", "length", addend_by=Selector(unit), minus=minus)
+            self.picks[cosine.name] = Pick(cosine.name, Selector(unit), constant=ZERO)
+        by, minus = Selector(unit), Selector(cosine.name, True, unless=unit)
+        self.terms[node.name] = Step(node.name, cosine.name, HALF, "word", "length", addend_by=by, minus=minus)
 
     def half_part(self, node: Node, cosine: Node, sine: Node, large: Term, none: Node | None) -> None:
         """Record one part of a rotation.  The call for the second part adds the writes of both: the squared length's
@@ -279,16 +276,16 @@ class Lowering:
             return
         first, mask = self.pairs[length]
         self.pairs[length] = first, node.name
+        self.picks |= {first: Pick(first, NEVER), node.name: Pick(first, NEVER, second=True)}
         # A positive cosine and no mask: is the second part the larger one?
         second_larger = bool(large.words({cosine.name: 1, **dict.fromkeys(masks, False)}))
         flag = Selector("bend_swap") if none else Selector(cosine.name, negative=True)
         self.picks[length] = Pick(first, flag, second_larger)
         self.terms[length] = replace(self.terms[length], write=Write(self.picks[length]))
-        a: str | Pick = sine.name
         if none:
-            a = self.picks[sine.name] = Pick(sine.name, Selector(none.name), constant=ZERO)
+            self.picks[sine.name] = Pick(sine.name, Selector(none.name), constant=ZERO)
         name = f"{sine.name}/2"
-        small = Step(name, a, HALF, cut="word", write=Write(Pick(first, flag, not second_larger)))
+        small = Step(name, sine.name, HALF, cut="word", write=Write(Pick(first, flag, not second_larger)))
         if mask and not none:  # where the mask is set, both parts are 1/2
             small = replace(small, addend="none_or_half", addend_by=Selector(mask))
         self.terms[name] = small
@@ -336,19 +333,11 @@ class Lowering:
                 self._extend(groups.setdefault(name, []), 0, step)
         return groups
 
-    def _picked(self, operand: str | Pick | None) -> str | Pick | None:
-        """Return an operand; part of a pair, or a word that a flag can replace, as a :class:`Pick`."""
-        if not isinstance(operand, str):
-            return operand
-        for pair in self.pairs.values():
-            if operand in pair:
-                return Pick(pair[0], NEVER, operand == pair[1])
-        return self.picks.get(operand, operand)
-
     def _extend(self, group: list[tuple[int, Step]], at: int, step: Step) -> None:
         """Add a step to a group, and the steps whose addend is its T."""
         normal, counted = self.norms.get(step.name, (None, step.count))
-        a, b, sign = self._picked(step.a), self._picked(step.b) or ZERO, step.name if step.name in self.signs else ""
+        a, b = self.picks.get(step.a, step.a), self.picks.get(step.b, step.b)
+        sign = step.name if step.name in self.signs else ""
         group.append((at, replace(step, a=a, b=b, norm=normal, count=counted, sign=sign)))
         sums = sorted(self.sums.get(step.name, ()), key=lambda s: s.name in self.sums)
         for number, of in enumerate(sums):

@@ -7,7 +7,6 @@ model/bounds/tests/test_figures.py compares the tables' measured errors with pro
 
 import math
 from fractions import Fraction
-from itertools import product
 
 import numpy as np
 import pytest
@@ -15,11 +14,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from model.dataflow import angles, quadratic
-from model.dataflow.expressions import Sum, round_shift, wrap
-from model.dataflow.formats import Format, inner_frac
+from model.dataflow.expressions import round_shift, wrap
+from model.dataflow.formats import inner_frac
 from model.dataflow.mul3 import TILE, cuts, mul3, mul3_error, unseen
-from model.dataflow.nodes import Dataflow, Input, Node
-from model.dataflow.paper_operations import Mul, Total, floor_div, floor_root
+from model.dataflow.paper_operations import floor_root
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, SINE_FRACS, SMALL_FRAC
 
 ROOT_LIMIT = 1 << 63  # upper bound of floor_root's arguments; none in the datapath reaches 2^62
@@ -27,74 +25,6 @@ ROOT_LIMIT = 1 << 63  # upper bound of floor_root's arguments; none in the datap
 
 def signed(width: int):
     return st.integers(-(1 << width - 1), (1 << width - 1) - 1)
-
-
-def half_up(value: Fraction) -> int:
-    return math.floor(value + Fraction(1, 2))
-
-
-W = 16  # word length of these nodes; no operation depends on it
-ENDS = [-(1 << W - 1), -1, 0, 1, (1 << W - 1) - 1]
-
-
-FLOW = Dataflow(W)
-
-
-def inputs(columns, *formats: Format) -> tuple[list[Node], dict[str, np.ndarray]]:
-    """Return input nodes, and their words by name."""
-    nodes = [Node(name, "", "", Input(), fmt, None, 0, FLOW) for name, fmt in zip("abc", formats, strict=False)]
-    return nodes, {node.name: np.array(words, dtype=np.int64) for node, words in zip(nodes, columns, strict=True)}
-
-
-def check(operation, fmt: Format, values: dict[str, np.ndarray], exact: list[Fraction]) -> None:
-    """Assert that a node's words are the exact values, rounded half up and saturated, and check its overflow mask."""
-    node = Node("q", "", "", operation, fmt, operation.latency, 0, FLOW)
-    words = [half_up(value * 2**fmt.frac) for value in exact]
-    assert node.evaluate(values).tolist() == [min(max(word, fmt.low), fmt.high) for word in words]
-    assert operation.overflow(node, values).tolist() == [not fmt.low <= word <= fmt.high for word in words]
-
-
-@given(st.lists(st.tuples(signed(W), signed(W)), min_size=1), st.integers(-1, 3), st.booleans(), st.integers(0, 1))
-@example(list(product(ENDS, repeat=2)), 0, True, 0)
-@example(list(product(ENDS, repeat=2)), -1, True, 1)
-def test_product_is_rounded_and_saturated(pairs, integer_bits, narrow, scale):
-    (a, b), values = inputs(zip(*pairs, strict=True), FLOW.word(1), FLOW.word(0))
-    fmt = FLOW.word(integer_bits) if narrow else FLOW.wide(integer_bits)
-    place = 2 ** (a.format.frac + b.format.frac - scale)
-    check(Mul(a, b, scale), fmt, values, [Fraction(p * q, place) for p, q in pairs])
-
-
-@given(
-    st.lists(st.tuples(*[signed(W)] * 3), min_size=1), st.integers(0, 3), *[st.sampled_from((-1, 1))] * 2, st.booleans()
-)
-@example(list(product(ENDS, repeat=3)), 0, -1, -1, True)
-@example(list(product(ENDS, repeat=3)), 2, 1, -1, True)
-def test_sum_is_rounded_and_saturated(triples, integer_bits, b_sign, c_sign, three):
-    nodes, values = inputs(zip(*triples, strict=True), *[FLOW.word(0)] * 3)
-    terms = list(zip((1, b_sign, c_sign), nodes, strict=True))[: 2 + three]
-    exact = [Fraction(i + b_sign * j + three * c_sign * k, 1 << W - 1) for i, j, k in triples]
-    check(Total(Sum(*terms)), FLOW.word(integer_bits), values, exact)
-
-
-NEAR_QUOTIENTS = st.tuples(st.integers(1, (1 << 31) - 1), signed(32), st.integers(-1, 1)).map(
-    lambda drawn: ((drawn[0] * drawn[1] >> 22) + drawn[2], drawn[0])
-)
-"""(n, d) with n 2^22 / d close to an integer, so that floating point would give a wrong floor."""
-
-
-@given(st.one_of(st.tuples(signed(40), signed(32)), NEAR_QUOTIENTS))
-@example((0, 0))
-@example((-1, 0))
-@example((1, -1))
-@example((-(1 << 39), -(1 << 31)))
-@example((-(1 << 39), 1))
-@example(((1 << 39) - 1, 1))
-@example((-1, (1 << 31) - 1))
-def test_floor_div_is_the_floor_of_a_fraction(operands):
-    """Check the floor; where d <= 0, the sign of n decides beyond which end of the format the quotient is."""
-    (n, d), fmt = operands, Format(32, 30, "")
-    q = math.floor(Fraction(n << 22, d)) if d > 0 else fmt.low - 1 if n < 0 else fmt.high + 1
-    assert floor_div(np.array([n]), np.array([d]), 22, fmt)[0] == q
 
 
 NEAR_SQUARES = st.tuples(st.integers(1, math.isqrt(ROOT_LIMIT)), st.integers(-1, 1)).map(
@@ -137,17 +67,6 @@ def test_mul3_is_within_its_error(case):
     a, b, shift, *widths = case  # widths and tile
     least, greatest = mul3_error(shift, *widths)
     assert Fraction(least) < mul3(a, b, shift, *widths) - Fraction(a * b, 1 << shift) <= Fraction(greatest)
-
-
-@given(factors())
-@example((1, 4, 3, 5, 5, TILE))
-@example((-1, 4, 3, 5, 5, TILE))
-@example((-3, 4, 3, 5, 5, TILE))
-@example((-(1 << 32), (1 << 32) - (1 << 15), 31, 33, 33, TILE))
-def test_mul3_without_low_parts_rounds_half_up(case):
-    a, b, shift, *widths = case
-    a, b = (word >> bits << bits for word, bits in zip((a, b), cuts(*widths), strict=True))
-    assert mul3(a, b, shift, *widths) == math.floor(Fraction(a * b, 1 << shift) + Fraction(1, 2))
 
 
 # ---- tables and vectoring CORDIC ------------------------------------------------------------------------------------
