@@ -5,6 +5,8 @@ A page carries digests of the code that it describes; comments and white space d
 warning (exit status 0). With --strict, as for a release, it is a failure (exit status 1).
 """
 
+import sys
+
 from scripts import formal, soak
 from scripts.console import Options, command, switch
 from scripts.fpga import designs
@@ -38,3 +40,7 @@ def main(options: Options) -> int:
             print(f"warning: {page} is stale; regenerate it with `{writer}`: {', '.join(names)} changed")
     print(f"{len(PAGES) - count} of {len(PAGES)} pages are up to date")
     return 1 if count and options.strict else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

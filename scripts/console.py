@@ -6,7 +6,6 @@ Exit status of a command: 0 success, 1 a check or a simulation fails, 2 bad inpu
 """
 
 import contextlib
-import importlib
 import itertools
 import os
 import re
@@ -105,7 +104,7 @@ def command(
 
     After an error, `main` prints one line that begins with `name`. If make started the command, the line shows options
     as make variables. For --help, about: what the command does, by default the first line of its module's docstring;
-    passes, fails: meanings of exit status 0 and 1. In a program (`python -m`) the decorator runs `main` and exits.
+    passes, fails: meanings of exit status 0 and 1.
     """
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
     epilog = f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}."
@@ -138,8 +137,6 @@ def command(
             print(f"{name}: {line}", file=sys.stderr)
             return status
 
-        if work.__module__ == "__main__":  # import it by its name, by which worker processes find its functions
-            sys.exit(importlib.import_module(module.name).main() if module else main())
         return main
 
     return main_of

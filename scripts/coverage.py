@@ -134,3 +134,7 @@ def main(options: Options) -> int:
         write_atomically(PAGE, page(counts, reasons))
         print(f"wrote {PAGE.name}")
     return 1 if unexpected else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -111,3 +111,7 @@ def main(arguments: Options) -> int:
     if arguments.waves:
         print(*(f"wrote {file}" for file in written), sep="\n")
     return 1 if ours else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

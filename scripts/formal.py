@@ -7,6 +7,7 @@ Each proof that succeeds updates its row of docs/generated/proofs.md; its full t
 
 import json
 import math
+import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
@@ -152,3 +153,7 @@ def main(options: Options) -> int:
     if proved:
         write_page(proved)
     return 0 if len(proved) == len(chosen) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

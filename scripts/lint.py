@@ -172,3 +172,7 @@ def main(options: Options) -> int:
             failed += bool(messages)
             print(f"{'FAIL' if messages else 'ok  '} {name}", *filter(None, [messages]), sep="\n", flush=True)
     return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -77,3 +77,7 @@ def main(options: Options) -> int:
         write_atomically(PAGE, render("mutants", mean=mean, survivors=sorted(survivors), **about))
         print(f"wrote {PAGE.name}")
     return 1 if survivors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

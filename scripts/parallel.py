@@ -143,3 +143,7 @@ def main(options: Options) -> int:
     env = os.environ | {"DASK_DISTRIBUTED__WORKER__DAEMON": "False"}
     os.chdir(ROOT)
     os.execve(sys.executable, [sys.executable, "-m", "dask", "worker", *words], env)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

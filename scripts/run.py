@@ -6,6 +6,8 @@ Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.j
 OUT/paper, and prints them next to tables 5 and 6 of the paper.
 """
 
+import sys
+
 from model.io import trajectories
 from scripts import trajectory
 from scripts.console import MOST_DATAPATHS, Options, command, show, switch, trajectory_options
@@ -58,3 +60,7 @@ def main(arguments: Options) -> int:
         tables = [folder / kind for folder in folders.values() for kind in kinds]
     print(*(f"wrote {path}" for path in (*tables, out / trajectory.SCORES, *waves)), sep="\n")
     return verdict("run", [result for ran in done for _, result in ran])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

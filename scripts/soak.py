@@ -257,3 +257,7 @@ def main(options: Options) -> int:
     if options.worst and options.datapath not in SEARCHED:
         raise InputError(f"argument --worst: only for {' and '.join(SEARCHED)}")
     return _worst(options) if options.worst else _soak(options)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -73,3 +73,7 @@ def main(options: Options) -> int:
         print(f"{what:48} {right:7d} jobs")
     print(f"{jobs.total()} jobs, {targets} targets, seed {options.seed}, {options.sim}: pass")
     return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -67,3 +67,7 @@ def selection(only: str) -> list[str]:
             f"argument --only: no module {only}; near: {', '.join(difflib.get_close_matches(only, modules))}"
         )
     return ["-k", only]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

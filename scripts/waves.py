@@ -14,6 +14,7 @@ number, so a save file shows only the highest 64 bits of a longer word.
 """
 
 import os
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -278,3 +279,7 @@ def main(options: Options) -> int:
         dumpfile = os.path.relpath(options.vcd, options.save.parent)
         write_save_file(options.vcd, options.datapath, options.width, files(options.save), dumpfile)
     return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -8,6 +8,7 @@ The board drops frames (frames.py) with a wrong CRC. The host sends unanswered t
 """
 
 import os
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -142,3 +143,7 @@ def main(parsed: Options) -> int:
     for path in (*csv_paths(out, prepared), out / SCORES):
         print(f"wrote {path}")
     return verdict("icebreaker", scores)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -7,6 +7,7 @@ the UART.
 
 import logging
 import subprocess
+import sys
 from pathlib import Path
 
 import click
@@ -96,3 +97,7 @@ def main(options: Options) -> int:
     soc.build(out, options.width, options.bus, options.arm, optimize=options.targets > 10)
     soc.load(out, header(options.targets, options.width, options.arm))
     return 0 if run(out) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -10,6 +10,7 @@ interrupted command resumes. With --farm, Dask workers execute the runs in paral
 
 import datetime
 import json
+import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -153,3 +154,7 @@ def main(options: Options) -> int:
     made = page(data)
     print("\n".join([made.comparison(), made.folded(), *(f"{title}: no figures" for title in left_out)]))
     return 1 if left_out else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

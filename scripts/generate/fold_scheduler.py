@@ -7,6 +7,7 @@ or renaming a step of the dataflow.
 """
 
 import json
+import sys
 from collections.abc import Callable, Iterable
 from dataclasses import asdict
 
@@ -197,3 +198,7 @@ def main(parsed: Options) -> int:
     SCHEDULES[name].write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
     print(f"wrote {SCHEDULES[name].name}")
     return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

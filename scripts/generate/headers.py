@@ -9,6 +9,7 @@ constant nets, for tools that ignore `initial`. Put the folder before rtl/includ
 
 import os
 import re
+import sys
 from collections.abc import Iterable, Sequence
 from itertools import accumulate, groupby
 from pathlib import Path
@@ -256,3 +257,7 @@ def main(options: Options) -> int:
     for path, text in texts().items():
         (folder / path.name).write_text(nets(text), encoding="utf-8")
     return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -5,6 +5,7 @@ Runs all trajectories through the RTL; with --memory also `ik_axi` with buses of
 """
 
 import json
+import sys
 import tempfile
 from collections.abc import Iterable, Iterator
 from itertools import groupby
@@ -131,3 +132,7 @@ def main(options: Options) -> int:
         tables = [list(zip(*rows, strict=True)) for rows in rates]
         update({GENERATED / "memory.md": render("memory", tables=tables, buses=BUSES, short=BATCH, long=LONG)})
     return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -158,3 +158,7 @@ def main(options: Options) -> int:
         print(error, file=sys.stderr)
         return 1
     return table6.main([]) if "table6" in parts else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -239,3 +239,7 @@ def main(parsed: Options) -> int:
         write_atomically(path, text)
     print(f"wrote {path}: {len(text.encode()) / 1e6:.1f} MB, {', '.join(machine.name for machine in machines)}")
     return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

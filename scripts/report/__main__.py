@@ -16,6 +16,7 @@ page of 3000 frames at a few megabytes.
 
 import html
 import json
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -371,3 +372,7 @@ def main(parsed: Options) -> int:
         trajectory.write_results(files, parsed.out, folders.values(), prepared, done)
     print(f"wrote {path}")
     return verdict("report", [result for ran in done for _, result in ran])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -76,16 +76,17 @@ def test_progress_is_printed_while_nothing_gets_done(monkeypatch, capsys):
 
 
 COMMAND = """
-import os, tempfile
+import os, sys, tempfile
 from scripts.console import command
 from tb.sim.subprocesses import started
 
 @command("some")
 def main(_):
-    assert __name__ == "command", "worker processes import its functions by this name"
     with tempfile.TemporaryDirectory() as folder, started(["sleep", "600"], folder) as simulator:
         print(os.getpid(), simulator.pid, flush=True)
         return simulator.wait()
+
+sys.exit(main())
 """
 
 
@@ -95,7 +96,7 @@ def main(_):
 def test_a_signal_ends_command_and_simulator(tmp_path, number, send, message):
     """Send SIGINT to the process group, as a terminal does, and SIGKILL to make alone."""
     (tmp_path / "command.py").write_text(COMMAND)
-    (tmp_path / "Makefile").write_text(f"run:\n\t@PYTHONPATH={ROOT} exec {sys.executable} -Bm command\n")
+    (tmp_path / "Makefile").write_text(f"run:\n\t@PYTHONPATH={ROOT} exec {sys.executable} command.py\n")
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "start_new_session": True, "text": True}
     words = ["env", "--default-signal", f"TMPDIR={tmp_path}", "make", "run"]
     make = subprocess.Popen(words, cwd=tmp_path, env=environment(), **streams)

@@ -15,6 +15,7 @@ import os
 import platform
 import re
 import statistics
+import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -210,3 +211,7 @@ def main(options: Options) -> int:
         return write(kept | {"software": [*(before | dated).values()]})
     run = {**today, "targets": TARGETS, "seed": SEED, "machine": about}
     return write(run | {"software": [*rows.values()], "hardware": list(core(words))})
+
+
+if __name__ == "__main__":
+    sys.exit(main())
