@@ -31,13 +31,7 @@ def stale(page: str) -> list[str]:
     return sorted(name for name in {*written, *now} if written.get(name) != now.get(name))
 
 
-@command(
-    "check_proofs",
-    "List stale proofs and measurements.",
-    [switch("--strict", "fail on a stale page")],
-    passes="done",
-    fails="stale, with --strict",
-)
+@command("check_proofs", [switch("--strict", "fail on a stale page")], passes="done", fails="stale, with --strict")
 def main(options: Options) -> int:
     count = 0
     for page, (writer, *_) in PAGES.items():

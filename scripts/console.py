@@ -94,24 +94,26 @@ def _parsed(parser: click.Command, program: str, arguments: Sequence[str]) -> Op
 
 def command(
     name: str,
-    about: str,
     options: Sequence[click.Parameter] = (),
     *,
+    about: str = "",
     passes: str = "all is well",
     fails: str = "a check fails",
 ) -> Callable[[Callable[[Options], int]], Callable[..., int]]:
     """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status.
 
     After an error, `main` prints one line that begins with `name`. If make started the command, the line shows options
-    as make variables. passes, fails: meanings of exit status 0 and 1, for --help.
+    as make variables. For --help, about: what the command does, by default the first line of its module's docstring;
+    passes, fails: meanings of exit status 0 and 1.
     """
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
     epilog = f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}."
-    parser = click.Command(name, params=[*options], help=about, epilog=epilog, context_settings=CONTEXT)
     words = {word for option in options for word in option.opts}
 
     def main_of(work: Callable[[Options], int]) -> Callable[..., int]:
-        module = work.__globals__["__spec__"]
+        module, doc = (work.__globals__[key] for key in ("__spec__", "__doc__"))
+        summary = about or (doc or "").partition("\n")[0]
+        parser = click.Command(name, params=[*options], help=summary, epilog=epilog, context_settings=CONTEXT)
         program = f"python -m {module.name.removesuffix('.__main__')}" if module else name
 
         @stoppable()
@@ -120,9 +122,8 @@ def command(
                 return work(_parsed(parser, program, sys.argv[1:] if arguments is None else arguments))
             except click.exceptions.Exit as exc:  # after --help
                 return exc.exit_code
-            except KeyboardInterrupt as exc:
-                number = exc.args[0] if exc.args else signal.SIGINT
-                status, line = 128 + number, SIGNALS[number]
+            except Stopped as exc:
+                status, line = 128 + exc.args[0], SIGNALS[exc.args[0]]
             except OSError as exc:
                 where = repr(os.fspath(exc.filename)) if exc.filename else "a file"
                 status, line = 2, f"cannot read or write {where}: {exc.strerror or exc}"

@@ -118,7 +118,6 @@ def page(counts: Counter[Point], reasons: dict[Point, str]) -> str:
 
 @command(
     "coverage",
-    "Measure which points of the Verilog the tests reach.",
     [switch("--again", "judge the counts of the last run again"), switch("--keep", f"write {PAGE.name}")],
     passes="all points are reached or waived",
     fails="one is not, a waiver matches no unreached point, or a test fails",

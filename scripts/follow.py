@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Print every node of one target in dataflow order, RTL next to model: `make follow`.
 
-    python -m scripts.follow --target 42 [--trajectory NAME|FILE] [--sim icarus|verilator] [--waves] ...
-
 A `!` marks a node that differs from the model; the last lines show the first such node and its operands.
 """
 
@@ -73,7 +71,6 @@ def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterat
 
 @command(
     "follow",
-    "Print every node of one target in dataflow order, RTL next to model.",
     OPTIONS,
     passes="every node of the target equals the model",
     fails="one differs",

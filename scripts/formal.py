@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""make formal: run the proofs and check that each fails on its seeded bug.
-
-    python -m scripts.formal [--only NAME] [--again] [--list]
+"""Run the proofs and check that each fails on its seeded bug: `make formal`.
 
 Each proof that succeeds updates its row of docs/generated/proofs.md; its full table is in build/proofs/. The proof
 ``accuracy`` also writes docs/generated/accuracy.md.
@@ -126,7 +124,6 @@ def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> tuple[Outcome, s
 
 @command(
     "formal",
-    "Prove the core, and check that each proof fails on a bug.",
     [
         option("--only", "proofs whose names begin with NAME", metavar="NAME", multiple=True),
         switch("--again", "also rerun proofs that have passed on the same code"),

@@ -149,8 +149,8 @@ def unkept(names: Sequence[str]) -> str:
 
 @command(
     "lint",
-    f"{__doc__.splitlines()[0]} With MODULE only these modules, and no Python.",
     [click.Argument(["modules"], nargs=-1, metavar="[MODULE]...")],
+    about=f"{__doc__.splitlines()[0]} With MODULE only these modules, and no Python.",
     passes="no finding",
     fails="a finding",
 )

@@ -31,7 +31,6 @@ HEAD = ("file", "mutants", *COLUMNS)
 
 @command(
     "mutants",
-    "Run netlist mutants, each of which a bench must kill.",
     [
         option("--count", "number of mutants", whole(1), default=600, metavar="N"),
         option("--seed", "choice of mutants", whole(0), default=1, metavar="S"),

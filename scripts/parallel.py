@@ -130,8 +130,8 @@ def _checked(client: str, payload: bytes):
 
 @command(
     "parallel",
-    "Work for a Dask scheduler.",
     [FARM, option("--jobs", "pieces of work at a time", whole(1), default=os.cpu_count(), metavar="N")],
+    about="Work for a Dask scheduler.",
     fails="the worker fails",
 )
 def main(options: Options) -> int:

@@ -100,8 +100,7 @@ def planned(
         def report(part: float, angles: int, done: int = done, rows: int = len(group)) -> None:
             progress(done + int(part * rows), f"{angles} swivel angles")
 
-        how: Any = {"phi": some_phi, "branch": some_branch, "progress": report}
-        path = robot.path(poses.position[group], poses.hand[group], **how)
+        path = robot.path(poses.position[group], poses.hand[group], phi=some_phi, branch=some_branch, progress=report)
         done += len(group)
         for name in ("joints", "phi", "branch", "step"):
             getattr(whole, name)[group] = getattr(path, name)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run trajectories through the core in a simulator and score them: `make run`.
 
-    python -m scripts.run [--trajectory NAME|all|FILE.csv] [--out DIR] [--sim icarus|verilator] ...
-
 Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.json, and prints a table. Without
 --trajectory and --datapath it runs both datapaths on the paper's scenario, writes the results to OUT/lean and
 OUT/paper, and prints them next to tables 5 and 6 of the paper.
@@ -13,8 +11,7 @@ import sys
 from model.io import trajectories
 from scripts import trajectory
 from scripts.console import MOST_DATAPATHS, Options, command, show, switch, trajectory_options
-from scripts.paper.tables import table_of_datapaths
-from scripts.score_tables import table_of_many, table_of_one, verdict
+from scripts.score_tables import table_of_datapaths, table_of_many, table_of_one, verdict
 from scripts.waves import ALIGNED, VCD, WAVES, align, write_save_file
 
 PREDICTED = 5000  # most targets with predicted errors, whose computation takes longer than everything else
@@ -22,7 +19,6 @@ PREDICTED = 5000  # most targets with predicted errors, whose computation takes 
 
 @command(
     "run",
-    "Run trajectories through the core in a simulator and score them.",
     [
         *trajectory_options("build/run", "results.csv and score.json", datapath=None, most=MOST_DATAPATHS),
         switch("--waves", f"also write OUT/{VCD}, for a single trajectory OUT/{ALIGNED}, and GTKWave save files"),

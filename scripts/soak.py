@@ -246,7 +246,7 @@ def _soak(arguments: Options) -> int:
         return 0
 
 
-@command("soak", "Run random targets of all kinds and compare every node with the model.", OPTIONS)
+@command("soak", OPTIONS)
 def main(options: Options) -> int:
     if options.special and (others := sorted(options.given & {"targets", "seed"})):
         raise InputError(f"argument --{others[0]}: not allowed with --special")

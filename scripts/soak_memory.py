@@ -46,7 +46,6 @@ def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
 
 @command(
     "soak_memory",
-    "Run random memory-to-memory jobs of ik_axi and compare every result.",
     [
         option("--jobs", "minimum number of jobs", whole(1), default=1000, metavar="N"),
         option("--seed", "random seed", whole(0), default=1, metavar="S"),

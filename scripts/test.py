@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run tests with pytest, for `make test`, `make test-all`, `make test-browser` and `make release-check`.
 
-    python -m scripts.test quick|slow|browser|release [--sim icarus|verilator] [--only FILE|MODULE|PATTERN] [--waves]
-
 Each test is in one gate. With Verilator, only tests that start a simulator run; no other test depends on the simulator.
 """
 
@@ -30,7 +28,6 @@ PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "-
 
 @command(
     "test",
-    "Run the tests of a gate with pytest.",
     [
         click.Argument(["gate"], type=click.Choice(GATES)),
         sim_option(),

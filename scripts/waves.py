@@ -74,17 +74,17 @@ def write_save_file(
     how = "aligned: one clock, one target" if aligned else f"python -m scripts.waves VCD {datapath} {width} GTKW"
     with open(path, "w", encoding="utf-8", newline="\n") as stream:
         save = _Save(stream, vcd)
-        save.writer.dumpfile(dumpfile, abspath=False)
-        save.writer.savefile(Path(dumpfile).stem + ".gtkw", abspath=False)
-        save.writer.comment(f"{of.top}, {datapath} datapath, words of {width} bits: {how}")
+        save.dumpfile(dumpfile, abspath=False)
+        save.savefile(Path(dumpfile).stem + ".gtkw", abspath=False)
+        save.comment(f"{of.top}, {datapath} datapath, words of {width} bits: {how}")
         if first:
-            save.writer.comment(f"first difference: {first}")
-        save.writer.timestart(start)
-        save.writer.size(1600, 1000)
-        save.writer.sst_expanded(False)
-        save.writer.signals_width(640)
-        save.writer.zoom_markers(zoom=-15.0, marker=marker)  # about 15 clocks of 10 ns in sight
-        with save.writer.group("target" if aligned else "streams"):
+            save.comment(f"first difference: {first}")
+        save.timestart(start)
+        save.size(1600, 1000)
+        save.sst_expanded(False)
+        save.signals_width(640)
+        save.zoom_markers(zoom=-15.0, marker=marker)  # about 15 clocks of 10 ns in sight
+        with save.group("target" if aligned else "streams"):
             for name in ("target", "differs") if aligned else ("clk", "rst", *STREAMS[:3], "s_axis_tdata"):
                 save.plain((name,), "dec" if aligned else "hex")
             for name in of.inputs:
@@ -98,7 +98,7 @@ def write_save_file(
                 for name in ("in_valid", "out_valid") if of.period == 1 else ("clock", "go"):
                     save.plain((*core, name))
         for section, what in of.sections.items():
-            with save.writer.group(f"{section}: {what}", closed=not first or first.node.section != section):
+            with save.group(f"{section}: {what}", closed=not first or first.node.section != section):
                 for node in nodes.values():
                     if node.section == section and node.kind != "input":
                         label = " ".join(filter(None, (node.name, node.equation, f"+{node.time}")))
@@ -106,36 +106,35 @@ def write_save_file(
                         save.word(place(datapath, node), node.format, label, 0, color)
 
 
-class _Save:
-    """Writer that adds traces to a save file, each named by its path below the top."""
+class _Save(GTKWSave):
+    """Save file whose traces are named by their paths below the top."""
 
     def __init__(self, stream, vcd: Path) -> None:
-        self.stream = stream
-        self.writer = GTKWSave(stream)
+        super().__init__(stream)
         self.signals = Signals(vcd, TOPS)
 
     def plain(self, path: tuple[str, ...], shown: str = "hex") -> None:
         """Add a signal: binary if it is a single bit, else in the format ``shown``."""
         name = self.signals[path].name
-        self.writer.trace(name, alias=path[-1], datafmt=shown if name.endswith("]") else "bin")
+        self.trace(name, alias=path[-1], datafmt=shown if name.endswith("]") else "bin")
 
     def word(self, path: tuple[str, ...], fmt: Format, label: str, lowest: int = 0, color=None) -> None:
         """Add a word of a signal as a number; bit ``lowest`` of the signal is the word's bit 0."""
         signal = self.signals[path]
         if fmt.width == 1:
-            self.writer.trace(signal.name, alias=label, datafmt="bin", color=color)
+            self.trace(signal.name, alias=label, datafmt="bin", color=color)
             return
         shown = min(fmt.width, SHOWN_BITS)
         frac = fmt.frac - (fmt.width - shown)
         flags = GTKWFlag.fpdecshift if frac else GTKWFlag.none
         options = {"datafmt": "signed" if fmt.signed else "dec", "extraflags": flags, "color": color}
         if frac:  # pyvcd does not write this line
-            self.stream.write(f"[fpshift_count] {frac}\n")
+            self.file.write(f"[fpshift_count] {frac}\n")
         if shown == signal.size:
-            self.writer.trace(signal.name, alias=label, **options)
+            self.trace(signal.name, alias=label, **options)
         else:  # GTKWave counts bits from the left
             first = signal.size - lowest - fmt.width
-            self.writer.trace_combined(label, [(first + k, signal.name) for k in range(shown)], **options)
+            self.trace_combined(label, [(first + k, signal.name) for k in range(shown)], **options)
 
 
 @dataclass(frozen=True)
@@ -262,14 +261,16 @@ def align(
 
 @command(
     "waves",
-    "Write a GTKWave save file for a VCD of ik_axis or ik_arm that a simulator of your own recorded. "
-    f"DATAPATH is one of {', '.join(MODELS)}; WIDTH is the word length.",
     [
         click.Argument(["vcd"], type=Path, metavar="WAVES.vcd"),
         click.Argument(["datapath"], type=click.Choice(list(MODELS)), metavar="DATAPATH"),
         click.Argument(["width"], type=WORD_LENGTH),
         click.Argument(["save"], type=Path, metavar="SAVE.gtkw"),
     ],
+    about=(
+        "Write a GTKWave save file for a VCD of ik_axis or ik_arm that a simulator of your own recorded. "
+        f"DATAPATH is one of {', '.join(MODELS)}; WIDTH is the word length."
+    ),
     passes="the save file is written",
     fails="not used",
 )

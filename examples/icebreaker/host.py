@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Send targets over a serial port to a board that runs examples/icebreaker (`make -C examples/icebreaker send`).
 
-    python -m examples.icebreaker.host PORT [--trajectory NAME|all|FILE.csv|clip.bvh] [--out DIR] ...
-
 Writes the same files as `make run DATAPATH=fold16 WIDTH=24`, except that score.json names "icebreaker" as the simulator
 and has no clock counts, which the host cannot observe. Every answer is compared with the bit-true model.
 
@@ -118,7 +116,6 @@ def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
 
 @command(
     "icebreaker",
-    "Send targets through a board with examples/icebreaker and score its answers.",
     [
         *trajectory_options("build/icebreaker", "results.csv and score.json", core=False),
         click.Argument(["port"]),

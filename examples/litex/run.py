@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Simulate a LiteX SoC, a VexRiscv with ik_axi, that solves the paper's targets with examples/driver and compares them.
 
-    python -m examples.litex.run [--targets 1..100] [--width 16..32] [--bus wishbone|axi] [--arm] [--out DIR]
-
 Builds the SoC with its headers, its simulator, and the program main.c for its CPU. Prints what the program writes to
 the UART.
 """
@@ -80,7 +78,6 @@ def run(out: Path) -> bool:
 
 @command(
     "litex",
-    __doc__.splitlines()[0],
     [
         option("--targets", "number of the paper's targets", click.IntRange(1, 100), default=100),
         option("--width", "word length W", WORD_LENGTH, default=32),

@@ -8,14 +8,11 @@ renders the page. A run whose key (hash of sources, options and tools) is in fpg
 interrupted command resumes. With --farm, Dask workers execute the runs in parallel (scripts/parallel.py).
 """
 
-from __future__ import annotations
-
 import datetime
 import json
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
-from types import SimpleNamespace
 
 import click
 from jinja2.environment import TemplateModule
@@ -24,14 +21,13 @@ from model.dataflow.datapaths import MODELS
 from model.dataflow.fixed import latency
 from model.io.scoring import model_errors
 from model.io.stimuli import hand_poses, region
-from scripts import parallel
-from scripts.console import WORD_LENGTH, InputError, command, option, progress, switch
+from scripts import parallel, score_tables
+from scripts.console import WORD_LENGTH, InputError, Options, command, option, progress, switch
 from scripts.fpga import designs, netlist
 from scripts.fpga.designs import CHIPS, FAMILIES, Design, clock, find, measured, run_of
 from scripts.fpga.runs import TOOLS, Run, commands, done, version
 from scripts.generate.pages import TARGETS
 from scripts.generate.render import TEMPLATES, commit
-from scripts.paper import tables
 from scripts.soak import hand_errors
 
 BROKEN_DOWN = {"lean": (32, 18), "paper": (32,)}
@@ -103,7 +99,7 @@ def page(data: dict) -> TemplateModule:
         figures = {"head": f"{design.datapath}, W = {design.width}", **data["designs"][design.name]}
         figures |= {family: run(design, family).get("cells", {}) for family in FAMILIES}
         if figures["xc2vp"]:
-            figures["share"] = f"{figures['xc2vp']['LUT']} ({tables.of_chip(figures['xc2vp']['LUT'])})"
+            figures["share"] = f"{figures['xc2vp']['LUT']} ({score_tables.of_chip(figures['xc2vp']['LUT'])})"
         if mhz := clock(data, design.datapath, design.width):
             figures |= {"mhz": mhz, "ns": 1000 * figures["latency"] / mhz, "us": (figures["latency"] + 100) / mhz}
         return figures
@@ -112,7 +108,8 @@ def page(data: dict) -> TemplateModule:
     broken = [find(name, width) for name, widths in BROKEN_DOWN.items() for width in widths]
     values = {"data": data, "run": run, "measured": partial(measured, data), "columns": columns}
     values |= {"broken": broken, "find": find, "dates": " to ".join(sorted({dates[0], dates[-1]}))}
-    values |= {"clock": partial(clock, data), "chip": tables, "chips": CHIPS, "models": MODELS, "netlist": netlist}
+    values |= {"clock": partial(clock, data), "chip": score_tables, "chips": CHIPS}
+    values |= {"models": MODELS, "netlist": netlist}
     return TEMPLATES.get_template("fpga.md.j2").make_module(values)
 
 
@@ -135,7 +132,6 @@ def write(data: dict) -> None:
 
 @command(
     "fpga",
-    __doc__.splitlines()[0],
     [
         option("--datapath", "only this datapath or core", click.Choice(designs.GROUPS), multiple=True),
         option("--width", "only this word length", WORD_LENGTH, metavar="BITS", multiple=True),
@@ -144,7 +140,7 @@ def write(data: dict) -> None:
     ],
     fails="a run was not done in time, or a netlist differs from the RTL",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     if options.farm and options.page:
         raise InputError("argument --farm: does not go with --page")
     if options.page:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Simulation of mapped netlists side by side with the RTL. A netlist whose outputs differ is not measured."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

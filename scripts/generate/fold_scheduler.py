@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Schedule a program of the fold datapath: assign a clock to every step by constraint programming.
 
-    make schedule [DATAPATH=fold|fold_arm] [PERIOD=CLOCKS] [SECONDS=N]
-
 Writes the schedule with the least latency found within the time limit to model/dataflow/fold/schedule.json or
 schedule_arm.json, from which `python -m scripts.generate.headers` makes the program.  Rerun it after adding, dropping
 or renaming a step of the dataflow.
@@ -12,7 +10,6 @@ import json
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import asdict
-from types import SimpleNamespace
 
 import click
 
@@ -20,7 +17,7 @@ from model.dataflow.fold import steps as timing
 from model.dataflow.fold.lowering import Groups, Lowering
 from model.dataflow.fold.program import PROGRAMS, SCHEDULES, Schedule, encode, lower, schedules
 from model.dataflow.fold.steps import Placed, Selector
-from scripts.console import InputError, command, option, whole
+from scripts.console import InputError, Options, command, option, whole
 
 LATENCY, PERIOD = {"fold": 140, "fold_arm": 340}, {"fold": {32: 88}, "fold_arm": {24: 140, 32: 143}}
 """Clocks: datapath -> largest latency of a target; datapath -> longest word length of a program -> default period."""
@@ -167,7 +164,6 @@ class _Problem:
 
 @command(
     "schedule",
-    "Schedule a program of the folded datapath.",
     [
         option("--datapath", "program", click.Choice([*PROGRAMS]), default="fold"),
         option("--period", "clocks of a lap", whole(1), metavar="CLOCKS"),
@@ -175,7 +171,7 @@ class _Problem:
     ],
     fails="no schedule was found",
 )
-def main(parsed: SimpleNamespace) -> int:
+def main(parsed: Options) -> int:
     try:
         from ortools.sat.python import cp_model
     except ImportError:

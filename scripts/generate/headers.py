@@ -245,11 +245,7 @@ def texts() -> dict[Path, str]:
     return made
 
 
-@command(
-    "headers",
-    __doc__.splitlines()[0],
-    [option("--nets", "write copies with nets to this new folder", metavar="FOLDER")],
-)
+@command("headers", [option("--nets", "write copies with nets to this new folder", metavar="FOLDER")])
 def main(options: Options) -> int:
     if not options.nets:
         update(texts())

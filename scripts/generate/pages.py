@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pages of scores, latency and memory-to-memory clocks, and pictures of the pipelines (make docs).
 
-    python -m scripts.generate.pages [--sim icarus|verilator] [--memory]
-
 Runs all trajectories through the RTL; with --memory also `ik_axi` with buses of 32, 64 and 128 bits.
 """
 
@@ -12,7 +10,6 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -25,7 +22,7 @@ from model.dataflow.nodes import Node
 from model.io.scoring import model_errors
 from model.io.stimuli import REGIONS, hand_poses, region
 from scripts import run
-from scripts.console import command, sim_option, switch
+from scripts.console import Options, command, sim_option, switch
 from scripts.generate.flow import KINDS, WIDTH, kind, longest_path, start
 from scripts.generate.render import error, render, update
 from scripts.soak import hand_errors
@@ -118,11 +115,10 @@ def texts() -> dict[Path, str]:
 
 @command(
     "generate.pages",
-    __doc__.splitlines()[0],
     [sim_option(), switch("--memory", "write memory.md too, which takes several minutes")],
     fails="a simulation or a trajectory fails",
 )
-def main(options: SimpleNamespace) -> int:
+def main(options: Options) -> int:
     scores = {}
     for datapath in DATAPATHS:
         with tempfile.TemporaryDirectory() as out:

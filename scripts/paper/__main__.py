@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reproduce the paper: derivation, table 4, figures 6 and 7, table 6 (make paper).
 
-    python -m scripts.paper [--only derivation|operations|figures|table6]
-
 Each part but table6 writes only pages that have changed. A failed check stops the command. Table 5 is `make fpga`.
 
 Figures 6 and 7 are the dataflow graph and the pipeline schedule of p_e_x (13), as SVG. A balancing delay lasts from the
@@ -150,11 +148,7 @@ PARTS = {"derivation": derivation, "operations": operations, "figures": figures}
 """Part -> function that returns a dict: path -> text. The part table6 has a command of its own."""
 
 
-@command(
-    "paper",
-    "Write the pages of comparison with the paper.",
-    [option("--only", "one part  [default: all]", click.Choice([*PARTS, "table6"]))],
-)
+@command("paper", [option("--only", "one part  [default: all]", click.Choice([*PARTS, "table6"]))])
 def main(options: Options) -> int:
     parts = [options.only] if options.only else [*PARTS, "table6"]
     try:

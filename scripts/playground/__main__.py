@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write an HTML page that runs the core's Verilog (`make playground`).
 
-    python -m scripts.playground [--out DIR] [--datapath NAME[,NAME]] [--width BITS]
-
 Compiles the cores, ``ik_axis``, to WebAssembly by Yosys' CXXRTL and zig's C++ compiler. This takes a few minutes the
 first time; the result is cached in build/playground. Writes OUT/index.html, a self-contained page that opens from disk
 without network. It shares the 3D view (arm.js) and the style sheet with the report.
@@ -224,7 +222,6 @@ def page(machines: Sequence[Machine]) -> str:
 
 @command(
     "playground",
-    "Write a page that runs the Verilog in a browser.",
     [
         option("--out", "folder for index.html", Path, default="build/playground", metavar="DIR"),
         option("--datapath", f"some of {', '.join(NAMES)}", some_of(NAMES, len(NAMES)), metavar="NAME[,NAME]"),

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run trajectories through the core and write an HTML report (`make report`).
 
-    python -m scripts.report [--trajectory NAME|all|FILE.csv] [--out DIR] [--datapath NAME[,NAME]] ...
-
 Writes OUT/report.html: the arm (for a clip, the whole figure) posed by the core's quaternions, figures 1 to 5 of the
 paper, joint angles, the error of every target with its tolerance and prediction, the score, the pipeline over time.
 The page is self-contained (report.html, .css and the scripts of this folder, and the data as JSON) and opens from disk
@@ -55,9 +53,7 @@ BODY, UPPER, FORE, HEAD = range(4)  # body parts; a node carries the part of the
 
 def _numbers(array: np.ndarray, digits: int = DIGITS) -> Any:
     """Convert an array to nested lists of numbers rounded to `digits` significant digits."""
-    if array.ndim:
-        return [_numbers(row, digits) for row in array]
-    return float(f"{array:.{digits}g}")
+    return np.vectorize(lambda number: float(f"{number:.{digits}g}"), otypes=[float])(array).tolist()
 
 
 def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[str, Any]:
@@ -356,7 +352,6 @@ def page(
 
 @command(
     "report",
-    "Run trajectories through the core in a simulator and write a page that shows them.",
     trajectory_options("build/report", "report.html", most=MOST_DATAPATHS),
     passes="all trajectories pass",
     fails="one fails",

@@ -5,6 +5,7 @@ A statement is "left = right" in the names of the model. It is evaluated with sy
 for the page.
 """
 
+import contextlib
 import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -153,13 +154,8 @@ class Step:
         returned form is unique, so it is 0 exactly if the polynomial is 0 by the relations."""
         part = sp.expand(part)
         for v, k, factor, right in reversed(self.relations.values()):
-            try:
-                powers = sp.Poly(part, v)
-            except sp.PolynomialError:  # v in an unrecognized root
-                continue
-            if (most := powers.degree() // k) > 0:
-                terms = ((n // k, c * v ** (n % k)) for (n,), c in powers.terms())
-                part = sp.expand(sum(c * right**n * factor ** (most - n) for n, c in terms))
+            with contextlib.suppress(sp.PolynomialError):  # v in an unrecognized root
+                part = sp.expand(sp.prem(part, factor * v**k - right, v))
         return part
 
     def rest(self, expression: sp.Expr) -> sp.Expr:

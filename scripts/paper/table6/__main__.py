@@ -30,13 +30,12 @@ from model.io.scoring import hand_errors
 from model.io.stimuli import random_reachable
 from model.io.trajectories import make
 from model.io.words import FIELDS, Targets, from_words, result_values, to_words
+from scripts import score_tables
 from scripts.console import InputError, Options, command, option, switch
 from scripts.fpga.designs import clock, load
 from scripts.generate.pages import measured
 from scripts.generate.render import render
-from scripts.paper import tables
-from scripts.paper.table6.compiled import FLAGS, compiler_version
-from scripts.paper.table6.contenders import Contender, contenders
+from scripts.paper.table6.contenders import FLAGS, Contender, compiler_version, contenders
 from tb.sim.env import GENERATED, SIMULATORS
 from tb.sim.simulate import SimulationError, simulate
 
@@ -168,7 +167,7 @@ def page(figures: dict, fpga: dict) -> str:
 
     machine = figures["machine"]
     unanswered = [r for r in figures["software"] if r["key"][:2] == "c-" and r["random"]["unanswered"]]
-    more = {"c_unanswered": unanswered, "busy": machine["load"] > BUSY * machine["cores"], "paper": tables}
+    more = {"c_unanswered": unanswered, "busy": machine["load"] > BUSY * machine["cores"], "paper": score_tables}
     return render("table6", figures=figures, machine=machine, clock_of=clock_of, **more)
 
 
@@ -181,7 +180,6 @@ def write(figures: dict[str, Any]) -> int:
 
 @command(
     "table6",
-    __doc__.splitlines()[0],
     [
         option("--only", "only software with this in its key; dates these rows", multiple=True, metavar="KEY"),
         switch("--hardware", "only the core's rows"),

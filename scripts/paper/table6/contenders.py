@@ -9,11 +9,16 @@ finds all sets of joint angles of this arm from the full pose of the hand. EAIK 
 answer, which contains the swivel angle. Among its solutions, the smallest hand error counts.
 """
 
+import ctypes
 import importlib
 import itertools
+import shutil
+import subprocess
+import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -24,7 +29,67 @@ from model.io.words import FIELDS, LENGTHS, Targets
 from model.reference.joints import reached
 from model.reference.kinematics import forward, matrix, multiply
 from model.reference.lean_equations import solve_lean
-from scripts.paper.table6.compiled import EQUATIONS, REALS, WAYS, Solver
+from scripts.console import InputError
+
+SOURCE = Path(__file__).parent / "equations.c"
+
+FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math")
+"""Without the last two flags, roots and selections prevent vectorization. These two flags do not change the results."""
+
+SCALAR = ("-fno-tree-vectorize", "-fno-tree-slp-vectorize")  # flags that disable vectorization in gcc and clang
+
+WAYS = {"chain": ("chain", SCALAR), "batch": ("batch", SCALAR), "vector": ("batch", ())}
+"""Way to solve many targets -> function of equations.c and additional flags. chain: each target waits for the previous
+answer; batch: targets are independent; vector: several targets per instruction."""
+ARM = ("arm", ("-DARM",))  # the same for independent hand poses
+
+EQUATIONS = ("lean", "paper")
+REALS = {"double": np.float64, "float": np.float32}
+
+
+def compiler() -> str:
+    """Return the path of the C compiler. Raises InputError if cc is not in PATH."""
+    path = shutil.which("cc")
+    if not path:
+        raise InputError("no C compiler: cc is not in PATH (on Debian: apt-get install gcc)")
+    return path
+
+
+def compiler_version() -> str:
+    text = subprocess.run([compiler(), "--version"], capture_output=True, text=True, check=False).stdout
+    return text.splitlines()[0] if text else "cc"
+
+
+@cache
+def shared_object(equations: str, real: str, extra: tuple[str, ...]) -> ctypes.CDLL:
+    """Compile and load a set of equations (lean or paper) for a C type. Raises InputError if compilation fails."""
+    with tempfile.TemporaryDirectory(prefix="ik_") as folder:
+        command = [compiler(), "-shared", "-fPIC", "-o", f"{folder}/equations.so", *FLAGS, *extra]
+        command += [f"-DSOLVE={equations}", f"-DREAL={real}", str(SOURCE), "-lm"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            wrong = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines() or ["?"]
+            raise InputError(f"cc cannot compile {SOURCE.name}: {wrong[0]}")
+        return ctypes.CDLL(f"{folder}/equations.so")
+
+
+def solver(
+    columns: list[np.ndarray], equations: str = "lean", real: str = "double", way: str = "batch"
+) -> Callable[..., np.ndarray]:
+    """Return a C function solve(times=1) that solves targets ``times`` times and returns the answers, (N, 6) or, of
+    seven joints, (N, 7). columns: x, y, z, phi, d1, d2 of the targets, (N,) each; of hand poses also tool and qh."""
+    name, extra = (WAYS | {"arm": ARM})[way]
+    function = getattr(shared_object(equations, real, extra), name)
+    inputs = [np.ascontiguousarray(column, dtype=REALS.get(real, np.longdouble)) for column in columns]
+    answers = np.full((7 if way == "arm" else 6, len(columns[0])), np.nan, dtype=inputs[0].dtype)
+
+    def solve(times: int = 1) -> np.ndarray:
+        pointers = (ctypes.c_void_p(array.ctypes.data) for array in (*inputs, *answers))
+        function(ctypes.c_long(times), ctypes.c_long(len(inputs[0])), *pointers)
+        return answers.T
+
+    return solve
+
 
 Bound = tuple[Callable[[int], Any], Callable[[], np.ndarray]]
 """Software bound to N targets: a function that solves all targets a given number of times, and a function that returns
@@ -133,22 +198,18 @@ def arm_errors(answers: Any, targets: Targets) -> np.ndarray:
     return np.linalg.norm(point - pose[:3].T, axis=1) / (targets.reach + targets.d2)
 
 
-def _bind_c(equations_: str, real: str, way: str, targets: Targets) -> Bound:
-    solve = Solver(columns(targets), equations_, real, way)
-    return solve, lambda: hand_errors(solve(), targets)
-
-
-def _bind_c_arm(real: str, targets: Targets) -> Bound:
-    solve = Solver(poses(targets), "lean", real, "arm")
-    return solve, lambda: arm_errors(solve().T, targets)
-
-
 KINDS = {
     "": (lean, columns, lambda answers, targets: hand_errors(np.stack(answers, axis=1), targets)),
     "-arm": (joints, poses, arm_errors),
 }
 """Part of a key -> function of the equations for arrays, function that returns the inputs, function of the errors."""
 NAMES = {"": "lean", "-arm": "whole arm, seven joints"}
+
+
+def _bind_c(key: str, equations: str, real: str, way: str, targets: Targets) -> Bound:
+    _, inputs, errors = KINDS[key]
+    solve = solver(inputs(targets), equations, real, way)
+    return solve, lambda: errors(solve().T, targets)
 
 
 def _bind_numpy(kind: type, key: str, targets: Targets) -> Bound:
@@ -222,12 +283,13 @@ def _bind_eaik(targets: Targets) -> Bound:
 
 def contenders() -> list[Contender]:
     every = [
-        Contender(f"c-{'-'.join(names)}", "C, one thread", ", ".join(names), partial(_bind_c, *names))
+        Contender(f"c-{'-'.join(names)}", "C, one thread", ", ".join(names), partial(_bind_c, "", *names))
         for names in itertools.product(EQUATIONS, REALS, WAYS)
     ]
     for real in REALS:
         name = f"{NAMES['-arm']}, {real}, vector"
-        every.append(Contender(f"c-arm-{real}", "C, one thread", name, partial(_bind_c_arm, real)))
+        bind = partial(_bind_c, "-arm", "lean", real, "arm")
+        every.append(Contender(f"c-arm-{real}", "C, one thread", name, bind))
     for (key, name), (real, kind) in itertools.product(NAMES.items(), REALS.items()):
         every.append(Contender(f"numpy{key}-{real}", "numpy", f"{name}, {real}", partial(_bind_numpy, kind, key)))
     lacks = "" if found("eaik.IK_HP") else "not installed"

@@ -18,8 +18,7 @@ from model.reference import equations
 from model.reference.lean_equations import solve_lean
 from scripts.fpga.designs import load
 from scripts.paper.table6 import __main__ as table6
-from scripts.paper.table6.compiled import REALS, WAYS, Solver
-from scripts.paper.table6.contenders import Contender, columns, contenders, lean
+from scripts.paper.table6.contenders import REALS, WAYS, Contender, columns, contenders, lean, solver
 from tb.core.worst_targets import chunk
 
 needs_cc = pytest.mark.needs("cc")
@@ -47,7 +46,7 @@ def test_c_gives_the_models_answers(way, real):
     """Compare the paper's equations away from singular poses only: the model computes three sums in another form."""
     cases = ("lean", solve_lean, REACH), ("paper", equations.solve, REACH), ("lean", solve_lean, RANDOM)
     for name, solve, targets in cases:
-        answers = Solver(columns(targets), name, real, way)(2)
+        answers = solver(columns(targets), name, real, way)(2)
         if real == "double" or targets is REACH:
             assert difference(answers, by_model(targets, solve)) < (1e-12 if real == "double" else 2e-5)
         assert hand_errors(answers, targets).max() < 1e-5
@@ -147,7 +146,7 @@ def in_long_double(words: np.ndarray, width: int, equations: str) -> np.ndarray:
     """Solve input words (N, 6) in C; return the results (N, 6)."""
     unit = np.longdouble(2) ** (1 - width)
     scale = np.array([2, 2, 2, 4 * np.arctan(np.longdouble(1)), 2, 2]) * unit
-    return Solver(list((words * scale).T), equations, "long double")().astype(float)
+    return solver(list((words * scale).T), equations, "long double")().astype(float)
 
 
 @needs_cc
