@@ -5,15 +5,18 @@ their definitions; they hold their state while ``go`` is 0."""
 
 import itertools
 import random
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Iterable
 from functools import partial
 
+import numpy as np
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
+from model.dataflow import angles
+from model.dataflow.expressions import round_shift
 from model.dataflow.fold.steps import CUTS, NORMS
-from tb.units.unit import Case, Ports, Tests, checks, runs, sets_of, signed, unsigned, with_go, wrapped
+from tb.units.unit import BIT, Case, Ports, Tests, checks, pairs, runs, sets_of, signed, unsigned, with_go, wrapped
 
 LATENCY = 2  # clocks from writing a word to offering it
 
@@ -240,10 +243,65 @@ def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
     return {"normals": partial(with_go, vectors=sums, clocks=2, expected=expected)}
 
 
+def fold_angle(W: int) -> Tests:
+    """Check ``th`` in the program of a ball joint, repeated for random quaternions, some with vectors on an axis.
+
+    The program stores the angle d of (i, j) in h and shows s + d and s - d, where s is the angle of (w, k). Then it
+    shows twice the angle of the vector of both lengths and of (i, -w). Signs and half turns are random."""
+    head, last = angles.iterations(W)
+    loaded, done = head + 3, last - head + 1  # clocks from a load of x to `over`, from there to the angle
+    again = 2 * loaded + 1
+    twice = again + max(head + 1, done + 1)
+    elbow = twice + done + 1
+    lap = elbow + loaded + done + 2
+
+    async def joints(dut) -> None:
+        quaternions = np.array([(*a, *b) for a, b in zip(pairs(W, 200), pairs(W, 200), strict=True)])
+        w, i, j, k = quaternions.T
+        ij, wk = angles.vector(i, j, W), angles.vector(w, k, W)
+        size = np.array([ij[1], wk[1], angles.iterate(wk[0], ij[0], W)[1], angles.vector(i, -w, W)[1]]).T
+        events, shown = defaultdict(dict), {}
+        events[0]["over"] = 1  # clears Y
+        for n, ((w, i, j, k), sizes) in enumerate(zip(quaternions.tolist(), size.tolist(), strict=True)):
+            start, negative = 1 + lap * n, random.choices(BIT, k=4)
+            d, s, b, e = (-angle if minus else angle for angle, minus in zip(sizes, negative, strict=True))
+            loads = ((0, i, j, 0b00, 0), (loaded + 1, w, k, 0b10, 0), (elbow, i, w, 0b01, 1))
+            for (clock, x, y, rounding, opposite), minus in zip(loads, (*negative[:2], negative[3]), strict=True):
+                events[start + clock] |= {"load_x": 1, "word": x % (1 << W)}
+                events[start + clock + 2] |= {"load_y": 1, "word": y % (1 << W), "rounding": rounding}
+                events[start + clock + 2] |= {"negative": minus, "opposite": opposite}
+            for clock in (loaded, again, twice, elbow + loaded):
+                events[start + clock]["over"] = 1
+            events[start + again] |= {"again": 1, "rounding": 0b01, "negative": negative[2]}
+            for clock in (loaded + done, twice + done, elbow + loaded + done):
+                events[start + clock]["to_h"] = 1
+            results = {again + done: s + d, again + done + 1: s - d, twice + done + 1: 2 * b, lap - 1: 2 * e}
+            for clock, angle in results.items():
+                half, minus = random.choice(BIT), int(clock == again + done + 1)
+                events[start + clock] |= {"half": half, "minus": minus}
+                shown[start + clock] = (round_shift(angle, angles.ANGLE) + (half << W - 1)) % (1 << W)
+
+        idle = dict.fromkeys(("load_x", "load_y", "over", "again", "to_h"), 0)
+        unused = {"word": W, "opposite": 1, "rounding": 2, "negative": 1, "minus": 1, "half": 1}
+        program = []
+        for clock in range(max(events) + 1):
+            # Ports that the program does not use in a clock have no effect.
+            program.append(idle | {port: random.getrandbits(bits) for port, bits in unused.items()} | events[clock])
+
+        def expected(taken: list[Ports], now: Ports) -> Ports:
+            clock = len(taken)
+            return {"th": shown[clock]} if clock in shown and now is program[clock] else {}
+
+        await with_go(dut, lambda: program, 0, expected)
+
+    return {"joints": joints}
+
+
 CASES = (
     Case("ik_delay", delay, sets_of("W N", (8, 0), (70, 5)), sets_of("W N", (8, 1), (32, 40))),
     Case("ik_ring", ring, sets_of("W N", (40, 18)), sets_of("W N", (8, 3), (16, 12), (96, 65), (2, 300))),
     Case("ik_fifo", fifo, sets_of("W LOG2", (16, 2)), sets_of("W LOG2", (8, 1), (208, 5))),
+    Case("ik_fold_angle", fold_angle, sets_of("W", (5,), (32,)), sets_of("W", (6,), (17,))),
     Case("ik_fold_memory", memory, sets_of("D AD DOWN RW", (26, 26, 11, 11), (33, 31, 11, 11))),
     Case(
         "ik_fold_mul", mul, sets_of("D TILE WORD ROOT SINE", (26, 16, 25, 5, 4), (29, 18, 29, 8, 7), (35, 18, 33, 8, 7))
