@@ -21,7 +21,7 @@ PORTS = {
     "axi4": ("ik_rules_axi4", {"STOP": 0}),
 }
 
-STREAMS, JOBS, FAULTS, REGISTERS = "tb.core.stream_tests", "tb.axi.ik_axi", "tb.axi.faults", "tb.axi.registers"
+STREAMS, JOBS, FAULTS, REGISTERS = "tb.core.test_streams", "tb.axi.ik_axi", "tb.axi.faults", "tb.axi.registers"
 FIFO, CREDITS, AXI = "rtl/lib/ik_fifo.v", "rtl/lib/ik_credit_fifo.v", "rtl/ik_axi.v"
 READ, WRITE, RESULT, REGS, JOB, TARGET = (
     f"rtl/axi/ik_axi_{part}.v" for part in ("read", "write", "result", "regs", "job", "target")
@@ -138,7 +138,7 @@ def test_seeded_bug_is_detected(finding, bench, test, file, old, new, tmp_path):
 def test_tests_after_a_broken_rule_are_not_run(tmp_path):
     (row,) = (row for row in BUGS if row[0] == QUICK[0])
     options = {"root": copy_rtl(tmp_path, Bug(row[0], *row[3:])), "name": f"rules-{row[0].replace(' ', '-')}"}
-    env = {"COCOTB_TEST_FILTER": "tests.full|ready_before|not_ready"}
+    env = {"COCOTB_TEST_FILTER": "streams.full|ready_before|not_ready"}
     messages = failures(tmp_path / "log", toplevel="ik_axis", module=STREAMS, parameters={"W": 18}, env=env, **options)
     (name, first), *others = messages
     assert name == "full"
