@@ -21,7 +21,7 @@ PORTS = {
     "axi4": ("ik_rules_axi4", {"STOP": 0}),
 }
 
-STREAMS, JOBS, FAULTS, REGISTERS = "tb.core.test_streams", "tb.axi.ik_axi", "tb.axi.faults", "tb.axi.registers"
+STREAMS, JOBS, FAULTS, REGISTERS = "tb.core.test_streams", "tb.axi.test_ik_axi", "tb.axi.faults", "tb.axi.registers"
 FIFO, CREDITS, AXI = "rtl/lib/ik_fifo.v", "rtl/lib/ik_credit_fifo.v", "rtl/ik_axi.v"
 READ, WRITE, RESULT, REGS, JOB, TARGET = (
     f"rtl/axi/ik_axi_{part}.v" for part in ("read", "write", "result", "regs", "job", "target")
