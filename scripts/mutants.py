@@ -72,7 +72,8 @@ def main(options: Options) -> int:
     print(*survivors, f"seed {options.seed}: {len(results)} mutants, {len(survivors)} survived", sep="\n")
     if options.keep:
         about = {"today": date.today().isoformat(), "commit": commit(), "count": options.count, "seed": options.seed}
-        about |= {"designs": [design.name for design in campaign.DESIGNS], "head": HEAD, "rows": rows}
+        about |= {"designs": [design.name for design in campaign.DESIGNS], "head": HEAD[:-1]}
+        about["rows"] = [row[:-1] for row in rows]  # survivors are listed below the table
         mean = sum(result.seconds for result in results) / max(len(results), 1)
         write_atomically(PAGE, render("mutants", mean=mean, survivors=sorted(survivors), **about))
         print(f"wrote {PAGE.name}")

@@ -100,7 +100,7 @@ class Latency:
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """Return the clocks of ``kind`` as a Verilog expression; a table's small form takes as many as the long one."""
+        """Return the clocks of ``kind`` as a Verilog expression; a table's small form takes the long one's clocks."""
         if kind in cls.FORMS:
             frac, table, more = cls.FORMS[kind]
             short, long = (table.clocks(table.short_frac + longer) + more for longer in (0, 1))

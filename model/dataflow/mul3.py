@@ -19,8 +19,8 @@ def unseen(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
 
 
 def mul3(a, b, shift: int, a_width: int, b_width: int, tile: int = TILE):
-    """Return a b / 2^shift as ``ik_mul3`` computes it: from three tile products, rounded half up, without that of the
-    low parts.
+    """Return a b / 2^shift as ``ik_mul3`` computes it: from three tile products, without the product of the low parts,
+    rounded half up.
 
     Each tile product is truncated two bits below the result's ulp.  The rounding constant enters as a carry into each
     of the two sums.  If the LSB of the highest product lies above these two bits, the product of the low parts' two

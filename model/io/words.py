@@ -183,7 +183,7 @@ def scale_exponent(targets: Targets, width: int) -> int:
     """Return the exponent e of the host's scaling: the core works on lengths times 2^e.
 
     The largest reach d1+d2 is scaled to [1, 2). If a coordinate would then leave [-2, 2), e is lowered by at most
-    `HEADROOM_BITS`, and if a tool would, by at most as many again; each step costs one bit of precision. Raises
+    `HEADROOM_BITS`, and if a tool would, by up to the same number again; each step costs one bit of precision. Raises
     TargetError if that is insufficient, if a reach exceeds double precision, or if an arm length's word would be 0.
     """
     reach = targets.reach

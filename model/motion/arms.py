@@ -157,7 +157,7 @@ class Arm:
     def _best(self, rows: NDArray, wrists: Floats, q: Floats, given: list, corrected: bool = False) -> tuple:
         """Return :meth:`Planner.best` of some rows; given: phi, branch and near of all rows, or None.
 
-        corrected: the candidates are those of the true chain.
+        corrected: the candidates are corrected on the true chain.
         """
         planner = self._planner(wrists[rows], q[rows])
         planner.true[:] = corrected

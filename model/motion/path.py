@@ -12,8 +12,8 @@ steps of wider joints are taken modulo a turn first, and the values unwrapped; w
 planned again with all values that are whole turns apart as candidates.
 
 Where a step exceeds the goal, further attempts have more swivel angles around it, charge steps near the goal more, and
-then avoid the joints of the last attempt there. Joints of a nearly exact arm are corrected on its true chain: those of
-the whole path at the end, all candidates of rows near the reach, and in further attempts of rows near jumps.
+then avoid the joints of the last attempt there. Joints of a nearly exact arm are corrected on its true chain: the
+whole path's at the end, all candidates of rows near the reach, and in further attempts of rows near jumps.
 """
 
 from collections.abc import Callable
@@ -115,7 +115,7 @@ class Planner:
     def placed(self, th: Floats, near: Floats | None = None) -> tuple[Floats, NDArray[np.bool_]]:
         """Return joint positions (7, M) for th1 .. th7, and True (7, M) for those outside their limits.
 
-        near (7, M): positions; those of copied joints are the nearest to them.
+        near (7, M): positions, to which copied joints take the nearest.
         """
         low, high = self.limits[:, :1], self.limits[:, 1:]
         at = th * self.signs[:, None] + self.offsets[:, None]
@@ -294,7 +294,7 @@ class Planner:
         return found._replace(at=at.T), errors
 
     def _reaching(self, found: Candidates) -> Candidates:
-        """Return the candidates, those of the rows ``true`` corrected and without those that then miss their pose.
+        """Return the candidates, with the rows ``true`` corrected and without candidates that then miss their pose.
 
         Where the exact arm is straight or closed, the true chain may not be, so its elbow starts a little bent.
         """

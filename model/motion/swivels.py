@@ -120,7 +120,7 @@ def feasible_swivel(
 ) -> Swivels:
     """Return all swivel angles for which the seven joints of hand poses are within their limits.
 
-    The arguments are those of :func:`solve`; ``bent`` is (upper, fore) of an :class:`Arm` with bent links.  Without
+    The arguments are as in :func:`solve`; ``bent`` is (upper, fore) of an :class:`Arm` with bent links.  Without
     limits all angles of a pose in reach are feasible.  A pose out of reach has no feasible angle.  Isolated angles are
     intervals of length 0.  Raises ValueError like :func:`solve`.
     """

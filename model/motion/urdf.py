@@ -120,7 +120,7 @@ def arguments(path: str | Path, base: str | None, tip: str | None) -> dict[str, 
             text = f"the nearest arm that can be solved differs by {misfit:.3g} at the tip and {turn:.3g} rad"
             raise ValueError(f"{error}; {text}; docs/related.md names solvers for such arms") from None
         if misfit > DOUBTFUL * chain.size:
-            text = f"{error}; answers are corrected, but swivel angles and reach are those of an arm that differs by"
+            text = f"{error}; answers are corrected, but swivel angles and reach belong to an arm that differs by"
             warnings.warn(f"{path}: {text} {misfit:.3g} at the tip", stacklevel=4)
         return from_axes(fitted.axes, fitted.points, fitted.end) | more | {"chain": chain, "misfit": (misfit, turn)}
 

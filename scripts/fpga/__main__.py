@@ -98,11 +98,6 @@ def page(data: dict) -> TemplateModule:
     def run(design: Design, family: str, kind: str = "synth") -> dict:
         return run_of(data, design.run(family, kind))
 
-    def sources(*datapaths: str) -> str:
-        """Return a text with the commit and digest of each datapath's measured code."""
-        latest = {d.datapath: data["designs"][d.name] for d in measured(data, *datapaths)}
-        return "; ".join(f"{name} as of commit `{of['commit']}`, sources `{of['rtl']}`" for name, of in latest.items())
-
     def column(design: Design) -> dict:
         """Return the figures of a design's column in table 5."""
         figures = {"head": f"{design.datapath}, W = {design.width}", **data["designs"][design.name]}
@@ -115,7 +110,7 @@ def page(data: dict) -> TemplateModule:
 
     columns = [column(design) for of in ("paper", "lean", "lean25") for design in reversed(measured(data, of))]
     broken = [find(name, width) for name, widths in BROKEN_DOWN.items() for width in widths]
-    values = {"data": data, "run": run, "measured": partial(measured, data), "sources": sources, "columns": columns}
+    values = {"data": data, "run": run, "measured": partial(measured, data), "columns": columns}
     values |= {"broken": broken, "find": find, "dates": " to ".join(sorted({dates[0], dates[-1]}))}
     values |= {"clock": partial(clock, data), "chip": tables, "chips": CHIPS, "models": MODELS, "netlist": netlist}
     return TEMPLATES.get_template("fpga.md.j2").make_module(values)

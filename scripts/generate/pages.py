@@ -22,7 +22,6 @@ from model.dataflow.datapaths import DATAPATHS
 from model.dataflow.fixed import FIFO_CLOCKS
 from model.dataflow.formats import Latency
 from model.dataflow.nodes import Node
-from model.io import trajectories
 from model.io.scoring import model_errors
 from model.io.stimuli import REGIONS, hand_poses, region
 from scripts import run
@@ -65,8 +64,7 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
     named = {"lean_tolerance": f"{tolerances.LEAN[32]:.0e}", "regular_tolerance": f"{tolerances.REGULAR:.0e}"}
     regions = {"region_targets": TARGETS, "by_region": by_region(), "regions": REGIONS}
     regions |= {"arm_by_region": arm_by_region(ARM_WIDTHS), "arm_widths": ARM_WIDTHS}
-    described = [(name, trajectories.describe(name)) for name in trajectories.TRAJECTORIES]
-    return render("scores", scores=scores, described=described, **named, **regions)
+    return render("scores", scores=scores, **named, **regions)
 
 
 def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
@@ -111,7 +109,9 @@ def pipeline_svg(datapath: str) -> str:
 def texts() -> dict[Path, str]:
     """Return a dict: path -> text of each file that needs no simulation."""
     paths = {name: [node for node in longest_path(fixed.nodes(name, WIDTH)) if node.latency] for name in DATAPATHS}
-    latency = render("latency", paths=paths, width=WIDTH, start=start, table=Latency.TABLE, fifo=FIFO_CLOCKS)
+    used = {node.latency for nodes in paths.values() for node in nodes}
+    does = {kind: text for kind, (*_, text) in Latency.TABLE.items() if kind in used}
+    latency = render("latency", paths=paths, width=WIDTH, start=start, does=does, fifo=FIFO_CLOCKS)
     pictures = {GENERATED / f"pipeline-{name}.svg": pipeline_svg(name) for name in DATAPATHS}
     return {GENERATED / "latency.md": latency, **pictures}
 

@@ -6,7 +6,7 @@
 Writes OUT/report.html: the arm (for a clip, the whole figure) posed by the core's quaternions, figures 1 to 5 of the
 paper, joint angles, the error of every target with its tolerance and prediction, the score, the pipeline over time.
 The page is self-contained (report.html, .css and the scripts of this folder, and the data as JSON) and opens from disk
-without network. It links to result files like those of `scripts.run`, which are written to OUT. The page shows several
+without network. It links to the result files, which are written to OUT as by `scripts.run`. The page shows several
 datapaths side by side; the files of each are then in a folder such as OUT/lean.
 If a trajectory fails, the page is written with a notice.
 
@@ -100,7 +100,7 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
 def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     """Return the page's data of hand poses. Angles are in degrees.
 
-    * names, joints (N, 7), limits (7, 2): those of the robot, or else of th1 to th7; a missing limit is None
+    * names, joints (N, 7), limits (7, 2): of the robot, or else of th1 to th7; a missing limit is None
     * over: bits of the joints outside their limits, bit 0 for the first joint; error: orientation error in rad
     * arcs (N, 8): for each branch, intervals of the swivel angle for which all joints are within their limits; free
       (N,): of the target's branch; branch (N,); None or absent without a robot

