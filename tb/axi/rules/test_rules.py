@@ -71,17 +71,11 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
 QUICK = ("m_axis PAYLOAD_STAYS", "m_axi.aw VALID_STAYS")
 
 
-def cases(rows):
-    """Return marked cases: QUICK ones always run, other rules are slow, cases without a rule run for releases only."""
+def case(finding: str, *others: str):
+    """Return a case. QUICK ones always run, other rules are slow, cases without a rule run for releases only."""
     slow = [pytest.mark.slow, pytest.mark.cost(4)]
-    return [
-        pytest.param(
-            *row,
-            id=f"{row[0]} {row[2] if '=' in row[2] else ''}".strip().replace(" ", "_"),
-            marks=[] if row[0] in QUICK else slow if " " in row[0] else pytest.mark.release,
-        )
-        for row in rows
-    ]
+    marks = [] if finding in QUICK else slow if " " in finding else pytest.mark.release
+    return pytest.param(finding, *others, id=finding.replace(" ", "_"), marks=marks)
 
 
 def fails_with(finding: str, folder: Path, **options) -> None:
@@ -123,7 +117,7 @@ only_icarus = pytest.mark.skipif(simulator() != "icarus", reason="the same monit
 
 @pytest.mark.sim
 @only_icarus
-@pytest.mark.parametrize(("finding", "bench", "test", "file", "old", "new"), cases(BUGS))
+@pytest.mark.parametrize(("finding", "bench", "test", "file", "old", "new"), [case(*row) for row in BUGS])
 def test_seeded_bug_is_detected(finding, bench, test, file, old, new, tmp_path):
     bug = Bug(finding, file, old, new)
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "20", "COCOTB_MAX_FAILURES": "1", "COCOTB_TEST_FILTER": test}
