@@ -95,11 +95,7 @@ def hand_errors(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
     if datapath == "lean":
         hand = np.nan_to_num(worst_targets.errors(words, answer.results, width)[0])[None]
         return np.array((hand, np.full_like(hand, tolerances.sought(width))))
-    reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
-    permitted = np.array([np.broadcast_to(most, reach.shape) for most in tolerances.arm(words, width)])
-    permitted[0] /= np.maximum(reach, 1)
-    relative = tolerances.pose_errors(words, answer.results, answer.flags, width)
-    return np.array((np.nan_to_num(relative) * permitted * (reach >= 1 << width - 2), permitted))
+    return np.array(worst_targets.arm_errors(words, answer, width))
 
 
 def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.ndarray:

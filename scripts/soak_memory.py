@@ -37,7 +37,7 @@ def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
         options = {"root": ECHO_PLACE, "name": "echo"} if echo else {}
         failed = ""
         try:
-            run_in_process("tb.axi.ik_axi", sim, env, parameters=parameters, **options)
+            run_in_process("tb.axi.test_ik_axi", sim, env, parameters=parameters, **options)
         except SimulationError as error:
             failed = str(error)
         rows = [[int(word) for word in line.split()] for line in done]

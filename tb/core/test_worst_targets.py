@@ -11,7 +11,7 @@ from model.bounds import tolerances
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.io.flags import UNREACHABLE, expected_flags
-from model.io.stimuli import REGIONS, SPECIAL, corners, of_special, region, special, unreachable
+from model.io.stimuli import REGIONS, SPECIAL, corners, hand_poses, of_special, region, special, unreachable
 from model.io.words import from_words
 from model.reference.equations import solve_clamped
 from tb.core import worst_targets
@@ -113,3 +113,14 @@ def test_merge_keeps_the_hardest_reachable_targets_of_each_group_once_in_any_ord
     assert [row.hand_error for row in kept[20:30]] == by_hand
     least = min(errors[row.words][1] for row in kept[30:])
     assert {row for row, (_, n) in errors.items() if n > least} <= {row.words for row in kept}
+
+
+def test_tiny_arms_do_not_displace_searched_poses(width=32):
+    """Merge tiny arms, whose errors are large compared with the reach or near the tolerance, with searched poses."""
+    searched = [row for row in GROUPS["arm", width] if row.found == "search"]
+    poses = hand_poses(region("short lengths", 1000, width, 1), width, 1)
+    tiny = [worst_targets.Row("arm", width, (*pose, 0), 0.0, "soak") for pose in poses.tolist()]
+    kept = worst_targets.merge(searched + tiny)
+    assert max(row.hand_error for row in kept if row.found == "soak") > min(row.hand_error for row in searched)
+    stay = {row.words for row in searched} & {row.words for row in kept}
+    assert len(stay) >= min(len(searched), worst_targets.KEPT)

@@ -5,9 +5,9 @@ Bits, flags and norms are checked for every target, hand errors where `model.bou
 
 ``tb/core/worst_targets.csv`` is the regression list of the hardest targets found so far. ``python -m scripts.soak
 --keep`` writes it; tb/core/test_every_node.py runs it. A reachable target is hard if its hand error is large compared
-with its tolerance (paper: predicted error), or if its quaternions are far from unit length. A row holds the datapath,
-the word length, the input words, the bit-true model's hand error / reach, and where the target was found. In the row of
-a hand pose the last word is the branch, and the error is relative to the tolerance.
+with its tolerance (paper: predicted error; hand poses: reach), or if its quaternions are far from unit length. A row
+holds the datapath, the word length, the input words, the bit-true model's hand error / reach, and where the target was
+found. In the row of a hand pose the last word is the branch, and the error is relative to the tolerance.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from model.bounds import tolerances
+from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.dataflow.formats import WIDTHS
 from model.dataflow.nodes import Limits
@@ -253,6 +254,18 @@ def errors(
     return hand, np.maximum(*(np.abs((q**2).sum(axis=1) - 1) for q in (quaternions[:, :4], quaternions[:, 4:])))
 
 
+def arm_errors(words: np.ndarray, run: fixed.Answer, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return errors of poses and their tolerances, (2, N): of the hand's point / reach and of its orientation (rad).
+
+    An error is 0 where :func:`tolerances.pose_errors` excludes the pose, and for a reach below 1 in the format, where
+    rounding the wrist to words causes an error that is large only compared with the reach."""
+    reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
+    permitted = np.array([np.broadcast_to(most, reach.shape) for most in tolerances.arm(words, width)])
+    permitted[0] /= np.maximum(reach, 1)
+    relative = tolerances.pose_errors(words, run.results, run.flags, width)
+    return np.nan_to_num(relative) * permitted * (reach >= 1 << width - 2), permitted
+
+
 def named(count: int) -> tuple[str, ...]:
     """Return the names of ``count`` input words: of a wrist target, or of a pose and its branch."""
     return (*ARM_FIELDS, "branch") if count > len(FIELDS) else FIELDS
@@ -321,8 +334,9 @@ def _written(error: float) -> str:
 
 
 def merge(rows: Iterable[Row]) -> list[Row]:
-    """Return the hardest rows of each datapath and word length: ``KEPT`` by hand error / tolerance, then ``KEPT``
-    others by norm error. The order of ``rows`` has no effect. Hand errors are recomputed."""
+    """Return the hardest rows of each datapath and word length: ``KEPT`` by hand error / tolerance (hand poses: by the
+    larger of :func:`arm_errors`), then ``KEPT`` others by norm error. The order of ``rows`` has no effect. Hand errors
+    are recomputed."""
     kept = []
     for (datapath, width), group in groups(rows).items():
         # Keep one row of a target found more than once: the first by `found`.
@@ -331,10 +345,12 @@ def merge(rows: Iterable[Row]) -> list[Row]:
         words = array(unique)
         run = answer(words, width, datapath)
         hand, norm = errors(words, run.results, width, run.flags)
-        # Row by row: the random endpoints that predicted_error tries depend on a target's index in the array.
-        ratio = hand / np.concatenate([tolerances.scale(word[None], width, datapath) for word in words])
+        if MODELS[datapath].side:
+            hardness = arm_errors(words, run, width)[0].max(axis=0)
+        else:  # row by row: the random endpoints that predicted_error tries depend on a target's index in the array
+            hardness = hand / np.concatenate([tolerances.scale(word[None], width, datapath) for word in words])
         reachable = np.flatnonzero(~np.isnan(hand))
-        by_hand = reachable[np.argsort(-ratio[reachable], kind="stable")]
+        by_hand = reachable[np.argsort(-hardness[reachable], kind="stable")]
         by_norm = reachable[np.argsort(-norm[reachable], kind="stable")]
         chosen = by_hand[:KEPT].tolist()
         chosen += [n for n in by_norm.tolist() if n not in chosen][:KEPT]

@@ -18,7 +18,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from tb.axi.test_ik_axi import LONG, MODULES
+from tb.axi.test_ik_axi import MANY_RECORDS, MODULES
 from tb.formal.tools import yosys
 from tb.mutation.benches import NodeBench, Replaced, fault, unit_bench
 from tb.mutation.netlists import BUILD, SECONDS, Mutant, Netlist, relative, source_name
@@ -54,7 +54,7 @@ def memory(log2_burst: int, data_w: int) -> Design:
     parameters = {"W": 18, "LOG2_BURST": log2_burst, "DATA_W": data_w}
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "16", "IK_AXI_FAULTS": "2"}
     options = {"toplevel": "ik_axi", "module": MODULES, "parameters": parameters, "env": env}
-    short = options | {"env": env | {"IK_AXI_JOBS": "4", "COCOTB_TEST_FILTER": f"^(?!.*({LONG}))"}}
+    short = options | {"env": env | {"IK_AXI_JOBS": "4", "COCOTB_TEST_FILTER": f"^(?!.*({MANY_RECORDS}))"}}
     benches = (Replaced("jobs short", "ik_axi", short), Replaced("jobs", "ik_axi", options))
     return Design(f"memory {data_w}", "ik_axi", parameters, benches)
 

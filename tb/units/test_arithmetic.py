@@ -189,19 +189,13 @@ def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: 
             return floor, 0
         return Q[0] if n < 0 else Q[-1], 1
 
-    def ends_of_the_range():
-        """Return dividends at or next to a quotient's least dividend; quotients are near 0 or an end of q's range."""
-        wanted = [q + e for q in (Q[0], Q[-1]) for e in (-1, 0, 1)] + [-2, -1, 0, 1]
-        divisors = [d for d in corners(D) if d > 0] + [random.randint(1, D[-1]) for _ in range(20)]
-        first = [(math.ceil(Fraction(q * d, 1 << SH)), d) for d in divisors for q in wanted]
-        return [(n + e, d) for n, d in first for e in (-1, 0, 1) if n + e in N]
-
-    def quotients_that_fit():
-        """Yield random divisors, each with a dividend at or next to the least one that gives some quotient. The
-        quotients span twice q's range."""
-        for _ in range(2500):
-            d = random.randint(1, (1 << random.randint(1, DW - 1)) - 1)
-            q = random.choice((random.randint(2 * Q[0], 2 * Q[-1]), random.choice((Q[0], Q[-1], 0, -1))))
+    def next_to_quotients():
+        """Yield divisors, each with a dividend at or next to the least one that gives some quotient. Half of the
+        quotients are near 0 or an end of q's range, the others span twice the range."""
+        ends, divisors = [q + e for q in (Q[0], Q[-1], 0) for e in (-2, -1, 0, 1)], [d for d in corners(D) if d > 0]
+        for _ in range(4000):
+            d = random.choice((random.randint(1, (1 << random.randint(1, DW - 1)) - 1), random.choice(divisors)))
+            q = random.choice((random.randint(2 * Q[0], 2 * Q[-1]), random.choice(ends)))
             n = math.ceil(Fraction(q * d, 1 << SH)) + random.choice((-1, 0, 0, 1))
             if n in N:
                 yield n, d
@@ -210,8 +204,7 @@ def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: 
         {"n": N, "d": D},
         {"q": Q, "ovf": BIT},
         reference,
-        ends_of_the_range,
-        quotients_that_fit,
+        next_to_quotients,
         latency=LAT,
         delays=delays,
         corners=[((0, 0), (Q[-1], 1)), ((-1, 0), (Q[0], 1)), ((1, -1), (Q[-1], 1))],

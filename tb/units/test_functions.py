@@ -1,18 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test shifts and counts of leading zeros against their definitions; test ``ik_sincos``, ``ik_trig`` and ``ik_rsqrt``
-against their models, and these models against the true values."""
+"""Test shifts, counts of leading zeros, doubled angles, steps and limits of joints against their definitions. Test
+``ik_sincos``, ``ik_trig``, ``ik_rsqrt`` and ``ik_vector`` against their models, and all but the last of these against
+the true values."""
 
+import itertools
 import random
 from functools import partial
 
 import numpy as np
 
+from model.dataflow import angles
+from model.dataflow.expressions import round_shift
 from model.dataflow.formats import Latency, inner_frac
 from model.dataflow.lean_operations import even
 from model.dataflow.mul3 import TILE
 from model.dataflow.paper_operations import cordic, sincos_bound
 from model.dataflow.quadratic import INVERSE_ROOT, SINE, SINE_FRACS, half_sincos, half_sincos_error, rsqrt, rsqrt_places
-from tb.units.unit import BIT, Case, Tests, checks, corners, crossed, runs, sets_of, shuffled, signed, unsigned, wrapped
+from tb.units.unit import BIT, Case, Tests, checks, corners, pairs, runs, sets_of, shuffled, signed, unsigned, wrapped
 
 COUNTS = unsigned(6)
 
@@ -109,7 +113,7 @@ def zeros(W: int, N: int, norm: bool = False) -> Tests:
         return (pack([w << count for w in vector]) or 1 << W - 2, count) if norm else count
 
     def extreme_words():
-        return [pack(vector) for vector in crossed(*[words] * N)]
+        return [pack(vector) for vector in itertools.product(corners(words), repeat=N)]
 
     def powers_of_two():
         """Return vectors with a single nonzero word: a power of two or a neighbour, of either sign."""
@@ -212,6 +216,83 @@ def of_datapath(*widths: int, **tile: int) -> list[dict[str, int]]:
     return sets_of("W F", *((w, min(inner_frac(w), SINE_FRACS[-1])) for w in widths), **tile)
 
 
+def vector(W: int) -> Tests:
+    """Check length and angle in separate tests, because their latencies differ."""
+    inputs = {"x": signed(W + 4), "y": signed(W + 4)}
+
+    def of_words():
+        return [(x << angles.GUARD, y << angles.GUARD) for x, y in pairs(W)]
+
+    def of_lengths():
+        return [(abs(x) >> 1, abs(y) >> 1) for x, y in pairs(W + 4, 500)]
+
+    def bench(port: str, outputs: range, which: int, latency: str, named: list) -> Tests:
+        def model(x, y):
+            return (angles.iterate(np.array(x), np.array(y), W)[which],)
+
+        options = {"latency": Latency(W)[latency], "columns": True, "corners": named, "good": (9, 4)}
+        tests = checks(inputs, {port: outputs}, model, of_words, of_lengths, **options)
+        return {f"{name}_{port}": test for name, test in tests.items()}
+
+    exact = [((x, 0), 0) for x in (0, 8, 1 << W)] + [((x, 0), -(1 << W + 3)) for x in (-8, -(1 << W))]
+    lengths = bench("length", unsigned(W + 3), 0, "vector_x", [])
+    return lengths | bench("angle", signed(W + 4), 1, "vector", exact)
+
+
+def double(IW: int, OW: int) -> Tests:
+    """Check that q is 2 a, or -2 a, rounded half up, modulo one turn."""
+    q = unsigned(OW)
+    return checks(
+        {"a": unsigned(IW), "negate": BIT},
+        {"q": q},
+        lambda a, negate: wrapped(round_shift(-2 * a if negate else 2 * a, IW - OW), q),
+        latency=1,
+    )
+
+
+def over(W: int, th: int, low: int, high: int) -> int:
+    return int((th - low) % (1 << W) > (high - low) % (1 << W))
+
+
+def limit(W: int) -> Tests:
+    angle = unsigned(W)
+    return checks({"th": angle, "low": angle, "high": angle}, {"over": BIT}, partial(over, W), latency=1)
+
+
+def fold_limit(W: int) -> Tests:
+    def of_joint(joint: int, th: int, limits: int) -> int:
+        return over(W, th, *(limits >> W * n & (1 << W) - 1 for n in (2 * joint - 2, 2 * joint - 1)))
+
+    def near():
+        drawn = [(random.randint(1, 7), random.randint(-1, 1), random.getrandbits(14 * W)) for _ in range(2000)]
+        return [(n, ((arcs >> W * (2 * n - 1 - arcs % 2)) + by) % (1 << W), arcs) for n, by, arcs in drawn]
+
+    inputs = {"joint": unsigned(3), "th": unsigned(W), "limits": unsigned(14 * W)}
+    return checks(inputs, {"over": BIT}, of_joint, near, latency=1, fits=lambda joint, *_: joint)
+
+
+def step(W: int, STEP: int, NEGATED: int) -> Tests:
+    """Check both steps. As limits are static, the next vector decides whether there are any."""
+    turn, angle, most = 1 << W, unsigned(W), (2 << STEP) - 1
+
+    def size(at: int, ref_at: int, span: int, whole: bool) -> int:
+        gap = at - ref_at
+        if whole:
+            gap = (gap + turn // 2) % turn - turn // 2
+        return most if at > span else (~gap if gap < 0 else gap) >> W - STEP
+
+    def reference(*columns):
+        rows = list(zip(*columns, strict=True))
+        for (th, ref, low, high), (*_, next_low, next_high) in zip(rows, [*rows[1:], rows[-1]], strict=True):
+            whole, span = (next_high - next_low) % turn == turn - 1, (high - low) % turn
+            other = -th if NEGATED else th + turn // 2
+            yield [size((one - low) % turn, (ref - low) % turn, span, whole) for one in (th, other)]
+
+    inputs = dict.fromkeys(("th", "ref_th", "low", "high"), angle)
+    steps = dict.fromkeys(("step_0", "step_1"), unsigned(STEP + 1))
+    return checks(inputs, steps, lambda *columns: zip(*reference(*columns), strict=True), latency=3, columns=True)
+
+
 CASES = (
     Case(
         "ik_shift",
@@ -249,5 +330,15 @@ CASES = (
         [{"F": 31}],
         [*sets_of("F", (29,), (22,), TILE=16), *sets_of("F", (19,), (20,), (21,), (22,), (24,), (27,))],
     ),
+    Case("ik_vector", vector, sets_of("W", (6,)), sets_of("W", (5,), (17,), (24,), (32,))),
+    Case("ik_double", double, sets_of("IW OW", (8, 4), (36, 32))),
+    Case("ik_limit", limit, sets_of("W", (4,), (32,))),
+    Case(
+        "ik_step",
+        step,
+        sets_of("W STEP NEGATED", (3, 3, 0), (3, 3, 1), (24, 12, 1)),
+        sets_of("W STEP NEGATED", (32, 12, 0)),
+    ),
+    Case("ik_fold_limit", fold_limit, sets_of("W", (4,), (32,))),
 )
 test_functions, vectors = runs(CASES)

@@ -308,6 +308,15 @@ def _one(words: range) -> int:
     return min(max(value, words[0]), words[-1])
 
 
+def pairs(width: int, count: int = 1000) -> list[Vector]:
+    """Return pairs of signed words in random order: all up to 6 bits, else ``count``, of which a quarter has a 0."""
+    word = signed(width)
+    if width <= 6:
+        return shuffled(itertools.product(word, word))
+    rows = [(x * random.choice((0, 1, 1, 1)), y) for x, y in some(count, word, word)]
+    return [row if random.random() < 0.8 else row[::-1] for row in rows]
+
+
 # ---- references ------------------------------------------------------------------------------------------------------
 
 

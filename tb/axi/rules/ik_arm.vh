@@ -2,7 +2,7 @@
 // Appended to ik_arm in every cocotb simulation: rules of its streams, for both sides.
 
 ik_rules_channel #(
-    .N     (11 * W + 3 + TAG_W),
+    .N     ((11 + 7 * CHOOSE) * W + 3 + TAG_W),
     .STREAM(1)
 ) rules_s_axis (
     .clk    (clk),
@@ -12,7 +12,7 @@ ik_rules_channel #(
     .payload({s_axis_tuser, s_axis_tdata})
 );
 ik_rules_channel #(
-    .N     (17 * W + 16 + TAG_W),
+    .N     (17 * W + 16 + 25 * CHOOSE + TAG_W),
     .STREAM(1)
 ) rules_m_axis (
     .clk    (clk),

@@ -1,23 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""cocotb tests for ``test_rules.py``: traces for the monitors, and drivers that break a rule while a core runs.
+"""cocotb tests for ``test_rules.py``: traces for the monitors.
 
 There are legal traces, and for each AXI rule at least one trace that breaks only this rule. A trace is a dict
 clock -> signal -> value; all other signals are 0. Reset is active in clocks 0 and 1. A trace that breaks a rule is
 usually laid over a legal trace, which then ends in the last clock of the overlay.
 """
 
-import os
 import re
 from typing import NamedTuple
 
 import cocotb
 from cocotb.clock import Clock
-from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
+from cocotb.triggers import FallingEdge, RisingEdge
 from cocotb.types import LogicArray
 
-from model.io.stimuli import mixed
-from tb.axi.bench import CHANNELS, started
-from tb.core.pipeline import Pipeline
+from tb.axi.bench import CHANNELS
 from tb.sim.sources import RULES
 from tb.sim.timeout import timed_test
 
@@ -251,43 +248,3 @@ async def each_rule(top):
             wrong.append(f"{case.port} {case.trace if case.base else ''}: {broken}, expected {case.rules}")
     assert not wrong, "\n".join(wrong)
     assert not unbroken, f"no trace for {sorted(unbroken)}"
-
-
-async def force(dut) -> None:
-    """Override signals of the bench in every second clock. A monitor must then end the simulation.
-
-    IK_FORCE is a comma-separated list of signal=value. IK_WHEN is a condition signal=value: the override starts one
-    clock after it first holds. Unless the signal is rst, the first 12 clocks, with the reset, are skipped.
-    """
-    forced = [item.split("=") for item in os.environ["IK_FORCE"].split(",")]
-    when, at = os.environ["IK_WHEN"].split("=")
-    if when != "rst":
-        await ClockCycles(dut.clk, 12)
-    await FallingEdge(dut.clk)
-    while getattr(dut, when).value != int(at):
-        await FallingEdge(dut.clk)
-    await FallingEdge(dut.clk)
-    while True:
-        for signal, value in forced:
-            getattr(dut, signal).value = int(value)
-        await ClockCycles(dut.clk, 2)
-        await FallingEdge(dut.clk)
-
-
-@timed_test()
-async def stream(dut):
-    """Send more targets than the core has slots, while no result is accepted."""
-    bench = Pipeline(dut)
-    cocotb.start_soon(force(dut))
-    await bench.reset()
-    bench.sink.pause = True
-    bench.driver.send(mixed(200, bench.width, seed=3))
-    await ClockCycles(dut.clk, 300)
-
-
-@timed_test()
-async def memory(dut):
-    cocotb.start_soon(force(dut))
-    bench = await started(dut, latency=9)
-    bench.stall(*CHANNELS)
-    await bench.solve(0x40000, 0x80000, 60)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the AXI monitors: traces that break each rule, seeded bugs in the RTL, and drivers that break a rule.
+"""Tests of the AXI monitors: traces that break each rule, their connections, and seeded bugs in the RTL.
 
 A bug must fail the bench: by the named rule at the named port or, if no rule is named, by the bench's own checks.
 """
@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from tb.axi.instances import echoing
-from tb.sim.env import simulator
+from tb.sim.env import ROOT, simulator
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.shared import failures, passes
-from tb.sim.sources import TOP, top_of
+from tb.sim.sources import HEADER, PORT, RULES, TOP, top_of
 
 PORTS = {
     "stream": ("ik_rules_channel", {"N": 8, "STREAM": 1, "STOP": 0}),
@@ -21,7 +21,7 @@ PORTS = {
     "axi4": ("ik_rules_axi4", {"STOP": 0}),
 }
 
-STREAMS, JOBS, FAULTS, REGISTERS = "tb.core.stream_tests", "tb.axi.ik_axi", "tb.axi.faults", "tb.axi.registers"
+STREAMS, JOBS, FAULTS, REGISTERS = "tb.core.test_streams", "tb.axi.test_ik_axi", "tb.axi.faults", "tb.axi.registers"
 FIFO, CREDITS, AXI = "rtl/lib/ik_fifo.v", "rtl/lib/ik_credit_fifo.v", "rtl/ik_axi.v"
 READ, WRITE, RESULT, REGS, JOB, TARGET = (
     f"rtl/axi/ik_axi_{part}.v" for part in ("read", "write", "result", "regs", "job", "target")
@@ -68,44 +68,14 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
     ("irq_enable", REGISTERS, "pulses", REGS, "(irq_status & irq_enable) != 0", "irq_status != 0"),
 ]
 
-R = "m_axi_rdata=0,m_axi_rid=0,m_axi_rresp=0,m_axi_rlast=0,m_axi_rvalid=1"
-B = "m_axi_bid=0,m_axi_bresp=0,m_axi_bvalid=1"
-NOBODY = "s_axi_awready=1"  # holds before the first write
-FORCED = [  # port and rule, test, wrong drive, start condition
-    ("s_axis LOW_AFTER_RESET", "stream", "s_axis_tvalid=1", "rst=1"),
-    ("s_axis VALID_STAYS", "stream", "s_axis_tvalid=0", "s_axis_tready=0"),
-    ("s_axis PAYLOAD_STAYS", "stream", "s_axis_tuser=5", "s_axis_tready=0"),
-    *((f"s_axi.{c} LOW_AFTER_RESET", "memory", f"s_axi_{c}valid=1", "rst=1") for c in ("aw", "w", "ar")),
-    *((f"m_axi.{c} LOW_AFTER_RESET", "memory", f"m_axi_{c}valid=1", "rst=1") for c in ("r", "b")),
-    ("m_axi.write B_AFTER_LAST_DATA", "memory", B, NOBODY),
-    ("m_axi.write BRESP", "memory", "m_axi_bresp=1", "m_axi_bvalid=1"),
-    ("m_axi.write BID", "memory", "m_axi_bid=1", "m_axi_bvalid=1"),
-    ("m_axi.read R_AFTER_ADDRESS", "memory", R, NOBODY),
-    ("m_axi.read RLAST", "memory", "m_axi_rlast=1", "m_axi_rvalid=1"),
-    ("m_axi.read RLAST", "memory", "m_axi_rlast=0", "m_axi_rlast=1"),
-    ("m_axi.read RID", "memory", "m_axi_rid=1", "m_axi_rvalid=1"),
-    ("m_axi.read RRESP", "memory", "m_axi_rresp=1", "m_axi_rvalid=1"),
-]
-QUICK = ("m_axis PAYLOAD_STAYS", "m_axi.aw VALID_STAYS", "m_axi.write BID")
+QUICK = ("m_axis PAYLOAD_STAYS", "m_axi.aw VALID_STAYS")
 
 
-def cases(rows):
-    """Return marked cases: QUICK ones always run, other rules are slow, cases without a rule run for releases only."""
+def case(finding: str, *others: str):
+    """Return a case. QUICK ones always run, other rules are slow, cases without a rule run for releases only."""
     slow = [pytest.mark.slow, pytest.mark.cost(4)]
-    return [
-        pytest.param(
-            *row,
-            id=f"{row[0]} {row[2] if '=' in row[2] else ''}".strip().replace(" ", "_"),
-            marks=[] if row[0] in QUICK else slow if " " in row[0] else pytest.mark.release,
-        )
-        for row in rows
-    ]
-
-
-@pytest.fixture(scope="module")
-def echo(tmp_path_factory):
-    """Return the options of `simulate` for a copy with the echo and no bug. All tests of drivers share this copy."""
-    return echoing(tmp_path_factory.mktemp("echo"))
+    marks = [] if finding in QUICK else slow if " " in finding else pytest.mark.release
+    return pytest.param(finding, *others, id=finding.replace(" ", "_"), marks=marks)
 
 
 def fails_with(finding: str, folder: Path, **options) -> None:
@@ -119,8 +89,27 @@ def fails_with(finding: str, folder: Path, **options) -> None:
 
 @pytest.mark.sim
 def test_every_rule_fails_its_own_trace():
-    env = {"COCOTB_TEST_FILTER": "legal_traces|each_rule"}
-    passes("rules", toplevel=TOP, module="tb.axi.rules.rules", top=top_of(PORTS), env=env)
+    passes("rules", toplevel=TOP, module="tb.axi.rules.rules", top=top_of(PORTS))
+
+
+@pytest.mark.parametrize("file", sorted(RULES.glob("*.vh")), ids=lambda file: file.stem)
+def test_a_monitor_has_all_signals_of_its_port(file):
+    """Check every connection, and that a stream's payload has all bits, so that the rules hold for both sides."""
+    modules = {found[1]: found[3] for found in HEADER.finditer((RULES / "ik_rules.v").read_text())}
+    top = HEADER.search((ROOT / "rtl" / f"{file.stem}.v").read_text())[3]
+    widths = {name: form[1:].partition(":")[0] for _, form, name in PORT.findall(top)}  # text of the highest index
+    monitor = re.compile(r"^(ik_rules_\w+)(?: #\((.*?)\n\))? rules_(\w+) \((.*?)\n\);", re.S | re.M)
+    monitors = monitor.findall(file.read_text())
+    assert len(monitors) == 2
+    for module, parameters, port, connections in monitors:
+        signals = {name: f"{port}_{name}" for *_, name in PORT.findall(modules[module])} | {"clk": "clk", "rst": "rst"}
+        if module == "ik_rules_channel":
+            signals |= {"valid": f"{port}_tvalid", "ready": f"{port}_tready"}
+            signals["payload"] = f"{{{port}_tuser, {port}_tdata}}"
+            bits = re.search(r"\.N +\((.*)\)", parameters)[1]
+            size = f"{widths[f'{port}_tdata']} + 1 + {widths[f'{port}_tuser']} + 1"
+            assert eval(f"{bits} == {size}", {"W": 24, "TAG_W": 5, "CHOOSE": 1}), f"{port}: payload of {bits} bits"
+        assert dict(re.findall(r"\.(\w+) *\((.*)\)", connections)) == signals, port
 
 
 only_icarus = pytest.mark.skipif(simulator() != "icarus", reason="the same monitors; Icarus builds them in a second")
@@ -128,7 +117,7 @@ only_icarus = pytest.mark.skipif(simulator() != "icarus", reason="the same monit
 
 @pytest.mark.sim
 @only_icarus
-@pytest.mark.parametrize(("finding", "bench", "test", "file", "old", "new"), cases(BUGS))
+@pytest.mark.parametrize(("finding", "bench", "test", "file", "old", "new"), [case(*row) for row in BUGS])
 def test_seeded_bug_is_detected(finding, bench, test, file, old, new, tmp_path):
     bug = Bug(finding, file, old, new)
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "20", "COCOTB_MAX_FAILURES": "1", "COCOTB_TEST_FILTER": test}
@@ -143,18 +132,9 @@ def test_seeded_bug_is_detected(finding, bench, test, file, old, new, tmp_path):
 def test_tests_after_a_broken_rule_are_not_run(tmp_path):
     (row,) = (row for row in BUGS if row[0] == QUICK[0])
     options = {"root": copy_rtl(tmp_path, Bug(row[0], *row[3:])), "name": f"rules-{row[0].replace(' ', '-')}"}
-    env = {"COCOTB_TEST_FILTER": "tests.full|ready_before|not_ready"}
+    env = {"COCOTB_TEST_FILTER": "streams.full|ready_before|not_ready"}
     messages = failures(tmp_path / "log", toplevel="ik_axis", module=STREAMS, parameters={"W": 18}, env=env, **options)
     (name, first), *others = messages
     assert name == "full"
     assert first.startswith("rule PAYLOAD_STAYS (IHI 0051A 2.2.1) is broken at ik_axis.rules_m_axis, ")
     assert [message for _, message in others] == ["not run: the simulation ended in full"] * 2
-
-
-@pytest.mark.sim
-@only_icarus
-@pytest.mark.parametrize(("finding", "test", "forced", "when"), cases(FORCED))
-def test_a_wrong_driver_is_named(finding, test, forced, when, echo, tmp_path):
-    env = {"IK_AXI_CORE": "echo", "IK_FORCE": forced, "IK_WHEN": when, "COCOTB_TEST_FILTER": f"rules.{test}$"}
-    top, options = ("ik_axi", echo) if test == "memory" else ("ik_axis", {})
-    fails_with(finding, tmp_path, toplevel=top, module="tb.axi.rules.rules", env=env, **options)
