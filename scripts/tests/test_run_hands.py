@@ -17,7 +17,7 @@ from model.motion.arms import ROBOTS, Arm
 from model.motion.hands import limit_words
 from model.motion.pose import parse_axis, solve
 from model.motion.tests.test_arms import CHAINS, urdf
-from model.motion.tests.test_joints import poses
+from model.motion.tests.test_pose import poses
 from model.reference.kinematics import angle_between
 from scripts import run, trajectory
 from scripts.robots import planned
