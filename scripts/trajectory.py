@@ -23,14 +23,24 @@ from model.io import trajectories
 from model.io.files import EULER, Place, read_csv
 from model.io.flags import ARM_FLAG_BITS
 from model.io.scoring import Score, score, score_json, tables
-from model.io.words import ARM_FIELDS, RESULT_FIELDS, Targets, angle_doubt, binary_angles, result_values, to_words
+from model.io.words import (
+    ARM_FIELDS,
+    RESULT_FIELDS,
+    Targets,
+    angle_doubt,
+    binary_angles,
+    limit_words,
+    result_values,
+    to_words,
+)
 from model.motion import arms, gltf
 from model.motion import clip as clips
 from model.motion.clip import TORSO, Clip, Motion
-from model.motion.hands import limit_words
 from model.motion.path import JointPath
-from model.motion.pose import elbow_jumps, hanging, soft_reach, swivel, to_z
+from model.motion.pose import hanging, soft_reach, swivel
+from model.motion.swivels import elbow_jumps
 from model.reference import joints
+from model.reference.kinematics import to_z
 from scripts.console import InputError, Options, choose_simulator, output, progress
 from scripts.robots import Speeds, planned, speeds, times
 from tb.sim.simulate import Run, simulate

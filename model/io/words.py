@@ -247,6 +247,15 @@ def binary_angles(angles: np.ndarray, width: int) -> np.ndarray:
     return words << 64 - width >> 64 - width  # half a turn is -half a turn
 
 
+def limit_words(limits: np.ndarray | None, width: int) -> list[tuple[int, int]]:
+    """Return lowest and highest word of each joint within its limits. A range of a turn or more allows any word."""
+    half, unit, words = 2 ** (width - 1), 2**width / (2 * np.pi), []
+    for low, high in [(-np.inf, np.inf)] * 7 if limits is None else limits.tolist():
+        free = not high - low < 2 * np.pi
+        words.append((-half, half - 1) if free else (math.ceil(low * unit), math.floor(high * unit)))
+    return words
+
+
 def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targets:
     """Return the targets that `words` (N, 6) represent, in the user's units and the core's frame.
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from ..reference import joints
 from ..reference.joints import Branch
-from .hands import Floats
+from .pose import Floats
 from .swivels import FLIPS, TURN, Circles, beyond
 
 SWIVELS, MORE_SWIVELS = 16, 32  # uniform swivel angles of the first attempt, and of further attempts near jumps

@@ -10,6 +10,7 @@ so an angle is at a limit where an expression of the same form is 0, which holds
 IEEE T-RO 24(5), 2008).  Each arc between two neighbours of these phi is feasible or infeasible as a whole.
 """
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -17,11 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..io.words import DEFAULT_D1, DEFAULT_D2
+from ..io.words import DEFAULT_D1, DEFAULT_D2, Targets
 from ..reference import joints
-from ..reference.kinematics import product
-from .hands import Hands, checked_limits, refuse
-from .pose import Axis, Floats, Order, direction, hanging, solve, to_z
+from ..reference.kinematics import Axis, direction, product, to_z
+from .pose import Floats, Hands, Order, checked_limits, hanging, refuse, solve
 
 CHUNK = 1024
 TURN = 2 * np.pi
@@ -164,10 +164,6 @@ class Circles:
 
     def __len__(self) -> int:
         return len(self.distance)
-
-    def part(self, rows: slice | NDArray) -> "Circles":
-        """Return the circles of some poses."""
-        return Circles(self.ends[:, rows], self.flexion[:, rows], self.distance[rows], self.reach[rows], self.slack)
 
     @classmethod
     def of(
@@ -362,3 +358,26 @@ def continuous_core_angles(angles: ArrayLike) -> Floats:
             chosen[n] = branch = row[branch]
     path[present] = np.unwrap(branches[chosen, :, np.arange(len(present))], axis=0)
     return path
+
+
+def elbow_jumps(targets: Targets) -> tuple[NDArray[np.intp], list[float]]:
+    """Return the rows of a path at which the elbow jumps as the wrist passes the reference axis, and a better axis.
+
+    Let the wrist move by s from one row to the next, and let r be its smaller distance from the axis in the two rows.
+    The elbow jumps if it moves by more than a tenth of the reach, more than 4 s, and more than 4 (r - s).
+    """
+    reach = targets.reach.max(initial=1e-300)
+    position, jumps = targets.core_wrist / reach, [np.empty(0, dtype=np.intp)]
+    elbow = solve(position, targets.phi % (2 * np.pi), targets.d1 / reach, targets.d2 / reach).elbow
+    arms = np.zeros(len(targets)) if targets.arm is None else targets.arm
+    for rows in (np.flatnonzero(arms == arm) for arm in np.unique(arms)):
+        moved, swung = (np.linalg.norm(np.diff(points[rows], axis=0), axis=1) for points in (position, elbow))
+        off_axis = np.hypot(*position[rows, :2].T)
+        passed = np.minimum(off_axis[1:], off_axis[:-1]) - moved
+        most = np.maximum(4 * np.maximum(moved, passed), 0.1 * targets.reach[rows[1:]] / reach)
+        jumps.append(rows[1:][swung > most])
+    lines = np.array([line for line in itertools.product((0.0, 1.0, -1.0), repeat=3) if line > (0.0, 0.0, 0.0)])
+    wrist = targets.points_from_core(targets.core_wrist)
+    near = np.abs(wrist @ lines.T) / np.linalg.norm(lines, axis=1)
+    toward = (near / np.maximum(np.linalg.norm(wrist, axis=1), 1e-300)[:, None]).max(axis=0)
+    return np.sort(np.concatenate(jumps)), lines[np.argmin(toward)].tolist()

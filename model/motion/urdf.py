@@ -15,7 +15,7 @@ import numpy as np
 
 from ..reference.joints import UNIT
 from ..reference.kinematics import about, fixed_axes, matrix, quaternion
-from .hands import Floats
+from .pose import Floats
 
 TOLERANCE = 1e-6
 """Largest distance between axes that meet, relative to the chain's size; largest cosine between perpendicular axes."""

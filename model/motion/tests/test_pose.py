@@ -16,10 +16,9 @@ from model.bounds import tolerances
 from model.dataflow import fixed
 from model.io.flags import Flag
 from model.io.words import Targets, result_values, to_words
-from model.motion.pose import NAMED_AXES, direction, elbow_jumps, parse_axis, to_z
-from model.motion.swivels import continuous_core_angles
+from model.motion.swivels import continuous_core_angles, elbow_jumps
 from model.reference.joints import UNIT, outside, turned
-from model.reference.kinematics import matrix, multiply, rotate
+from model.reference.kinematics import NAMED_AXES, direction, matrix, multiply, parse_axis, rotate, to_z
 
 AXES = [*NAMED_AXES, (0.3, 1.0, 0.0), (0.0, -1.0, 1.0)]
 D1, D2, TOOL = 0.33, 0.27, 0.1
