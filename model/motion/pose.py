@@ -204,7 +204,7 @@ def solve(
     return Pose(**arrays, order=order)
 
 
-def _targets(table: Floats, hands: Hands | None, frame: Floats | None) -> Targets:
+def _targets(table: Floats, hands: Hands | None, frame: Any) -> Targets:
     """Return the targets of a table (6, N) with rows as ``FIELDS``; frame (4,): R, which takes the axis to z."""
     hand: dict[str, Any] = {"hand": hands.q.T, "tool": hands.tool, "branch": hands.branch} if hands else {}
     x, y, z, phi, d1, d2 = table
@@ -212,13 +212,7 @@ def _targets(table: Floats, hands: Hands | None, frame: Floats | None) -> Target
 
 
 def _in_words(
-    table: Floats,
-    hands: Hands | None,
-    limits: Floats | None,
-    frame: Floats | None,
-    datapath: str,
-    width: int,
-    exponent: int,
+    table: Floats, hands: Hands | None, limits: Any, frame: Any, datapath: str, width: int, exponent: int
 ) -> dict[str, Any]:
     """Return fields of :class:`Pose`, computed by the core's words with lengths times 2^exponent.
 
@@ -244,12 +238,9 @@ def _in_words(
     return pose | {"qw": qw.T, "hand": hand, "joints": th.T, "over_limit": over.T}
 
 
-def _in_double(
-    table: Floats, hands: Hands | None, limits: Floats | None, frame: Floats | None, datapath: str
-) -> dict[str, Any]:
+def _in_double(table: Floats, hands: Hands | None, limits: Any, frame: Any, datapath: str) -> dict[str, Any]:
     """Return the same in double precision."""
-    wrists = np.concatenate((table[:3] - hands.offset, table[3:])) if hands else table
-    asked = wrists
+    asked = wrists = np.concatenate((table[:3] - hands.offset, table[3:])) if hands else table
     if frame is not None:
         asked = np.concatenate((_targets(wrists, None, frame).core_position.T, wrists[3:]))
     if datapath == "paper":
@@ -269,9 +260,7 @@ def _in_double(
     return pose | {"qw": qw.T, "hand": pose["wrist"] + hands.offset.T, "joints": th.T, "over_limit": over.T}
 
 
-def _pose(
-    table: Floats, results: Floats, flags: NDArray[np.int64], phi: Floats, frame: Floats | None
-) -> dict[str, Any]:
+def _pose(table: Floats, results: Floats, flags: NDArray[np.int64], phi: Floats, frame: Any) -> dict[str, Any]:
     """Return poses in the user's frame from results (6, N) of the core."""
     qs, qe = results[:4].T, results[4:].T
     qs = qs if frame is None else multiply(conjugate(frame), qs)

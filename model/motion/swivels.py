@@ -234,10 +234,21 @@ class Circles:
         elbow (n,): elbow solution, whatever the branch's bit.
         """
         numbers = np.arange(len(self))[rows]
-        ends = np.moveaxis(self.ends[elbow, numbers], 0, 3)
-        roots, following, outside = _tried(ends, self.flexion[elbow, numbers], bounds)
-        outside |= self.unreachable[rows][:, None]
-        intervals = []
+        ends, flexion = np.moveaxis(self.ends[elbow, numbers], 0, 3), self.flexion[elbow, numbers]
+        roots = np.sort(_roots(ends, bounds), axis=1)  # nan last
+        roots = roots[:, : max(1, np.isfinite(roots).sum(axis=1).max(initial=0))]
+        last = np.nanmax(np.where(np.isnan(roots), -np.pi, roots), axis=1, keepdims=True)
+        roots = np.where(np.isnan(roots), last, roots)
+        following = np.concatenate((roots[:, 1:], roots[:, :1] + TURN), axis=1)
+        tried = np.concatenate((roots, (roots + following) / 2), axis=1)
+        qs, qw = ends[0, ..., None] * np.cos(tried / 2) + ends[1, ..., None] * np.sin(tried / 2)
+        th = joints.angles(qs, np.broadcast_to(flexion[:, None], tried.shape), qw)
+        outsides = []  # (7, n, 2 K) with both ball joints in branch 0, and in the other
+        for some in (th, joints.branched(th, joints.Branch.SHOULDER | joints.Branch.WRIST)):
+            beyond = joints.outside(some, bounds)
+            settled = joints.settled(some, bounds, beyond)
+            outsides.append(beyond if settled is some else joints.outside(settled, bounds))
+        outside, intervals = np.array(outsides) | self.unreachable[rows][:, None], []
         for branch in branches:
             balls = np.asarray(branch) & joints.Branch.SHOULDER > 0, np.asarray(branch) & joints.Branch.WRIST > 0
             other = np.broadcast_to(np.array(balls)[[0, 0, 0, 0, 1, 1, 1]].reshape(7, -1), (7, len(numbers)))
@@ -289,27 +300,6 @@ def _roots(ends, bounds):
         rate[np.minimum(w * w + k * k, i * i + j * j) > 1e-10] = np.nan
         straight += [rate * (goal + side * (width[first] + width[first + 2])) for side in (-1, 1)]
     return joints.wrap(np.concatenate((middle - half, middle + half, straight))).T
-
-
-def _tried(ends, flexion, bounds):
-    """Return the swivel angles (N, K) at which a joint may be at a limit, the ones that follow them, and joints
-    outside their limits (2, 7, N, 2 K) at these and in the middle between them, with both ball joints in branch 0
-    and in the other; ends (2, 2, 4, N): Qs and Qw at phi = 0 and pi, flexion (N,).
-    """
-    roots = np.sort(_roots(ends, bounds), axis=1)  # nan last
-    roots = roots[:, : max(1, np.isfinite(roots).sum(axis=1).max(initial=0))]
-    last = np.nanmax(np.where(np.isnan(roots), -np.pi, roots), axis=1, keepdims=True)
-    roots = np.where(np.isnan(roots), last, roots)
-    following = np.concatenate((roots[:, 1:], roots[:, :1] + TURN), axis=1)
-    tried = np.concatenate((roots, (roots + following) / 2), axis=1)
-    qs, qw = ends[0, ..., None] * np.cos(tried / 2) + ends[1, ..., None] * np.sin(tried / 2)
-    th = joints.angles(qs, np.broadcast_to(flexion[:, None], tried.shape), qw)
-    outside = []
-    for some in (th, joints.branched(th, joints.Branch.SHOULDER | joints.Branch.WRIST)):
-        beyond = joints.outside(some, bounds)
-        settled = joints.settled(some, bounds, beyond)
-        outside.append(beyond if settled is some else joints.outside(settled, bounds))
-    return roots, following, np.array(outside)
 
 
 def _joined(roots, at_root, arc):
