@@ -24,6 +24,8 @@ from .swivels import Circles, Swivels, feasible_swivel
 from .track import Step, Tracker
 from .urdf import SAMPLES, TURN_MISFIT, Chain, arguments, from_axes, nearest, placed
 
+Given = ArrayLike | None  # what is chosen where it is not given
+
 UNIT = joints.UNIT
 SPARE = 0.02  # rad beyond the limits in which a start for the correction may lie
 CORRECTED = 1e-9  # largest error after the correction, of size or in rad; for larger ones all candidates are corrected
@@ -207,12 +209,7 @@ class Arm:
         return arm, float(np.linalg.norm(points - at, axis=1).max()), float(angle_between(turns, to).max())
 
     def solve(
-        self,
-        points: ArrayLike,
-        hand: ArrayLike,
-        phi: ArrayLike | None = None,
-        branch: ArrayLike | None = None,
-        near: ArrayLike | None = None,
+        self, points: ArrayLike, hand: ArrayLike, phi: Given = None, branch: Given = None, near: Given = None
     ) -> Pose:
         """Return the poses in which the tip is at points (N, 3) or (3,) with orientations ``hand``.
 
@@ -284,11 +281,11 @@ class Arm:
         self,
         points: ArrayLike,
         hand: ArrayLike,
-        start: ArrayLike | None = None,
+        start: Given = None,
         goal: float = GOAL,
         *,
-        phi: ArrayLike | None = None,
-        branch: ArrayLike | None = None,
+        phi: Given = None,
+        branch: Given = None,
         progress: Progress | None = None,
     ) -> JointPath:
         """Return joints along a path of poses of the tip: points (N, 3), orientations ``hand`` as in :meth:`solve`.

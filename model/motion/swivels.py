@@ -129,12 +129,9 @@ def feasible_swivel(
     bounds = checked_limits(limits if limits is not None else [(-np.inf, np.inf)] * 7)
     branches = np.broadcast_to(hands.branch, len(circles))
     elbow = (branches & joints.Branch.ELBOW > 0).astype(int)
-    intervals, over_limit = [], []
-    for rows in circles.chunks():
-        (some,), over = circles.arcs(rows, elbow[rows], bounds, [branches[rows]])
-        intervals.append(some)
-        over_limit.append(over)
-    return Swivels(_padded(intervals), np.concatenate(over_limit), circles.distance, circles.reach, hanging(axis))
+    parts = [circles.arcs(rows, elbow[rows], bounds, [branches[rows]]) for rows in circles.chunks()]
+    intervals, over_limit = _padded([some for (some,), _ in parts]), np.concatenate([over for _, over in parts])
+    return Swivels(intervals, over_limit, circles.distance, circles.reach, hanging(axis))
 
 
 def _padded(intervals: list[Floats]) -> Floats:

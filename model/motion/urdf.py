@@ -181,10 +181,8 @@ def read(robot: ElementTree.Element, base: str | None, tip: str | None) -> Chain
             continue
         if kind not in ("revolute", "continuous"):
             raise ValueError(f"joint {name} is {kind}; all joints have to turn")
-        if joint.find("mimic") is not None:
-            raise ValueError(
-                f"joint {name} mimics {_attributes(joint, 'mimic').get('joint')}; all joints have to be free"
-            )
+        if (mimic := joint.find("mimic")) is not None:
+            raise ValueError(f"joint {name} mimics {mimic.get('joint')}; all joints have to be free")
         axis = frame[:3, :3] @ _numbers(joint, "axis", "xyz", "1 0 0")
         if not axis.any():
             raise ValueError(f"joint {name} has the axis 0 0 0")
@@ -257,9 +255,7 @@ def from_axes(axes: Floats, points: Floats, end: Floats, straight: float = TOLER
         raise ValueError(f"axis 4 passes through the {'shoulder' if d1 < d2 else 'wrist'}")
     u, f, reach = (elbow - shoulder) / d1, (wrist - elbow) / d2, end[:3, 3] - wrist
     signs = np.ones(7)
-    signs[2], signs[4], signs[6] = (
-        1.0 if along >= 0 else -1.0 for along in (axes[2] @ u, axes[4] @ f, axes[6] @ reach)
-    )
+    signs[2::2] = [1.0 if along >= 0 else -1.0 for along in (axes[2] @ u, axes[4] @ f, axes[6] @ reach)]
     a = axes * signs[:, None]
 
     def frame(x, z):

@@ -90,7 +90,8 @@ def moved(joint, xyz=None, axis=None):
     return chain
 
 
-END = '<joint name="j9" type="fixed"><parent link="l7"/><child link="end"/></joint>'  # a second last link
+FLOATING = ('revolute"><parent link="base', 'floating"><parent link="base')  # an arm on a body that moves
+TWO_ENDS = ("</robot>", '<joint name="j9" type="fixed"><parent link="l7"/><child link="end"/></joint></robot>')
 
 
 @pytest.mark.parametrize(
@@ -111,16 +112,8 @@ END = '<joint name="j9" type="fixed"><parent link="l7"/><child link="end"/></joi
         (IIWA, {"replaced": ('"l7"', '"tip"')}, "no chain of joints"),  # a joint is its own parent
         (IIWA, {"replaced": ("<axis", '<mimic joint="j2"/><axis')}, "joint j1 mimics j2"),
         (IIWA, {"replaced": ("0 0 0.42", "0 0 ${d1}")}, r"joint j4: origin xyz '0 0 \$\{d1\}' is not 3 numbers"),
-        (
-            IIWA,
-            {"replaced": ('revolute"><parent link="base', 'floating"><parent link="base'), "base": None},
-            "6 joints between l1 and tip",
-        ),
-        (
-            IIWA,
-            {"replaced": ("</robot>", f"{END}</robot>"), "tip": None},
-            "no unique link for tip: end, tip; choose with TIP=",
-        ),
+        (IIWA, {"replaced": FLOATING, "base": None}, "6 joints between l1 and tip"),
+        (IIWA, {"replaced": TWO_ENDS, "tip": None}, "no unique link for tip: end, tip; choose with TIP="),
     ],
 )
 def test_refused_chains(chain, given, message, tmp_path):
@@ -147,12 +140,11 @@ def test_orientations_in_other_forms():
     points, q = IIWA14.forward(np.random.default_rng(8).uniform(-1.5, 1.5, (20, 7)))
     whole = np.tile(np.eye(4), (20, 1, 1))
     whole[:, :3, :3] = matrix(q)
+    expected = IIWA14.solve(points, q, 0.3, 0).joints
     for hand in (Rotation.from_quat(q, scalar_first=True), matrix(q), whole):
-        np.testing.assert_allclose(
-            IIWA14.solve(points, hand, 0.3, 0).joints, IIWA14.solve(points, q, 0.3, 0).joints, atol=1e-12
-        )
-    one = IIWA14.solve(points[0], matrix(q)[0], 0.3, 0).joints
-    np.testing.assert_allclose(one, IIWA14.solve(points[0], q[0], 0.3, 0).joints, atol=1e-12)
+        np.testing.assert_allclose(IIWA14.solve(points, hand, 0.3, 0).joints, expected, atol=1e-12)
+    for hand in (matrix(q)[0], q[0]):
+        np.testing.assert_allclose(IIWA14.solve(points[0], hand, 0.3, 0).joints, expected[:1], atol=1e-12)
     for wrong in (matrix(q) * 1.1, -matrix(q), matrix(q) + np.nan):
         with pytest.raises(ValueError, match="hand: no rotation in rows 0, 1, 2 and 17 more"):
             IIWA14.solve(points, wrong)
