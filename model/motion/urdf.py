@@ -61,8 +61,7 @@ class Chain:
         """Return points (N, 3) and rotations (N, 3, 3) of the tip, and its Jacobian (N, 6, 7): velocity, then spin."""
         turns = self.turns(positions)
         bones = np.diff(np.vstack((self.points, self.end[:3, 3])), axis=0)
-        centres = self.points[0] + np.zeros((len(positions), 3))
-        places = [centres]
+        places = [self.points[0] + np.zeros((len(positions), 3))]
         for turn, bone in zip(turns[1:], bones, strict=True):
             places.append(places[-1] + turn @ bone)
         axes = np.einsum("knij,kj->nki", turns[:-1], self.axes)

@@ -118,7 +118,7 @@ def check(driver: Driver, core: RegisterModel, columns: dict, tags: np.ndarray) 
         return code
     assert code == "none", f"{code} for target {driver.core.bad}"
     assert len(core.jobs) == -(-len(tags) // COUNT)
-    assert b"".join(core.jobs) == RECORDS.targets(words, tags), "words of targets"
+    assert b"".join(core.jobs) == RECORDS.packed(words, tags), "words of targets"
     solved = np.concatenate(core.words)
     values = result_values(solved, 32).astype(results["qs"].dtype)
     assert (results["qs"] == values[:, :4]).all() and (results["qe"] == values[:, 4:]).all()
