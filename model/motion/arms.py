@@ -24,7 +24,7 @@ from .swivels import Circles, Swivels, feasible_swivel
 from .track import Step, Tracker
 from .urdf import SAMPLES, TURN_MISFIT, Chain, arguments, from_axes, nearest, placed
 
-Given = ArrayLike | None  # what is chosen where it is not given
+Given = ArrayLike | None  # argument that is chosen if it is None
 
 UNIT = joints.UNIT
 SPARE = 0.02  # rad beyond the limits in which a start for the correction may lie
