@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..reference.joints import ROUNDING, SIGNS, TURNS
+from ..reference.joints import ROUNDING
 from ..reference.kinematics import conjugate, multiply
 from .path import SINGULAR
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from .arms import Arm
 
 TURN = 2 * pi
-BRANCHES = np.stack((SIGNS, TURNS), axis=2).swapaxes(0, 1).tolist()  # (8, 7, 2), see `SIGNS` and `TURNS`
 
 Vector = tuple[float, float, float]
 
@@ -64,10 +63,19 @@ class Tracker:
 
     def _placed(self, th: Sequence[float], branch: int, present: Sequence[float]) -> tuple[float, list[float]]:
         """Return the largest step and the positions in a branch for angles of branch 0; step inf outside the limits."""
+        a, b, c = branch & 1, branch >> 1 & 1, branch >> 2
+        th1, th2, th3, th4, th5, th6, th7 = th
+        if a:
+            th1, th2, th3 = th1 + pi, -th2, th3 + pi
+        if b:
+            th3, th4, th5 = th3 + pi, -th4, th5 + pi
+        if c:
+            th5, th6, th7 = th5 + pi, -th6, th7 + pi
         most, positions = 0.0, list[float]()
-        rows = zip(self.joints, present, th, BRANCHES[branch], strict=True)
-        for (offset, sign, low, high), now, angle, (side, turn) in rows:
-            at = now + remainder(sign * (side * angle + turn) + offset - now, TURN)
+        for (offset, sign, low, high), now, angle in zip(
+            self.joints, present, (th1, th2, th3, th4, th5, th6, th7), strict=True
+        ):
+            at = now + remainder(sign * angle + offset - now, TURN)
             move = at - now
             if not low <= at <= high:
                 if not low - ROUNDING <= at <= high + ROUNDING:
