@@ -32,7 +32,7 @@ from model.io.files import Place, number, whole_files
 from model.io.words import DEFAULT_D1, DEFAULT_D2, TargetError
 from model.motion import arms
 from model.motion import clip as clips
-from model.motion.pose import NAMED_AXES, Axis, parse_axis
+from model.reference.kinematics import NAMED_AXES, Axis, parse_axis
 from tb.sim.env import CORES, ROOT, SIMULATORS
 from tb.sim.simulate import LONG, SimulationError
 from tb.sim.subprocesses import end_with_parent

@@ -20,17 +20,19 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS, DEFAULT
 from model.dataflow.nodes import Limits
 from model.io import trajectories
+from model.io import words as core
 from model.io.files import EULER, Place, read_csv
 from model.io.flags import ARM_FLAG_BITS
 from model.io.scoring import Score, score, score_json, tables
-from model.io.words import ARM_FIELDS, RESULT_FIELDS, Targets, angle_doubt, binary_angles, result_values, to_words
+from model.io.words import ARM_FIELDS, RESULT_FIELDS, Targets, angle_doubt, result_values, to_words
 from model.motion import arms, gltf
 from model.motion import clip as clips
 from model.motion.clip import TORSO, Clip, Motion
-from model.motion.hands import limit_words
 from model.motion.path import JointPath
-from model.motion.pose import elbow_jumps, hanging, soft_reach, swivel, to_z
+from model.motion.pose import hanging, soft_reach, swivel
+from model.motion.swivels import elbow_jumps
 from model.reference import joints
+from model.reference.kinematics import to_z
 from scripts.console import InputError, Options, choose_simulator, output, progress
 from scripts.robots import Speeds, planned, speeds, times
 from tb.sim.simulate import Run, simulate
@@ -192,7 +194,7 @@ def _of_hands(arguments: Options, targets: Targets, robot: arms.Arm | None, note
             notes = (*notes, f"ROBOT= overrides {', '.join(differ)} of the file")
         targets = fitted
         notes = (*notes, *_jumps(targets, path))
-    limits = limit_words(robot.bounds if robot else None, arguments.width)
+    limits = core.limit_words(robot.bounds if robot else None, arguments.width)
     for name, (low, high) in zip(robot.names if robot else (), limits, strict=False):
         if low > high:
             raise InputError(f"argument --robot: no word of {arguments.width} bits is within the limits of {name}")
@@ -200,7 +202,7 @@ def _of_hands(arguments: Options, targets: Targets, robot: arms.Arm | None, note
     words = to_words(targets, arguments.width)
     of_robot = {"robot": robot, "path": path, "seconds": seconds} if robot else {}
     if robot and "branch" not in original.others:
-        of_robot["references"] = binary_angles(np.nan_to_num(robot.angles(path.joints)), arguments.width)
+        of_robot["references"] = core.binary_angles(np.nan_to_num(robot.angles(path.joints)), arguments.width)
     return Prepared(targets, *words, notes=notes, limits=limits, **of_robot)
 
 
@@ -228,7 +230,7 @@ def _of_clip(arguments: Options) -> Prepared:
     targets = _guided(clips.targets(clip, moves, phi, arguments.width, by_hand), pole, arguments.soft)
     scale = clips.metres(arguments.scale or "auto", float(np.median([move.arm_length for move in moves])))
     words = to_words(targets, arguments.width)
-    limits = limit_words(None, arguments.width) if by_hand else None
+    limits = core.limit_words(None, arguments.width) if by_hand else None
     return Prepared(targets, *words, clip, moves, arguments.twist or "clip", scale, clip.notes, limits=limits)
 
 

@@ -41,15 +41,12 @@ def read_csv(
     default arm, or a phi of nan. Rows in messages are line numbers. Raises TargetError for a bad file or default.
     """
     path = os.fspath(path)
-    defaults = {
-        "phi": math.nan if phi is None else phi,
-        "d1": DEFAULT_D1 if d1 is None else d1,
-        "d2": DEFAULT_D2 if d2 is None else d2,
-    }
-    for column, default in defaults.items():
-        reason = _value_reason(column, default) if phi is not None or column != "phi" else None
-        if reason:
+    asked = {"phi": phi, "d1": d1, "d2": d2}
+    for column, default in asked.items():
+        if default is not None and (reason := _value_reason(column, default)):
             raise TargetError(f"default of {column}: '{default!r}' {reason}")
+    usual = {"phi": math.nan, "d1": DEFAULT_D1, "d2": DEFAULT_D2}
+    defaults = {column: usual[column] if default is None else default for column, default in asked.items()}
 
     rows, separator = _read_rows(path)
     if not rows:

@@ -30,7 +30,7 @@ from ..reference.joints import reached
 from ..reference.kinematics import angle_between, continuous, forward, rotate
 from ..reference.lean_equations import solve_lean
 from . import flags as flag_bits
-from .words import FIELDS, JOINTS, RESULT_FIELDS, WRIST_FIELDS, Targets, from_words, result_values
+from .words import FIELDS, JOINTS, RESULT_FIELDS, WRIST_FIELDS, Targets, from_words, limit_words, result_values
 
 
 def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
@@ -308,8 +308,7 @@ def score(
 def _hand(targets: Targets, exponent: int, value: dict[str, np.ndarray], width: int, limits: Limits | None) -> Hand:
     """Return the hands by forward kinematics of the joints that the core returned; points are in the core's frame."""
     words = np.array([value[name] for name in JOINTS])
-    th, free = words * (2 * np.pi / 2**width), [(-(1 << width - 1), (1 << width - 1) - 1)] * len(JOINTS)
-    ends = zip(words, limits or free, strict=True)
+    th, ends = words * (2 * np.pi / 2**width), zip(words, limits or limit_words(None, width), strict=True)
     over = np.array([outside(word, low=low, high=high, width=width) for word, (low, high) in ends])
     d1, d2, tool = (np.ldexp(length, exponent) for length in (targets.d1, targets.d2, targets.tool))
     point, q = reached(th, d1, d2, tool)

@@ -4,14 +4,11 @@
 Columns are ``FIELDS`` of :mod:`model.io.words`: x, y, z, phi, d1, d2.
 """
 
-import itertools
 from math import isqrt
 
 import numpy as np
 
 from ..dataflow.expressions import wrap
-from ..dataflow.formats import inner_frac
-from ..dataflow.quadratic import SINE, SINE_FRACS, sine_sums
 from ..reference.joints import turned
 from ..reference.kinematics import multiply, rotate
 from ..reference.lean_equations import solve_lean
@@ -81,6 +78,8 @@ def corners(width: int) -> dict[str, tuple[int, ...]]:
     half_turn, quarter = low, 1 << (width - 2)
     place = (3 * k, 2 * k, k)  # a point in reach of (3k, 2k)
     arm = (3 * k, 2 * k)
+    angles = {"0": 0, "half a turn": half_turn, "half a turn - 1 lsb": top, "1 lsb": 1, "-1 lsb": -1}
+    angles |= {"a quarter turn": quarter, "minus a quarter turn": -quarter}
     return {
         # extreme words
         "zero": (0, 0, 0, 0, 0, 0),
@@ -135,13 +134,7 @@ def corners(width: int) -> dict[str, tuple[int, ...]]:
         "elbow on -z, forearm up": (-3 * k, 0, -k, half_turn, 5 * k, 5 * k),
         "elbow on -z, forearm down": (3 * k, 0, -9 * k, half_turn, 5 * k, 5 * k),
         # the swivel angle
-        "phi = 0": (*place, 0, *arm),
-        "phi = half a turn": (*place, half_turn, *arm),
-        "phi = half a turn - 1 lsb": (*place, top, *arm),
-        "phi = 1 lsb": (*place, 1, *arm),
-        "phi = -1 lsb": (*place, -1, *arm),
-        "phi = a quarter turn": (*place, quarter, *arm),
-        "phi = minus a quarter turn": (*place, -quarter, *arm),
+        **{f"phi = {name}": (*place, phi, *arm) for name, phi in angles.items()},
         # lengths
         "d1 = 0": (*place, 77, 0, 2 * k),
         "d2 = 0": (*place, 77, 3 * k, 0),
@@ -377,7 +370,7 @@ def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
     hand = multiply(multiply(shoulder, elbow), wrist) * random.choice((-1, 1), (count, 1))
     words = np.clip(np.rint(hand * (1 << width - 2)), -top - 1, top).astype(np.int64)
     tool = random.uniform(-1, 1, count) * (d1 + d2) * (random.random(count) < 0.8)
-    axis, point = rotate(hand, (0.0, 0.0, 1.0)), targets[:, :3]
+    axis = rotate(hand, (0.0, 0.0, 1.0))
     for _ in range(width + 1):
         tool = np.rint(np.clip(tool, -top, top))
         moved = targets[:, :3] + np.rint(tool[:, None] * axis)
@@ -453,16 +446,3 @@ def any_hands(count: int, width: int, seed: int) -> np.ndarray:
     anything = random.integers(low, -low, (count, 5))
     edge = random.choice([low, -1, 0, 1, -low // 2, low // 2, -low - 1], (count, 5))
     return np.column_stack([mixed(count, width, seed), np.where(np.arange(count)[:, None] % 2, edge, anything)])
-
-
-def arithmetic_corners(width: int, tile: int) -> np.ndarray:
-    """Return targets of all magnitudes with few significant bits, and targets with angles whose sine or cosine sum is
-    one unit below the rounding boundary."""
-    sizes = itertools.product(range(0, width - 6, 3), range(width - 11))
-    shifted = [(29 << j, -26 << j, -25 << j, -10647, 0, 999 << k) for j, k in sizes]
-    frac = min(inner_frac(width), SINE_FRACS[-1])
-    form = SINE.form(frac, tile)
-    angles = np.random.default_rng(5).integers(0, 1 << width - 1, 100000)
-    dropped = (1 << form.sum_frac - frac) - 1
-    near = [angles[y & dropped == dropped >> 1][:10] for y in sine_sums(angles, width, form)]
-    return np.array([*shifted, *((999, -700, 444, angle, 999, 999) for angle in np.concatenate(near))])

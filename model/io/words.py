@@ -247,6 +247,15 @@ def binary_angles(angles: np.ndarray, width: int) -> np.ndarray:
     return words << 64 - width >> 64 - width  # half a turn is -half a turn
 
 
+def limit_words(limits: np.ndarray | None, width: int) -> list[tuple[int, int]]:
+    """Return lowest and highest word of each joint within its limits. A range of a turn or more allows any word."""
+    half, unit, words = 2 ** (width - 1), 2**width / (2 * np.pi), []
+    for low, high in [(-np.inf, np.inf)] * 7 if limits is None else limits.tolist():
+        free = not high - low < 2 * np.pi
+        words.append((-half, half - 1) if free else (math.ceil(low * unit), math.floor(high * unit)))
+    return words
+
+
 def from_words(words: np.ndarray, exponent: int, width: int, name: str) -> Targets:
     """Return the targets that `words` (N, 6) represent, in the user's units and the core's frame.
 
@@ -296,8 +305,9 @@ class Records:
     inputs: tuple[str, ...]
     results: tuple[str, ...]
 
-    def _packed(self, fields: np.ndarray, *more: np.ndarray | int) -> bytes:
-        """Return records of fields (N, n), the tag word and further words, padded with zeros."""
+    def packed(self, fields: np.ndarray, *more: np.ndarray) -> bytes:
+        """Return records of 32-bit words (N, n), for targets with columns as `inputs`, of tag words (N,) and of further
+        words (N,), padded with zeros."""
         columns = [*np.broadcast_arrays(*fields.T, *more, *[0] * (self.size // 4))]
         columns.insert(self.tag, columns.pop(fields.shape[1]))
         columns = columns[: self.size // 4]
@@ -307,10 +317,6 @@ class Records:
         """Return the first signed words (N, count) of records, without the tag words, and the tag words (N,)."""
         table = np.frombuffer(records, dtype="<i4").astype(np.int64).reshape(-1, self.size // 4)
         return np.delete(table, self.tag, axis=1)[:, :count], table[:, self.tag]
-
-    def targets(self, words: np.ndarray, tags: np.ndarray) -> bytes:
-        """Return target records of 32-bit words (N, n), columns as `inputs`, and tag words (N,)."""
-        return self._packed(words, tags)
 
     def core_words(self, records: bytes, width: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the input words (N, n) of `width` bits, the tags (N,) and the branches (N,) of target records.
@@ -327,7 +333,7 @@ class Records:
     def written(self, results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:
         """Return a job's result records of results (N, n), `width` bits, columns as `results`, flags and tags (N,)."""
         more = (flags & 255) << TAG_BITS | tags, np.arange(len(results)), flags >> OVER_BIT | flags & BAD_HAND
-        return self._packed(results << (32 - width), *more)
+        return self.packed(results << (32 - width), *more)
 
     def result_words(self, records: bytes, width: int) -> np.ndarray:
         """Return the results (N, n) of `width` bits in result records."""

@@ -18,12 +18,13 @@ from ..io.flags import UNREACHABLE
 from ..io.words import DEFAULT_D1, DEFAULT_D2
 from ..reference import joints
 from ..reference.kinematics import angle_between, conjugate, matrix, multiply, quaternion, rotate
-from .hands import Hands, checked_limits, checked_rows, common_count
 from .path import JointPath, Planner, Progress
-from .pose import Floats, Pose, solve, swivel
+from .pose import Floats, Hands, Pose, checked_limits, common_count, refuse, solve, swivel
 from .swivels import Circles, Swivels, feasible_swivel
 from .track import Step, Tracker
 from .urdf import SAMPLES, TURN_MISFIT, Chain, arguments, from_axes, nearest, placed
+
+Given = ArrayLike | None  # argument that is chosen if it is None
 
 UNIT = joints.UNIT
 SPARE = 0.02  # rad beyond the limits in which a start for the correction may lie
@@ -38,6 +39,16 @@ def _vector(name: str, values: ArrayLike, size: int) -> Floats:
     if vector.shape != (size,):
         raise ValueError(f"{name} of the arm: shape {vector.shape}, not ({size},)")
     return vector
+
+
+def _rows(name: str, values: ArrayLike, size: int) -> Floats:
+    """Return an array (N, size); one row may have the shape (size,).  Raises ValueError for others and for a nan."""
+    rows = np.asarray(values, dtype=np.float64)
+    rows = rows[None] if rows.ndim == 1 and rows.size else rows.reshape(-1, size) if not rows.size else rows
+    if rows.ndim != 2 or rows.shape[1] != size:
+        raise ValueError(f"{name}: shape {np.shape(values)}, not (N, {size})")
+    refuse(name, np.asarray(~np.isfinite(rows).all(axis=1)), "not finite")
+    return rows
 
 
 def _batches(rows: NDArray) -> Iterator[NDArray]:
@@ -110,10 +121,10 @@ class Arm:
 
         The other arguments follow, with N rows or None.  Raises ValueError.
         """
-        asked = {"points": checked_rows("points", points, 3), "hand": Hands.checked(hand, 0.0, 0).q.T}
-        asked |= {} if phi is None else {"phi": checked_rows("phi", np.ravel(phi)[:, None], 1)[:, 0]}
+        asked = {"points": _rows("points", points, 3), "hand": Hands.checked(hand, 0.0, 0).q.T}
+        asked |= {} if phi is None else {"phi": _rows("phi", np.ravel(phi)[:, None], 1)[:, 0]}
         asked |= {} if branch is None else {"branch": np.atleast_1d(Hands.checked(hand, 0.0, branch).branch)}
-        asked |= {} if near is None else {"near": checked_rows("near", near, 7)}
+        asked |= {} if near is None else {"near": _rows("near", near, 7)}
         count = common_count({name: len(rows) for name, rows in asked.items()})
         asked = {name: np.broadcast_to(rows, (count, *rows.shape[1:])) for name, rows in asked.items()}
         q = multiply(multiply(conjugate(self.mount), asked["hand"]), conjugate(self.tip))
@@ -198,12 +209,7 @@ class Arm:
         return arm, float(np.linalg.norm(points - at, axis=1).max()), float(angle_between(turns, to).max())
 
     def solve(
-        self,
-        points: ArrayLike,
-        hand: ArrayLike,
-        phi: ArrayLike | None = None,
-        branch: ArrayLike | None = None,
-        near: ArrayLike | None = None,
+        self, points: ArrayLike, hand: ArrayLike, phi: Given = None, branch: Given = None, near: Given = None
     ) -> Pose:
         """Return the poses in which the tip is at points (N, 3) or (3,) with orientations ``hand``.
 
@@ -253,9 +259,9 @@ class Arm:
     def forward(self, positions: ArrayLike) -> tuple[Floats, Floats]:
         """Return points (N, 3) and orientations (N, 4) of the tip for joint positions (N, 7), rad."""
         if self.chain:
-            place, turn, _ = self.chain.forward(checked_rows("positions", positions, 7))
+            place, turn, _ = self.chain.forward(_rows("positions", positions, 7))
             return place, quaternion(turn)
-        th = self.angles(checked_rows("positions", positions, 7)).T
+        th = self.angles(_rows("positions", positions, 7)).T
         point, q = joints.reached(th, self.d1, self.d2, self.tool, self.upper, self.fore)
         return self.base + rotate(self.mount, point), multiply(self.mount, multiply(q, self.tip))
 
@@ -275,11 +281,11 @@ class Arm:
         self,
         points: ArrayLike,
         hand: ArrayLike,
-        start: ArrayLike | None = None,
+        start: Given = None,
         goal: float = GOAL,
         *,
-        phi: ArrayLike | None = None,
-        branch: ArrayLike | None = None,
+        phi: Given = None,
+        branch: Given = None,
         progress: Progress | None = None,
     ) -> JointPath:
         """Return joints along a path of poses of the tip: points (N, 3), orientations ``hand`` as in :meth:`solve`.
@@ -329,7 +335,7 @@ class Arm:
         positions (N, 7): rad; each row may be in any branch.  The results are within the limits, or nan where no branch
         is.  Raises ValueError.
         """
-        rows = checked_rows("positions", positions, 7)
+        rows = _rows("positions", positions, 7)
         points, hand = self.forward(rows)
         wrists, *_ = self._asked(points, hand)
         return self.path(points, hand, phi=self._swivel(rows, wrists)).joints

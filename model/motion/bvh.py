@@ -59,7 +59,7 @@ class Clip:
     * head: the text before and after the number of frames, up to the table
     * table (F, C): positions, and rotations in degrees
     * notes: doubts about the file, each one line for the user
-    * up: the up axis, as in :data:`pose.NAMED_AXES`
+    * up: the up axis, as in :data:`kinematics.NAMED_AXES`
     """
 
     path: Path

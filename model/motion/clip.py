@@ -16,9 +16,9 @@ import numpy as np
 
 from ..io.files import QUATERNION
 from ..io.words import Targets
-from ..reference.kinematics import conjugate, multiply, rotate
+from ..reference.kinematics import Axis, conjugate, direction, multiply, rotate, to_z
 from .bvh import Clip, ClipError, parse
-from .pose import Axis, direction, swivel, to_z
+from .pose import swivel
 
 __all__ = ["Clip", "ClipError", "arms", "motion", "parse", "read", "targets", "turned"]
 
@@ -66,7 +66,7 @@ class Limb:
 
 
 def read(path: Path, up: str | None = None) -> Clip:
-    """Read a clip.  up: a name of :data:`pose.NAMED_AXES`; None is :func:`up_axis`.  Raises OSError, and
+    """Read a clip.  up: a name of :data:`kinematics.NAMED_AXES`; None is :func:`up_axis`.  Raises OSError, and
     :class:`ClipError` for a file that is not BVH."""
     clip = parse(path.read_bytes(), path)
     return replace(clip, up=up or up_axis(clip))

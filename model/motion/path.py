@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from ..reference import joints
 from ..reference.joints import Branch
-from .hands import Floats
+from .pose import Floats
 from .swivels import FLIPS, TURN, Circles, beyond
 
 SWIVELS, MORE_SWIVELS = 16, 32  # uniform swivel angles of the first attempt, and of further attempts near jumps
@@ -237,11 +237,8 @@ class Planner:
 
         def chosen(found: Candidates) -> Candidates:
             cost = self._cost(found.at, None if near is None else near[found.row].T)
-            starts = np.flatnonzero(np.diff(found.row, prepend=-1))
-            least = np.minimum.reduceat(cost, starts) if len(starts) else cost
-            counts = np.diff(starts, append=len(cost))
-            equal = np.flatnonzero(cost == np.repeat(least, counts))
-            return found.only(equal[np.flatnonzero(np.diff(found.row[equal], prepend=-1))])
+            order = np.lexsort((cost, found.row))  # equal costs stay in order
+            return found.only(order[np.flatnonzero(np.diff(found.row[order], prepend=-1))])
 
         self.extremes = np.empty((len(self.circles), 0, 2)) if hint is None else np.stack((hint, hint), axis=1)[:, None]
         found = chosen(self._reaching(self.candidates(SWIVELS, phi, branch)))

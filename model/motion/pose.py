@@ -13,11 +13,9 @@ the axis to z, and multiplies Qs by R~ afterwards.
 """
 
 import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import product
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,15 +25,16 @@ from ..dataflow.datapaths import CONFIGURATIONS, MODELS
 from ..dataflow.formats import WIDTHS
 from ..io import words as core
 from ..io.flags import BAD_HAND, OVER_BIT
-from ..io.words import DEFAULT_D1, DEFAULT_D2, FIELDS, RESULT_FIELDS, Targets, angle_doubt
+from ..io.words import DEFAULT_D1, DEFAULT_D2, FIELDS, LENGTH_TOLERANCE, RESULT_FIELDS, Targets, angle_doubt
 from ..reference import joints, kinematics
 from ..reference.equations import solve_clamped
-from ..reference.kinematics import conjugate, matrix, multiply
+from ..reference.kinematics import Axis, conjugate, direction, matrix, multiply, quaternion, to_z
 from ..reference.lean_equations import solve_direct
-from .hands import Floats, Hands, check_order, checked_limits, common_count, limit_words, refuse
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
+
+Floats = NDArray[np.float64]
 
 Order = Literal["wxyz", "xyzw"]
 """Position of a quaternion's scalar part: first, or last as in scipy and most engines."""
@@ -43,16 +42,58 @@ Order = Literal["wxyz", "xyzw"]
 CHUNK, LONG_CHUNK = 2048, 16384
 """Targets solved at a time, so that arrays stay in the cache; LONG_CHUNK for hand poses or with a width."""
 
-Axis = str | Sequence[float] | NDArray[Any]
-"""A name in :data:`NAMED_AXES`, or a vector (3,) of any length but 0."""
 
-NAMED_AXES = ("z", "-z", "x", "-x", "y", "-y")
+@dataclass(frozen=True, eq=False)
+class Hands:
+    """Hands of N poses; a field may also hold a single value for all poses.
 
-_HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # about x: -z becomes z
-_TO_Z = {"x": (0.5, -0.5, -0.5, -0.5), "y": (0.5, 0.5, 0.5, 0.5), "z": (1.0, 0.0, 0.0, 0.0)}
-"""Axis -> quaternion of the cyclic exchange that takes it to z. It only permutes coordinates, so no bit is lost."""
+    * q (4, N): orientations, unit quaternions w, i, j, k
+    * tool (N,): distance from the wrist to the hand's point, along the hand's z axis
+    * branch (N,): bits of :class:`Branch`
+    * missing (N,): True for poses with a nan in hand or tool; q and tool then hold other numbers
+    """
 
-_NO_AXIS = f"must be {', '.join(NAMED_AXES)} or a nonzero vector of three finite numbers"
+    q: Floats
+    tool: Floats
+    branch: NDArray[np.int64]
+    missing: NDArray[np.bool_]
+
+    @classmethod
+    def checked(
+        cls, hand: ArrayLike, tool: ArrayLike, branch: ArrayLike, order: str = "wxyz", nan: str = "raise"
+    ) -> "Hands":
+        """Return the hands with quaternions, normalized to length 1, for orientations as in :func:`quaternions`.
+
+        Raises ValueError for a length that is not about 1, for other wrong arguments, and for a nan with nan="raise".
+        """
+        check_order(order)
+        rows = quaternions(hand, order)
+        if rows.ndim != 2 or rows.shape[1] != 4:
+            raise ValueError(f"hand has the shape {np.shape(hand)}, not (N, 4)")
+        length = np.sqrt(np.einsum("ij,ij->i", rows, rows))
+        wrong = (np.abs(length - 1) > LENGTH_TOLERANCE) | (length == np.inf)
+        refuse("hand", wrong, f"length {length[wrong.argmax()]:.6g}, not 1," if wrong.any() else "")
+        tools, branches = np.asarray(tool, dtype=np.float64), np.asarray(branch)
+        if branches.dtype.kind not in "iu" or ((branches < 0) | (branches >= 2 ** len(joints.Branch))).any():
+            raise ValueError(f"branch {branch!r} is not a combination of {', '.join(joints.Branch.__members__)}")
+        if np.isinf(tools).any():
+            raise ValueError("tool: not finite")
+        missing = np.isnan(length) | np.isnan(tools)
+        if missing.any():
+            refuse("hand and tool", missing & (nan == "raise"), "not finite")
+            rows, length = np.where(missing[:, None], 0.5, rows), np.where(missing, 1.0, length)
+            tools = np.where(missing, 0.0, tools)
+        q = rows.T[[0, 1, 2, 3] if order == "wxyz" else [3, 0, 1, 2]] / length
+        return cls(q, tools, branches, missing)
+
+    @property
+    def offset(self) -> Floats:
+        """Vectors (3, N) from the wrist to the hand's point."""
+        return joints.tool_offset(self.q, self.tool)
+
+    def part(self, rows: slice) -> "Hands":
+        """Return the hands of the poses in ``rows``."""
+        return Hands(*(v if v.shape[-1:] in ((), (1,)) else v[..., rows] for v in vars(self).values()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,13 +186,13 @@ def solve(
     joint_limits = None if limits is None else checked_limits(limits)
     table, missing = _table(points, hanging(axis) if phi is None else phi, d1, d2, hands, nan)
     frame = None if isinstance(axis, str) and axis == "z" else to_z(axis)
-    solver = Solver(frame, width, datapath).scaled(table, hands)
+    exponent = core.scale_exponent(_targets(table, hands, frame), width) if width and table.size else 0
 
     count, step = table.shape[1], LONG_CHUNK if width or hands else CHUNK
     arrays: dict[str, Any] = {}
     for rows in (slice(start, start + step) for start in range(0, max(count, 1), step)):
-        pose = solver.poses(table[:, rows], hands and hands.part(rows), joint_limits)
-        for name, values in pose.items():
+        some = table[:, rows], hands and hands.part(rows), joint_limits, frame, datapath
+        for name, values in (_in_words(*some, width, exponent) if width else _in_double(*some)).items():
             arrays.setdefault(name, np.empty((count, *values.shape[1:]), values.dtype))[rows] = values
     for name, values in arrays.items():
         if missing is not None:
@@ -163,91 +204,70 @@ def solve(
     return Pose(**arrays, order=order)
 
 
-class Solver(NamedTuple):
-    """Arithmetic and reference frame of a call of :func:`solve`.
+def _targets(table: Floats, hands: Hands | None, frame: Any) -> Targets:
+    """Return the targets of a table (6, N) with rows as ``FIELDS``; frame (4,): R, which takes the axis to z."""
+    hand: dict[str, Any] = {"hand": hands.q.T, "tool": hands.tool, "branch": hands.branch} if hands else {}
+    x, y, z, phi, d1, d2 = table
+    return Targets("targets", x, y, z, phi, d1, d2, frame=frame, **hand)
 
-    Tables (6, n) hold checked targets in the user's frame, with rows as ``FIELDS``. Poses are dicts: field of
-    :class:`Pose` -> array.
 
-    * frame: quaternion of R, which takes the user's frame to the core's; None is the identity
-    * width: word length, None is double precision; exponent: words hold lengths times 2^exponent
+def _in_words(
+    table: Floats, hands: Hands | None, limits: Any, frame: Any, datapath: str, width: int, exponent: int
+) -> dict[str, Any]:
+    """Return fields of :class:`Pose`, computed by the core's words with lengths times 2^exponent.
+
+    table: as in :func:`_targets`; with ``hands``, it has the hands' points.
     """
+    words, _ = core.to_words(_targets(table, hands, frame), width, exponent)
+    path, ends = MODELS["arm" if hands else datapath], core.limit_words(limits, width)
+    run = fixed.run(words[:, :-1], width, path.name, words[:, -1], ends) if hands else fixed.run(words, width, datapath)
+    value = dict(zip(path.results, core.result_values(run.results, width).T, strict=True))
+    results, qw, th = (
+        np.array([value[k] for k in names if k in value]) for names in (RESULT_FIELDS, core.WRIST_FIELDS, core.JOINTS)
+    )
+    phi = core.from_words(words[:, : len(FIELDS)], exponent, width, "targets").phi
+    pose = _pose(table, results, run.flags & 2 * BAD_HAND - 1, phi, frame)
+    if not hands:
+        return pose
+    over = run.flags >> OVER_BIT + np.arange(7)[:, None] & 1 > 0
+    over |= np.array([[high < low] for low, high in ends])  # limits with no word between them
+    w, i = results[4:]
+    q = kinematics.product(kinematics.product(pose["qs"].T, np.array((-i, w, 0 * w, 0 * w))), qw)
+    hand = pose["wrist"] + joints.tool_offset(q / np.linalg.norm(q, axis=0), hands.tool).T
+    th *= np.pi / 2  # result_values returns 1 for a quarter turn
+    return pose | {"qw": qw.T, "hand": hand, "joints": th.T, "over_limit": over.T}
 
-    frame: Floats | None
-    width: int | None
-    datapath: str
-    exponent: int = 0
 
-    def scaled(self, table: Floats, hands: Hands | None) -> "Solver":
-        """Return the solver with the exponent that fits all targets."""
-        if self.width is None or not table.size:
-            return self
-        return self._replace(exponent=core.scale_exponent(self._targets(table, hands), self.width))
+def _in_double(table: Floats, hands: Hands | None, limits: Any, frame: Any, datapath: str) -> dict[str, Any]:
+    """Return the same in double precision."""
+    asked = wrists = np.concatenate((table[:3] - hands.offset, table[3:])) if hands else table
+    if frame is not None:
+        asked = np.concatenate((_targets(wrists, None, frame).core_position.T, wrists[3:]))
+    if datapath == "paper":
+        clamped = solve_clamped(*asked)
+        results, flags = np.array([clamped[field] for field in RESULT_FIELDS]), clamped["flags"]
+    else:
+        results, flags = solve_direct(asked)
+    pose = _pose(wrists, results, flags, table[3], frame)
+    if not hands:
+        return pose
+    qw = joints.wrist_quaternion(pose["qs"].T, results[4:], hands.q)
+    th = joints.angles(results[:4], joints.flexion(results[4:]), qw, hands.branch)
+    over = np.zeros(th.shape, dtype=bool)
+    if limits is not None:
+        th = joints.settled(th, limits)
+        over = joints.outside(th, limits)
+    return pose | {"qw": qw.T, "hand": pose["wrist"] + hands.offset.T, "joints": th.T, "over_limit": over.T}
 
-    def poses(self, table: Floats, hands: Hands | None, limits: Floats | None) -> dict[str, Any]:
-        """Solve wrist targets, or with ``hands`` hand poses; the table then contains the hands' points."""
-        if hands is None:
-            return self._pose(table, *self._core(table))
-        return (self._hands_in_double if self.width is None else self._hands_in_words)(table, hands, limits)
 
-    def _hands_in_words(self, table: Floats, hands: Hands, limits: Floats | None) -> dict[str, Any]:
-        assert self.width
-        path, ends = MODELS["arm"], limit_words(limits, self.width)
-        words, _ = core.to_words(self._targets(table, hands), self.width, self.exponent)
-        run = fixed.run(words[:, :-1], self.width, path.name, words[:, -1], ends)
-        over = run.flags >> OVER_BIT + np.arange(7)[:, None] & 1 > 0
-        over |= np.array([[high < low] for low, high in ends])  # limits with no word between them
-        value = dict(zip(path.results, core.result_values(run.results, self.width).T, strict=True))
-        results, qw, th = (
-            np.array([value[k] for k in names]) for names in (RESULT_FIELDS, core.WRIST_FIELDS, core.JOINTS)
-        )
-        th *= np.pi / 2  # result_values returns 1 for a quarter turn
-        phi = core.from_words(words[:, : len(FIELDS)], self.exponent, self.width, "targets").phi
-        pose = self._pose(table, results, run.flags & 2 * BAD_HAND - 1, phi)
-        w, i = results[4:]
-        q = kinematics.product(kinematics.product(pose["qs"].T, np.array((-i, w, 0 * w, 0 * w))), qw)
-        hand = pose["wrist"] + joints.tool_offset(q / np.linalg.norm(q, axis=0), hands.tool).T
-        return pose | {"qw": qw.T, "hand": hand, "joints": th.T, "over_limit": over.T}
-
-    def _hands_in_double(self, table: Floats, hands: Hands, limits: Floats | None) -> dict[str, Any]:
-        wrists = np.concatenate((table[:3] - hands.offset, table[3:]))
-        results, flags, phi = self._core(wrists)
-        pose = self._pose(wrists, results, flags, phi)
-        qw = joints.wrist_quaternion(pose["qs"].T, results[4:], hands.q)
-        th = joints.angles(results[:4], joints.flexion(results[4:]), qw, hands.branch)
-        over = np.zeros(th.shape, dtype=bool)
-        if limits is not None:
-            th = joints.settled(th, limits)
-            over = joints.outside(th, limits)
-        return pose | {"qw": qw.T, "hand": pose["wrist"] + hands.offset.T, "joints": th.T, "over_limit": over.T}
-
-    def _targets(self, table: Floats, hands: Hands | None = None) -> Targets:
-        x, y, z, phi, d1, d2 = table
-        hand: dict[str, Any] = {"hand": hands.q.T, "tool": hands.tool, "branch": hands.branch} if hands else {}
-        return Targets("targets", x, y, z, phi, d1, d2, frame=self.frame, **hand)
-
-    def _core(self, table: Floats) -> tuple[Floats, NDArray[np.int64], Floats]:
-        """Return results (6, n) as ``RESULT_FIELDS``, flags and swivel angles (n,) of the core for wrist targets."""
-        if self.width is not None:
-            words, _ = core.to_words(self._targets(table), self.width, self.exponent)
-            run = fixed.run(words, self.width, self.datapath)
-            phi = core.from_words(words, self.exponent, self.width, "targets").phi
-            return core.result_values(run.results, self.width).T, run.flags, phi
-        if self.frame is not None:
-            table = np.concatenate((self._targets(table).core_position.T, table[3:]))
-        if self.datapath == "paper":
-            pose = solve_clamped(*table)
-            return np.array([pose[field] for field in RESULT_FIELDS]), pose["flags"], table[3]
-        return *solve_direct(table), table[3]
-
-    def _pose(self, table: Floats, results: Floats, flags: NDArray[np.int64], phi: Floats) -> dict[str, Any]:
-        """Return poses in the user's frame from results of the core."""
-        qs, qe = results[:4].T, results[4:].T
-        qs = qs if self.frame is None else multiply(conjugate(self.frame), qs)
-        elbow, wrist = kinematics.forward(qs, qe, table[4], table[5])
-        whole_qe = np.zeros((len(qe), 4))
-        whole_qe[:, :2] = qe
-        return {"qs": qs, "qe": whole_qe, "flags": flags, "elbow": elbow, "wrist": wrist, "phi": phi}
+def _pose(table: Floats, results: Floats, flags: NDArray[np.int64], phi: Floats, frame: Any) -> dict[str, Any]:
+    """Return poses in the user's frame from results (6, N) of the core."""
+    qs, qe = results[:4].T, results[4:].T
+    qs = qs if frame is None else multiply(conjugate(frame), qs)
+    elbow, wrist = kinematics.forward(qs, qe, table[4], table[5])
+    whole_qe = np.zeros((len(qe), 4))
+    whole_qe[:, :2] = qe
+    return {"qs": qs, "qe": whole_qe, "flags": flags, "elbow": elbow, "wrist": wrist, "phi": phi}
 
 
 def _table(
@@ -346,29 +366,6 @@ def soft_reach(points: ArrayLike, d1: ArrayLike = DEFAULT_D1, d2: ArrayLike = DE
     return points * np.where((distance > reach - band) & (band > 0), softened, 1.0)
 
 
-def elbow_jumps(targets: Targets) -> tuple[NDArray[np.intp], list[float]]:
-    """Return the rows of a path at which the elbow jumps as the wrist passes the reference axis, and a better axis.
-
-    Let the wrist move by s from one row to the next, and let r be its smaller distance from the axis in the two rows.
-    The elbow jumps if it moves by more than a tenth of the reach, more than 4 s, and more than 4 (r - s).
-    """
-    reach = targets.reach.max(initial=1e-300)
-    position, jumps = targets.core_wrist / reach, [np.empty(0, dtype=np.intp)]
-    elbow = solve(position, targets.phi % (2 * np.pi), targets.d1 / reach, targets.d2 / reach).elbow
-    arms = np.zeros(len(targets)) if targets.arm is None else targets.arm
-    for rows in (np.flatnonzero(arms == arm) for arm in np.unique(arms)):
-        moved, swung = (np.linalg.norm(np.diff(points[rows], axis=0), axis=1) for points in (position, elbow))
-        off_axis = np.hypot(*position[rows, :2].T)
-        passed = np.minimum(off_axis[1:], off_axis[:-1]) - moved
-        most = np.maximum(4 * np.maximum(moved, passed), 0.1 * targets.reach[rows[1:]] / reach)
-        jumps.append(rows[1:][swung > most])
-    lines = np.array([line for line in product((0.0, 1.0, -1.0), repeat=3) if line > (0.0, 0.0, 0.0)])
-    wrist = targets.points_from_core(targets.core_wrist)
-    near = np.abs(wrist @ lines.T) / np.linalg.norm(lines, axis=1)
-    toward = (near / np.maximum(np.linalg.norm(wrist, axis=1), 1e-300)[:, None]).max(axis=0)
-    return np.sort(np.concatenate(jumps)), lines[np.argmin(toward)].tolist()
-
-
 def hanging(axis: Axis = "z") -> float:
     """Return the swivel angle (rad) for which the elbow of an arm that reaches forward (x) hangs straight down (-z).
 
@@ -389,40 +386,52 @@ def _rolled(order: Order, q: Floats, places: int) -> Floats:
     return q if order == "wxyz" else np.roll(q, places, axis=-1)
 
 
-def direction(axis: Axis) -> Floats:
-    """Return the unit vector (3,) of an axis.  Raises ValueError."""
-    if isinstance(axis, str) and axis in NAMED_AXES:
-        return np.where(np.array(list("xyz")) == axis[-1], -1.0 if axis[0] == "-" else 1.0, 0.0)
-    try:
-        vector = np.asarray(axis, dtype=np.float64)
-    except (TypeError, ValueError):
-        vector = np.empty(0)
-    size = np.abs(vector).max(initial=0.0)
-    if vector.shape != (3,) or not np.isfinite(vector).all() or size == 0:
-        raise ValueError(f"axis {axis!r} {_NO_AXIS}")
-    vector = vector / size  # squares of very long or short vectors would overflow or underflow
-    return vector / np.linalg.norm(vector)
+def refuse(name: str, rows: NDArray[np.bool_], reason: str) -> None:
+    """Raise ValueError if any of ``rows`` (N,) is True; the message names the first three rows."""
+    if rows.any():
+        first = np.flatnonzero(rows)
+        more = f" and {len(first) - 3} more" if len(first) > 3 else ""
+        raise ValueError(f"{name}: {reason} in row{'s'[: len(first) > 1]} {', '.join(map(str, first[:3]))}{more}")
 
 
-def parse_axis(text: str) -> Axis:
-    """Parse an axis: a name, or three numbers separated by commas.  Raises ValueError."""
-    try:
-        axis = tuple(float(part) for part in text.split(",")) if "," in text else text
-        direction(axis)
-    except ValueError:
-        raise ValueError(f"axis {text!r} {_NO_AXIS}") from None
-    return axis
+def check_order(order: str) -> None:
+    if order not in ("wxyz", "xyzw"):
+        raise ValueError(f"order {order!r} is neither 'wxyz' nor 'xyzw'")
 
 
-def to_z(axis: Axis) -> Floats:
-    """Return the quaternion (4,) w, i, j, k of R, which takes the axis to z."""
-    a = direction(axis)
-    if np.count_nonzero(a) == 1:
-        turn = np.array(_TO_Z["xyz"[np.argmax(np.abs(a))]])
-        return multiply(_HALF_TURN, turn) if a.sum() < 0 else turn
-    # Turn to the nearer of z and -z: the angle is at most 90 degrees, so 1 + z does not cancel.
-    below = a[2] < 0
-    x, y, z = a * (1, -1, -1) if below else a
-    turn = np.array((1 + z, y, -x, 0.0))
-    turn /= np.linalg.norm(turn)
-    return multiply(turn, _HALF_TURN) if below else turn
+def quaternions(hand: Any, order: str) -> Floats:
+    """Return quaternions (N, 4) in ``order`` of orientations: quaternions (N, 4) or (4,), matrices (N, 3, 3), (3, 3) or
+    (N, 4, 4), or a scipy Rotation.  Raises ValueError for matrices that are no rotations."""
+    if hasattr(hand, "as_quat"):
+        return np.atleast_2d(np.roll(hand.as_quat(), int(order == "wxyz"), axis=-1))
+    values = np.asarray(hand, dtype=np.float64)
+    if values.shape[-2:] != (3, 3) and not (values.ndim == 3 and values.shape[1:] == (4, 4)):
+        return np.atleast_2d(values)
+    turns = values[..., :3, :3].reshape(-1, 3, 3)
+    off = np.abs(turns @ turns.swapaxes(1, 2) - np.eye(3)).max(axis=(1, 2))
+    refuse("hand", ~(off < LENGTH_TOLERANCE) | ~(np.linalg.det(np.nan_to_num(turns)) > 0), "no rotation")
+    return np.roll(quaternion(turns), -int(order == "xyzw"), axis=1)
+
+
+def common_count(counts: dict[str, int]) -> int:
+    """Return the number of rows of arguments with this number each, or 1.  Raises ValueError if they do not match."""
+    if len(different := set(counts.values()) - {1} or {1}) > 1:
+        listed = ", ".join(f"{name} has {count}" for name, count in counts.items())
+        raise ValueError(f"numbers of rows do not broadcast: {listed}")
+    return different.pop()
+
+
+def checked_limits(limits: ArrayLike) -> Floats:
+    """Return joint limits as an array (7, 2), rad.  Warns of degrees.  Raises ValueError for a wrong shape or an empty
+    interval."""
+    ends = np.asarray(limits, dtype=np.float64)
+    if ends.shape != (7, 2):
+        raise ValueError(f"limits have the shape {ends.shape}, not (7, 2)")
+    for joint, (low, high) in enumerate(ends.tolist(), 1):
+        if not low <= high:
+            raise ValueError(f"limits of joint {joint}: {low:.6g} to {high:.6g} is not an interval")
+    sizes = np.abs(ends)
+    largest = sizes[sizes <= 1080].max(initial=0.0)
+    if largest > 8 * np.pi:
+        warnings.warn(f"limits reach {largest:g}; their unit is the radian: convert degrees", stacklevel=3)
+    return ends

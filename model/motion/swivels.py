@@ -10,6 +10,7 @@ so an angle is at a limit where an expression of the same form is 0, which holds
 IEEE T-RO 24(5), 2008).  Each arc between two neighbours of these phi is feasible or infeasible as a whole.
 """
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -17,11 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..io.words import DEFAULT_D1, DEFAULT_D2
+from ..io.words import DEFAULT_D1, DEFAULT_D2, Targets
 from ..reference import joints
-from ..reference.kinematics import product
-from .hands import Hands, checked_limits, refuse
-from .pose import Axis, Floats, Order, direction, hanging, solve, to_z
+from ..reference.kinematics import Axis, direction, product, to_z
+from .pose import Floats, Hands, Order, checked_limits, hanging, refuse, solve
 
 CHUNK = 1024
 TURN = 2 * np.pi
@@ -129,12 +129,9 @@ def feasible_swivel(
     bounds = checked_limits(limits if limits is not None else [(-np.inf, np.inf)] * 7)
     branches = np.broadcast_to(hands.branch, len(circles))
     elbow = (branches & joints.Branch.ELBOW > 0).astype(int)
-    intervals, over_limit = [], []
-    for rows in circles.chunks():
-        (some,), over = circles.arcs(rows, elbow[rows], bounds, [branches[rows]])
-        intervals.append(some)
-        over_limit.append(over)
-    return Swivels(_padded(intervals), np.concatenate(over_limit), circles.distance, circles.reach, hanging(axis))
+    parts = [circles.arcs(rows, elbow[rows], bounds, [branches[rows]]) for rows in circles.chunks()]
+    intervals, over_limit = _padded([some for (some,), _ in parts]), np.concatenate([over for _, over in parts])
+    return Swivels(intervals, over_limit, circles.distance, circles.reach, hanging(axis))
 
 
 def _padded(intervals: list[Floats]) -> Floats:
@@ -164,10 +161,6 @@ class Circles:
 
     def __len__(self) -> int:
         return len(self.distance)
-
-    def part(self, rows: slice | NDArray) -> "Circles":
-        """Return the circles of some poses."""
-        return Circles(self.ends[:, rows], self.flexion[:, rows], self.distance[rows], self.reach[rows], self.slack)
 
     @classmethod
     def of(
@@ -238,10 +231,21 @@ class Circles:
         elbow (n,): elbow solution, whatever the branch's bit.
         """
         numbers = np.arange(len(self))[rows]
-        ends = np.moveaxis(self.ends[elbow, numbers], 0, 3)
-        roots, following, outside = _tried(ends, self.flexion[elbow, numbers], bounds)
-        outside |= self.unreachable[rows][:, None]
-        intervals = []
+        ends, flexion = np.moveaxis(self.ends[elbow, numbers], 0, 3), self.flexion[elbow, numbers]
+        roots = np.sort(_roots(ends, bounds), axis=1)  # nan last
+        roots = roots[:, : max(1, np.isfinite(roots).sum(axis=1).max(initial=0))]
+        last = np.nanmax(np.where(np.isnan(roots), -np.pi, roots), axis=1, keepdims=True)
+        roots = np.where(np.isnan(roots), last, roots)
+        following = np.concatenate((roots[:, 1:], roots[:, :1] + TURN), axis=1)
+        tried = np.concatenate((roots, (roots + following) / 2), axis=1)
+        qs, qw = ends[0, ..., None] * np.cos(tried / 2) + ends[1, ..., None] * np.sin(tried / 2)
+        th = joints.angles(qs, np.broadcast_to(flexion[:, None], tried.shape), qw)
+        outsides = []  # (7, n, 2 K) with both ball joints in branch 0, and in the other
+        for some in (th, joints.branched(th, joints.Branch.SHOULDER | joints.Branch.WRIST)):
+            beyond = joints.outside(some, bounds)
+            settled = joints.settled(some, bounds, beyond)
+            outsides.append(beyond if settled is some else joints.outside(settled, bounds))
+        outside, intervals = np.array(outsides) | self.unreachable[rows][:, None], []
         for branch in branches:
             balls = np.asarray(branch) & joints.Branch.SHOULDER > 0, np.asarray(branch) & joints.Branch.WRIST > 0
             other = np.broadcast_to(np.array(balls)[[0, 0, 0, 0, 1, 1, 1]].reshape(7, -1), (7, len(numbers)))
@@ -295,27 +299,6 @@ def _roots(ends, bounds):
     return joints.wrap(np.concatenate((middle - half, middle + half, straight))).T
 
 
-def _tried(ends, flexion, bounds):
-    """Return the swivel angles (N, K) at which a joint may be at a limit, the ones that follow them, and joints
-    outside their limits (2, 7, N, 2 K) at these and in the middle between them, with both ball joints in branch 0
-    and in the other; ends (2, 2, 4, N): Qs and Qw at phi = 0 and pi, flexion (N,).
-    """
-    roots = np.sort(_roots(ends, bounds), axis=1)  # nan last
-    roots = roots[:, : max(1, np.isfinite(roots).sum(axis=1).max(initial=0))]
-    last = np.nanmax(np.where(np.isnan(roots), -np.pi, roots), axis=1, keepdims=True)
-    roots = np.where(np.isnan(roots), last, roots)
-    following = np.concatenate((roots[:, 1:], roots[:, :1] + TURN), axis=1)
-    tried = np.concatenate((roots, (roots + following) / 2), axis=1)
-    qs, qw = ends[0, ..., None] * np.cos(tried / 2) + ends[1, ..., None] * np.sin(tried / 2)
-    th = joints.angles(qs, np.broadcast_to(flexion[:, None], tried.shape), qw)
-    outside = []
-    for some in (th, joints.branched(th, joints.Branch.SHOULDER | joints.Branch.WRIST)):
-        beyond = joints.outside(some, bounds)
-        settled = joints.settled(some, bounds, beyond)
-        outside.append(beyond if settled is some else joints.outside(settled, bounds))
-    return roots, following, np.array(outside)
-
-
 def _joined(roots, at_root, arc):
     """Return intervals (N, K, 2) of neighbouring arcs between roots (N, K), given those that are feasible."""
     ring = np.stack((at_root, arc), axis=2).reshape(len(roots), 2 * roots.shape[1])
@@ -362,3 +345,26 @@ def continuous_core_angles(angles: ArrayLike) -> Floats:
             chosen[n] = branch = row[branch]
     path[present] = np.unwrap(branches[chosen, :, np.arange(len(present))], axis=0)
     return path
+
+
+def elbow_jumps(targets: Targets) -> tuple[NDArray[np.intp], list[float]]:
+    """Return the rows of a path at which the elbow jumps as the wrist passes the reference axis, and a better axis.
+
+    Let the wrist move by s from one row to the next, and let r be its smaller distance from the axis in the two rows.
+    The elbow jumps if it moves by more than a tenth of the reach, more than 4 s, and more than 4 (r - s).
+    """
+    reach = targets.reach.max(initial=1e-300)
+    position, jumps = targets.core_wrist / reach, [np.empty(0, dtype=np.intp)]
+    elbow = solve(position, targets.phi % (2 * np.pi), targets.d1 / reach, targets.d2 / reach).elbow
+    arms = np.zeros(len(targets)) if targets.arm is None else targets.arm
+    for rows in (np.flatnonzero(arms == arm) for arm in np.unique(arms)):
+        moved, swung = (np.linalg.norm(np.diff(points[rows], axis=0), axis=1) for points in (position, elbow))
+        off_axis = np.hypot(*position[rows, :2].T)
+        passed = np.minimum(off_axis[1:], off_axis[:-1]) - moved
+        most = np.maximum(4 * np.maximum(moved, passed), 0.1 * targets.reach[rows[1:]] / reach)
+        jumps.append(rows[1:][swung > most])
+    lines = np.array([line for line in itertools.product((0.0, 1.0, -1.0), repeat=3) if line > (0.0, 0.0, 0.0)])
+    wrist = targets.points_from_core(targets.core_wrist)
+    near = np.abs(wrist @ lines.T) / np.linalg.norm(lines, axis=1)
+    toward = (near / np.maximum(np.linalg.norm(wrist, axis=1), 1e-300)[:, None]).max(axis=0)
+    return np.sort(np.concatenate(jumps)), lines[np.argmin(toward)].tolist()

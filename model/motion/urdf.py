@@ -6,7 +6,7 @@ wrist are in a plane across axis 4. Files with rounded numbers, and a few real a
 """
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -15,7 +15,7 @@ import numpy as np
 
 from ..reference.joints import UNIT
 from ..reference.kinematics import about, fixed_axes, matrix, quaternion
-from .hands import Floats
+from .pose import Floats
 
 TOLERANCE = 1e-6
 """Largest distance between axes that meet, relative to the chain's size; largest cosine between perpendicular axes."""
@@ -61,8 +61,7 @@ class Chain:
         """Return points (N, 3) and rotations (N, 3, 3) of the tip, and its Jacobian (N, 6, 7): velocity, then spin."""
         turns = self.turns(positions)
         bones = np.diff(np.vstack((self.points, self.end[:3, 3])), axis=0)
-        centres = self.points[0] + np.zeros((len(positions), 3))
-        places = [centres]
+        places = [self.points[0] + np.zeros((len(positions), 3))]
         for turn, bone in zip(turns[1:], bones, strict=True):
             places.append(places[-1] + turn @ bone)
         axes = np.einsum("knij,kj->nki", turns[:-1], self.axes)
@@ -140,7 +139,7 @@ def nearest(chain: Chain) -> tuple[Chain, float, float]:
     low, high = np.clip(chain.limits.T, -np.pi, np.pi)
     positions = np.random.default_rng(0).uniform(low, high, (SAMPLES, 7))
     tips, orientations, _ = chain.forward(positions)
-    turns = Chain(axes, chain.points, chain.end, chain.names, chain.limits, chain.velocities).turns(positions)
+    turns = replace(chain, axes=axes).turns(positions)
     across = np.linalg.svd(axes[3:4])[2][1:].T  # (3, 2)
     columns = (np.broadcast_to(np.eye(3), turns[0].shape), turns[3] @ across, turns[4] @ across, turns[7])
     unknown = np.concatenate(columns, axis=2).reshape(3 * SAMPLES, 10)
@@ -149,7 +148,7 @@ def nearest(chain: Chain) -> tuple[Chain, float, float]:
     left, _, right = np.linalg.svd((turns[7].swapaxes(1, 2) @ orientations).mean(axis=0))
     wrist, end = shoulder + u + f, left @ np.diag((1, 1, np.linalg.det(left @ right))) @ right
     points = np.array([shoulder] * 3 + [shoulder + u] + [wrist] * 3)
-    fitted = Chain(axes, points, placed(end, wrist + tool), chain.names, chain.limits, chain.velocities)
+    fitted = replace(chain, axes=axes, points=points, end=placed(end, wrist + tool))
     off = np.trace((turns[7] @ end).swapaxes(1, 2) @ orientations, axis1=1, axis2=2)
     misfit = np.linalg.norm((unknown @ solution).reshape(-1, 3) - tips, axis=1).max()
     return fitted, float(misfit), float(np.arccos(np.clip((off - 1) / 2, -1, 1)).max())
@@ -172,7 +171,7 @@ def read(robot: ElementTree.Element, base: str | None, tip: str | None) -> Chain
         chain.append(above[link])
         link = _attributes(above[link], "parent")["link"]
     frame = np.eye(4)
-    names, axes, points, limits, velocities = [], [], [], [], []
+    rows: list[tuple[Any, ...]] = []
     for joint in reversed(chain):
         name, kind = joint.attrib["name"], joint.attrib["type"]
         turn = matrix(fixed_axes(*_numbers(joint, "origin", "rpy", "0 0 0")))
@@ -181,23 +180,20 @@ def read(robot: ElementTree.Element, base: str | None, tip: str | None) -> Chain
             continue
         if kind not in ("revolute", "continuous"):
             raise ValueError(f"joint {name} is {kind}; all joints have to turn")
-        if joint.find("mimic") is not None:
-            raise ValueError(
-                f"joint {name} mimics {_attributes(joint, 'mimic').get('joint')}; all joints have to be free"
-            )
+        if (mimic := joint.find("mimic")) is not None:
+            raise ValueError(f"joint {name} mimics {mimic.get('joint')}; all joints have to be free")
         axis = frame[:3, :3] @ _numbers(joint, "axis", "xyz", "1 0 0")
         if not axis.any():
             raise ValueError(f"joint {name} has the axis 0 0 0")
         limited = kind == "revolute" and joint.find("limit") is not None
         sides = (("lower", "0"), ("upper", "0")) if limited else (("", "-inf"), ("", "inf"))
-        names.append(name)
-        axes.append(axis / np.linalg.norm(axis))
-        points.append(frame[:3, 3])
-        limits.append([_numbers(joint, "limit", *side)[0] for side in sides])
-        velocities.append(_numbers(joint, "limit", "velocity", "inf")[0])
-    if len(names) != 7:
-        raise ValueError(f"{len(names)} joints between {base} and {tip}; an arm has 7")
-    return Chain(np.array(axes), np.array(points), frame, tuple(names), np.array(limits), np.array(velocities))
+        limits = [_numbers(joint, "limit", *side)[0] for side in sides]
+        velocity = _numbers(joint, "limit", "velocity", "inf")[0]
+        rows.append((axis / np.linalg.norm(axis), frame[:3, 3], name, limits, velocity))
+    if len(rows) != 7:
+        raise ValueError(f"{len(rows)} joints between {base} and {tip}; an arm has 7")
+    axes, points, names, *ranges = zip(*rows, strict=True)
+    return Chain(np.array(axes), np.array(points), frame, names, *map(np.array, ranges))
 
 
 def _only(what: str, links: set[str]) -> str:
@@ -258,9 +254,7 @@ def from_axes(axes: Floats, points: Floats, end: Floats, straight: float = TOLER
         raise ValueError(f"axis 4 passes through the {'shoulder' if d1 < d2 else 'wrist'}")
     u, f, reach = (elbow - shoulder) / d1, (wrist - elbow) / d2, end[:3, 3] - wrist
     signs = np.ones(7)
-    signs[2], signs[4], signs[6] = (
-        1.0 if along >= 0 else -1.0 for along in (axes[2] @ u, axes[4] @ f, axes[6] @ reach)
-    )
+    signs[2::2] = [1.0 if along >= 0 else -1.0 for along in (axes[2] @ u, axes[4] @ f, axes[6] @ reach)]
     a = axes * signs[:, None]
 
     def frame(x, z):

@@ -1,12 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Quaternions as arrays (N, 4) in the order w, i, j, k, and the arm's forward kinematics.
+"""Quaternions as arrays (N, 4) in the order w, i, j, k, the arm's forward kinematics, and the reference axis.
 
 The units i, j, k are Hamilton's, as in the paper's (1)-(3), and Q v Q~ is the right-handed rotation (4). Vectors are
 arrays (N, 3). Arguments are not normalized: a quaternion scales the rotated vector by its squared length.
 """
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+Axis = str | Sequence[float] | NDArray[Any]
+"""A name in :data:`NAMED_AXES`, or a vector (3,) of any length but 0."""
+
+NAMED_AXES = ("z", "-z", "x", "-x", "y", "-y")
+
+_HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # about x: -z becomes z
+_TO_Z = {"x": (0.5, -0.5, -0.5, -0.5), "y": (0.5, 0.5, 0.5, 0.5), "z": (1.0, 0.0, 0.0, 0.0)}
+"""Axis -> quaternion of the cyclic exchange that takes it to z. It only permutes coordinates, so no bit is lost."""
+
+_NO_AXIS = f"must be {', '.join(NAMED_AXES)} or a nonzero vector of three finite numbers"
 
 
 def product(p, q):
@@ -112,3 +126,42 @@ def continuous(q: ArrayLike, arm: ArrayLike | None = None) -> NDArray[np.float64
         against = (rows[path[1:]] * rows[path[:-1]]).sum(axis=1) < 0
         rows[path[1:]] *= np.where(np.cumsum(against) % 2, -1.0, 1.0)[:, None]
     return q
+
+
+def direction(axis: Axis) -> NDArray[np.float64]:
+    """Return the unit vector (3,) of an axis.  Raises ValueError."""
+    if isinstance(axis, str) and axis in NAMED_AXES:
+        return np.where(np.array(list("xyz")) == axis[-1], -1.0 if axis[0] == "-" else 1.0, 0.0)
+    try:
+        vector = np.asarray(axis, dtype=np.float64)
+    except (TypeError, ValueError):
+        vector = np.empty(0)
+    size = np.abs(vector).max(initial=0.0)
+    if vector.shape != (3,) or not np.isfinite(vector).all() or size == 0:
+        raise ValueError(f"axis {axis!r} {_NO_AXIS}")
+    vector = vector / size  # squares of very long or short vectors would overflow or underflow
+    return vector / np.linalg.norm(vector)
+
+
+def parse_axis(text: str) -> Axis:
+    """Parse an axis: a name, or three numbers separated by commas.  Raises ValueError."""
+    try:
+        axis = tuple(float(part) for part in text.split(",")) if "," in text else text
+        direction(axis)
+    except ValueError:
+        raise ValueError(f"axis {text!r} {_NO_AXIS}") from None
+    return axis
+
+
+def to_z(axis: Axis) -> NDArray[np.float64]:
+    """Return the quaternion (4,) w, i, j, k of R, which takes the axis to z."""
+    a = direction(axis)
+    if np.count_nonzero(a) == 1:
+        turn = np.array(_TO_Z["xyz"[np.argmax(np.abs(a))]])
+        return multiply(_HALF_TURN, turn) if a.sum() < 0 else turn
+    # Turn to the nearer of z and -z: the angle is at most 90 degrees, so 1 + z does not cancel.
+    below = a[2] < 0
+    x, y, z = a * (1, -1, -1) if below else a
+    turn = np.array((1 + z, y, -x, 0.0))
+    turn /= np.linalg.norm(turn)
+    return multiply(turn, _HALF_TURN) if below else turn

@@ -27,9 +27,9 @@ from model.io.files import write_atomically
 from model.io.flags import FLAGS
 from model.io.words import DEFAULT_D1, DEFAULT_D2, FIELDS, HEADROOM_BITS
 from model.motion.arms import ROBOTS, Arm
-from model.motion.pose import NAMED_AXES, hanging, to_z
+from model.motion.pose import hanging
 from model.reference.joints import centred
-from model.reference.kinematics import conjugate, matrix
+from model.reference.kinematics import NAMED_AXES, conjugate, matrix, to_z
 from scripts.console import WORD_LENGTH, InputError, Options, command, option, output, progress, some_of
 from scripts.generate.render import TEMPLATES
 from scripts.waves import place

@@ -12,13 +12,12 @@ from model.dataflow.datapaths import MODELS
 from model.io import trajectories
 from model.io.files import format_csv
 from model.io.flags import ARM_FLAG_BITS, OVER_BIT
-from model.io.words import JOINTS
+from model.io.words import JOINTS, limit_words
 from model.motion.arms import ROBOTS, Arm
-from model.motion.hands import limit_words
-from model.motion.pose import parse_axis, solve
+from model.motion.pose import solve
 from model.motion.tests.test_arms import CHAINS, urdf
-from model.motion.tests.test_joints import poses
-from model.reference.kinematics import angle_between
+from model.motion.tests.test_pose import poses
+from model.reference.kinematics import angle_between, parse_axis
 from scripts import run, trajectory
 from scripts.robots import planned
 from scripts.tests.test_run import scores, table

@@ -243,7 +243,7 @@ class Bench:
         self.writer = Writer(AxiWriteBus.from_prefix(dut, "m_axi"), dut.clk, dut.rst, self.memory, latency)
         words = random_words(600, seed) if words is None else words
         self.pool = len(words)
-        self.records = LAYOUT.targets(words, np.random.default_rng(seed + 1).integers(0, 1 << 32, self.pool))
+        self.records = LAYOUT.packed(words, np.random.default_rng(seed + 1).integers(0, 1 << 32, self.pool))
         self.results, self.flags, self.tags = self.answers(self.records)
 
     def answers(self, records: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

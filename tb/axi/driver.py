@@ -164,7 +164,7 @@ class Platform:
             more = np.column_stack([np.ldexp(targets["tool"], exponent), targets["hand"]])
             words = np.hstack([words, np.rint(np.ldexp(more, 30)).astype(np.int64)])
             tags = targets["branch"].astype(np.int64) << 24 | tags & 0xFFFFFF
-        records = LAYOUT.targets(words, tags)
+        records = LAYOUT.packed(words, tags)
         placed = b"".join(self.jobs)
         assert not written or placed == records[: max(len(placed), written * BYTES)], "words of targets"
         answers, flags, tags = bench.answers(records)

@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model.io.words import ARM_RECORDS, FIELDS, RECORDS, TargetError, Targets, result_values, to_words
-from model.motion.hands import limit_words
+from model.io.words import ARM_RECORDS, FIELDS, RECORDS, TargetError, Targets, limit_words, result_values, to_words
 from tb.axi.binding import CODES, FLAGS, REGISTER, SOURCE, Driver, Uio, compiled, uio_device
 from tb.axi.ik_regs import OFFSETS
 from tb.axi.instances import echoing, named
@@ -119,7 +118,7 @@ def check(driver: Driver, core: RegisterModel, columns: dict, tags: np.ndarray) 
         return code
     assert code == "none", f"{code} for target {driver.core.bad}"
     assert len(core.jobs) == -(-len(tags) // COUNT)
-    assert b"".join(core.jobs) == RECORDS.targets(words, tags), "words of targets"
+    assert b"".join(core.jobs) == RECORDS.packed(words, tags), "words of targets"
     solved = np.concatenate(core.words)
     values = result_values(solved, 32).astype(results["qs"].dtype)
     assert (results["qs"] == values[:, :4]).all() and (results["qe"] == values[:, 4:]).all()
@@ -221,7 +220,7 @@ def test_each_solve_function_refuses_the_core_of_the_other(library):
 
 @pytest.mark.parametrize("width", [18, 32])
 def test_joint_limits(library, width):
-    """ik_limits rounds inward to core words, like `model.motion.hands.limit_words`. Bad limits change no register."""
+    """ik_limits rounds inward to core words, like `model.io.words.limit_words`. Bad limits change no register."""
     core, random = RegisterModel(width, arm=1), np.random.default_rng(3)
     driver = Driver(library, core, COUNT, arm=True)
     assert driver.start_up() == "none"

@@ -14,10 +14,10 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import DATAPATHS, MODELS
 from model.dataflow.tests.test_datapaths import WORST
 from model.io.flags import names
-from model.io.stimuli import arithmetic_corners, arm_targets, mixed
+from model.io.stimuli import arm_targets, mixed
 from tb.core import worst_targets
 from tb.sim.env import simulator
-from tb.sim.job import Run, answer, usual_words
+from tb.sim.job import Run, answer, arithmetic_corners, usual_words
 from tb.sim.shared import marked, moment, recording
 from tb.sim.simulate import simulate
 
@@ -75,7 +75,7 @@ def targets(datapath: str, width: int) -> np.ndarray:
     few = ICARUS and (datapath, width) not in itertools.product(DATAPATHS, (18, 32))
     words = [listed(datapath, width), mixed(40 if few else 300, width, 4)]
     if not ICARUS:
-        words.append(arithmetic_corners(width, MODELS[datapath].tile))
+        words.append(arithmetic_corners(datapath, width))
     return np.concatenate(words)
 
 

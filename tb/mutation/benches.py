@@ -18,11 +18,10 @@ from pathlib import Path
 import numpy as np
 
 from model.dataflow.datapaths import MODELS, Datapath
-from model.io.stimuli import arithmetic_corners
 from tb.formal.tools import yosys
 from tb.mutation.netlists import BITS, SECONDS, SELECT, TIMEOUT, Mutant, Netlist, finished, relative, source_name
 from tb.sim.env import ROOT
-from tb.sim.job import SimulationError, answer, limits_port, usual_words
+from tb.sim.job import SimulationError, answer, arithmetic_corners, limits_port, usual_words
 from tb.sim.runner import alone, command
 from tb.sim.sources import LIST
 from tb.units.unit import Case, simulation
@@ -98,7 +97,7 @@ class NodeBench:
     def write(self, folder: Path) -> None:
         """Write the data and the include files of the bench to a folder."""
         path, width, port = self.path, self.width, None
-        corners = [arithmetic_corners(width, path.tile)] * self.corners
+        corners = [arithmetic_corners(self.datapath, width)] * self.corners
         words = np.concatenate([usual_words(self.datapath, self.targets, width, 4), *corners])
         answered = answer(words, width, self.datapath)
         if path.side:  # limits equal angles of targets, so that a limit wrong by one ulp is found

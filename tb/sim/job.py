@@ -5,6 +5,7 @@ A job is an array of targets to run in order. Its rows are signed input words: w
 whole arm with their branch (N, 12), with reference joints before the branch (N, 19) where the core chooses.
 """
 
+import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -12,8 +13,9 @@ import numpy as np
 
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
-from model.dataflow.formats import Format
+from model.dataflow.formats import Format, inner_frac
 from model.dataflow.nodes import Limits, Node
+from model.dataflow.quadratic import SINE, SINE_FRACS, sine_sums
 from model.io.stimuli import arm_limits, arm_targets, mixed, referenced
 from model.io.words import pack
 
@@ -34,6 +36,19 @@ def usual_words(datapath: str, count: int, width: int, seed: int) -> np.ndarray:
     path = MODELS[datapath]
     words = (arm_targets if path.side else mixed)(count, width, seed)
     return referenced(words, width, seed) if path.chooses else words
+
+
+def arithmetic_corners(datapath: str, width: int) -> np.ndarray:
+    """Return targets of all magnitudes with few significant bits, and targets with angles whose sine or cosine sum is
+    one unit below the rounding boundary."""
+    sizes = itertools.product(range(0, width - 6, 3), range(width - 11))
+    shifted = [(29 << j, -26 << j, -25 << j, -10647, 0, 999 << k) for j, k in sizes]
+    frac = min(inner_frac(width), SINE_FRACS[-1])
+    form = SINE.form(frac, MODELS[datapath].tile)
+    angles = np.random.default_rng(5).integers(0, 1 << width - 1, 100000)
+    dropped = (1 << form.sum_frac - frac) - 1
+    near = [angles[y & dropped == dropped >> 1][:10] for y in sine_sums(angles, width, form)]
+    return np.array([*shifted, *((999, -700, 444, angle, 999, 999) for angle in np.concatenate(near))])
 
 
 def answer(words: np.ndarray, width: int, datapath: str, limits: Limits | None = None) -> fixed.Answer:

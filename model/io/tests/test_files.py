@@ -105,10 +105,7 @@ def test_roll_pitch_and_yaw(read):
         ("x,y,z,Roll,yaw\n1,2,3,1,2\n", "row 1, column pitch: is missing; the header is 'x,y,z,roll,yaw'"),
         ("x,y,z,roll,pitch,yaw,Yaw\n1,2,3,1,2,3,3\n", "row 1, column yaw: 'yaw' appears twice in the header"),
         ("x,y,z,qw,roll\n1,2,3,1,2\n", "row 1, column roll: 'x,y,z,qw,roll' has both a quaternion and roll"),
-        (
-            "x,y,z,qx,qy,qz,qw\n1,2,3,0,0,0,1\n1,2,3,0,.5,0,1\n",
-            "row 3, column qw: '1' is part of a quaternion of length",
-        ),
+        ("x,y,z,qx,qy,qz,qw\n1,2,3,0,0,0,1\n1,2,3,0,.5,0,1\n", "row 3, column qw: '1' is part of a quaternion"),
         ("x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n", "row 2, column qw: '0' is part of a quaternion of length 0, not 1"),
         ("x,y,z,qw,qx,qy,qz,tool\n1,2,3,1,0,0,0,\n", "row 2, column tool: '' is empty"),
         ("x,y,z,QW,qx,qy,qz,branch\n1,2,3,1,0,0,0,8\n", "row 2, column branch: '8' is not a whole number from 0 to 7"),

@@ -67,42 +67,35 @@ def test_the_clip_written_again_has_the_same_joints(tmp_path, way):
 
 def test_angles_stay_near_the_original_ones(tmp_path):
     """Test angles beyond a turn, the second solution of three angles, and gimbal lock."""
-    path = figure.write(tmp_path / "clip.bvh")
-
-    def spin(clip):
-        for arm in arms(clip):
-            columns = [channel.column for channel in clip.nodes[arm.upper].channels]
-            clip.table[:, columns] = clip.table[:, columns] * (1, -1, 1) + (540, 180, -180)
-            clip.table[:5, columns[1]] = 90
-
-    clip = changed(path, spin)
-    again = written(path, clip)
-    figure.compare(path, again)
+    clip = read(figure.write(tmp_path / "clip.bvh"))
+    for arm in arms(clip):
+        columns = [channel.column for channel in clip.nodes[arm.upper].channels]
+        clip.table[:, columns] = clip.table[:, columns] * (1, -1, 1) + (540, 180, -180)
+        clip.table[:5, columns[1]] = 90
+    clip = saved(clip)
+    again = written(clip.path, clip)
+    figure.compare(clip.path, again)
     np.testing.assert_allclose(read(again).table, clip.table, atol=1e-4)
 
 
 def test_twist_of_the_core(tmp_path):
     """Check that only joints of the arms change, and that none changes if the elbow bends about one axis only."""
     path = figure.write(tmp_path / "clip.bvh")
-    again = written(path, read(path), "core")
+    clip = read(path)
+    again = written(path, clip, "core")
     with pytest.raises(AssertionError):
         figure.compare(path, again)
-    figure.compare(path, again, [joint for arm in arms(read(path)) for joint in (arm.upper, arm.fore, arm.hand)])
-
-    def bend(clip):  # only about one axis
-        for arm in arms(clip):
-            columns = [channel.column for channel in clip.nodes[arm.fore].channels]  # ZYX
-            clip.table[:, columns] = (0.0, 1.0, 0.0) * (20 + np.abs(clip.table[:, columns]))
-
-    figure.compare(path, written(path, changed(path, bend), "core"))
+    figure.compare(path, again, [joint for arm in arms(clip) for joint in (arm.upper, arm.fore, arm.hand)])
+    for arm in arms(clip):  # bend only about one axis
+        columns = [channel.column for channel in clip.nodes[arm.fore].channels]  # ZYX
+        clip.table[:, columns] = (0.0, 1.0, 0.0) * (20 + np.abs(clip.table[:, columns]))
+    figure.compare(path, written(path, saved(clip), "core"))
 
 
-def changed(path, change):
-    """Apply `change` to the clip of a file and write it back; return the clip as read again."""
-    clip = read(path)
-    change(clip)
-    path.write_bytes(clip.content())
-    return read(path)
+def saved(clip):
+    """Write a clip whose table has changed to its file; return the clip as read again."""
+    clip.path.write_bytes(clip.content())
+    return read(clip.path)
 
 
 @pytest.mark.parametrize(
@@ -120,11 +113,10 @@ def test_up(tmp_path, up, rows, head, foot):
     text = path.read_text().replace("Head", head).replace("Leg", foot).replace("-0.5", "1.5")
     path.write_text(re.sub(r"(Shoulder\n{\nOFFSET) (-?)0.5", r"\1 \g<2>2.5", text))
 
-    def turn(clip):
-        clip.table[:] = 0
-        clip.table[rows, 5] = -90  # about x
-
-    clip = changed(path, turn)
+    clip = read(path)
+    clip.table[:] = 0
+    clip.table[rows, 5] = -90  # about x
+    clip = saved(clip)
     assert clip.up == "y" and (read(path, "-z").up, clip.notes) == ("-z", ())
     axes = [(-1, 1, 0), (1, 1, 0)] if up == "y" else [(-1, 0, 1), (1, 0, 1)]
     np.testing.assert_allclose([clips.outward_and_up(clip, arm) for arm in arms(clip)], axes, atol=1e-12)
@@ -235,20 +227,22 @@ def test_a_file_that_is_no_clip(tmp_path, change, message):
         read(path)
 
 
-def walk(clip):
-    """Hold the arms out in the first frame, then walk.  The clip has y up, the arms along x at rest, angles XZY."""
+def walk(path):
+    """Write a clip, y up, that holds the arms out in the first frame, along x as at rest, then walks; return it."""
+    clip = read(figure.write(path, order="XZY"))
     clip.table[:, 6:] *= 0.1
     swing = np.sin(np.linspace(0, 12, len(clip.table)))
     for arm, side in zip(arms(clip), (-1, 1), strict=True):
         upper, fore = ([channel.column for channel in clip.nodes[joint].channels] for joint in (arm.upper, arm.fore))
         clip.table[1:, upper] += np.outer(swing, (side * 25, 0, 0))[1:] - (0, side * 75, 0)
         clip.table[:, fore[2]] += side * (30 + 15 * swing)
+    return saved(clip)
 
 
 @pytest.mark.parametrize("path", [None, *MOCAP], ids=lambda path: path.stem if path else "drawn")
 def test_motion_capture(path, tmp_path):
     """Follow human motion; with a constant swivel angle, no arm turns more than 1.5 times as fast as in the clip."""
-    clip = read(path) if path else changed(figure.write(tmp_path / "walk.bvh", order="XZY"), walk)
+    clip = read(path) if path else walk(tmp_path / "walk.bvh")
     for width, tolerance in ((None, 1e-12), (32, 2e-8), (18, 2e-4)):  # the T pose of the first frame included
         for move, qs, qe in followed(clip, width):
             elbow, _ = forward(qs, qe, move.d1, move.d2)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test branches and swivel angles that `Arm` chooses, for poses and along paths."""
+"""Test feasible swivel angles, and branches and swivel angles that `Arm` chooses, for poses and along paths."""
 
 import itertools
 import re
@@ -7,13 +7,16 @@ import re
 import numpy as np
 import pytest
 
-from model.motion.arms import HUMAN, IIWA14, ROBOTS, Arm
+from model import continuous_core_angles, feasible_swivel, solve
+from model.motion.arms import IIWA14, ROBOTS, Arm
+from model.motion.swivels import Swivels
+from model.motion.tests.test_pose import FREE, TOOL, apart, branches_of, chain, poses
 from model.reference.joints import UNIT
 from model.reference.kinematics import about, matrix
 
 WIDE = np.array([(-3.0, 3.0)] * 6 + [(-6.2, 6.2)])
 BENT = Arm(0.3, 0.25, (0.02, 0, 0.1), limits=WIDE, upper=about(0, 0.2), fore=about(2, 0.3), base=(0.1, 0.2, 0.3))
-ARMS = {"iiwa14": IIWA14, "human": HUMAN, "bent": BENT, "free": Arm(0.33, 0.27, 0.1)}
+ARMS = ROBOTS | {"bent": BENT, "free": Arm(0.33, 0.27, 0.1)}
 
 
 def curve(arm, kind, seed, rows=240, share=0.95):
@@ -26,45 +29,38 @@ def curve(arm, kind, seed, rows=240, share=0.95):
     return middle + half * np.sin(np.pi * random.integers(1, 4, 7) * time + np.pi * one)
 
 
-def check(arm, path, points, q, atol=1e-12):
-    """Check that the tip is in its poses and all joints are within their limits."""
-    reached, turned = arm.forward(path.joints)
+def check(arm, joints, points, q, atol=1e-12):
+    """Check that the tip is in its poses and all joints (N, 7) are within their limits."""
+    reached, turned = arm.forward(joints)
     np.testing.assert_allclose(reached, points, rtol=0, atol=atol)
     np.testing.assert_allclose(matrix(turned), matrix(q), rtol=0, atol=atol)
-    assert (path.joints >= arm.limits[:, 0]).all() and (path.joints <= arm.limits[:, 1]).all()
+    assert (joints >= arm.limits[:, 0]).all() and (joints <= arm.limits[:, 1]).all()
 
 
-@pytest.mark.parametrize("kind", ["line", "sine"])
 @pytest.mark.parametrize(
-    "name", ["iiwa14", "human", *(pytest.param(name, marks=pytest.mark.slow) for name in ("bent", "free"))]
+    ("name", "seeds"),
+    [
+        *(pytest.param(name, range(2), id=name) for name in ROBOTS),
+        *(pytest.param(name, range(2), id=name, marks=pytest.mark.slow) for name in ("bent", "free")),
+        *(pytest.param(name, range(2, 60), id=f"{name}-all", marks=pytest.mark.release) for name in ROBOTS),
+    ],
 )
-def test_no_jump(name, kind):
-    for seed in range(2):
-        joints = curve(ARMS[name], kind, seed)
-        points, q = ARMS[name].forward(joints)
-        for start in (None, joints[0]):
-            path = ARMS[name].path(points, q, start=start)
-            check(ARMS[name], path, points, q, 3e-7)
-            assert path.largest <= 0.2 and not path.jumps
-            moved = np.abs(np.diff(path.joints, axis=0)).max(axis=1)
-            np.testing.assert_allclose(path.step[1:], moved, rtol=0, atol=1e-12)
-            pose = ARMS[name].solve(points, q, path.phi, path.branch)
-            regular = np.abs(np.sin(ARMS[name].angles(path.joints)[:, [1, 5]])).min(axis=1) > 1e-5
-            apart = np.abs(np.exp(1j * pose.joints) - np.exp(1j * path.joints)).max(axis=1)
-            assert apart[regular].max() < 1e-9 and regular.mean() > 0.9
-
-
-@pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 60), marks=pytest.mark.release)], ids=["one", "all"])
-@pytest.mark.parametrize("name", ROBOTS)
 def test_lines_and_sines(name, seeds):
-    """Lines between random joints and sines over 95 % of the range are followed; at most one of 118 jumps, slightly."""
-    arm, jumping = ROBOTS[name], 0
+    """Lines between random joints and sines over 95 % of the range are followed, with seed 1 from their first joints;
+    at most one of 116 jumps, slightly."""
+    arm, jumping = ARMS[name], 0
     for kind, seed in itertools.product(("line", "sine"), seeds):
-        points, q = arm.forward(curve(arm, kind, seed, 200, 1.0 if kind == "line" else 0.95))
-        path = arm.path(points, q)
-        check(arm, path, points, q, 1e-9)
+        joints = curve(arm, kind, seed, 200, 1.0 if kind == "line" else 0.95)
+        points, q = arm.forward(joints)
+        path = arm.path(points, q, start=joints[0] if seed == 1 else None)
+        check(arm, path.joints, points, q, 1e-9)
         assert set(np.flatnonzero(path.step > 0.2).tolist()) == set(path.jumps) and path.largest < 0.22, (kind, seed)
         jumping += bool(path.jumps)
+        moved = np.abs(np.diff(path.joints, axis=0)).max(axis=1)
+        np.testing.assert_allclose(path.step[1:], moved, rtol=0, atol=1e-12)
+        at = arm.solve(points, q, path.phi, path.branch).joints
+        regular = np.abs(np.sin(arm.angles(path.joints)[:, [1, 5]])).min(axis=1) > 1e-5
+        assert arm.chain or apart(at, path.joints)[regular].max() < 1e-9 and regular.mean() > 0.9
     assert jumping <= 0.01 * 2 * len(seeds)
 
 
@@ -78,7 +74,7 @@ def test_through_singular_poses(tilts):
             assert joints[100, tilt] == 0
         points, q = IIWA14.forward(joints)
         path = IIWA14.path(points, q, start=joints[0] if seed else None)
-        check(IIWA14, path, points, q, 3e-7)
+        check(IIWA14, path.joints, points, q, 3e-7)
         assert path.largest <= 0.2
 
 
@@ -91,14 +87,14 @@ def test_windings():
     points, q = arm.forward(joints)
     path = arm.path(points, q)
     assert path.largest < 0.2 and np.ptp(path.joints[:, 6]) > 11
-    check(arm, path, points, q)
+    check(arm, path.joints, points, q)
     joints[:, 6] += 2.0  # would end at 7.9, or have begun at -10.2
     path = arm.path(*arm.forward(joints))
-    check(arm, path, *arm.forward(joints))
+    check(arm, path.joints, *arm.forward(joints))
     (jump,) = path.jumps.values()
     assert 1 < path.largest < 6.4 and f"moves by {path.largest:.3g} rad" in jump
     path = arm.path(points, q, start=[0.3, 0.9, 0.2, 1.1, 0.4, 0.8, 2 * np.pi - 5.9])  # would end at 12.2
-    check(arm, path, points, q)
+    check(arm, path.joints, points, q)
     assert path.largest > 1 and path.jumps
 
 
@@ -108,7 +104,7 @@ def test_joints_of_exactly_a_turn():
     arm = Arm(0.28, 0.26, limits=limits)
     points, q = arm.forward(curve(arm, "sine", 56, 200))
     path = arm.path(points, q)
-    check(arm, path, points, q)
+    check(arm, path.joints, points, q)
     assert path.largest <= 0.2 and not path.jumps
 
 
@@ -143,18 +139,17 @@ def test_poses_alone(name):
     points, q = arm.forward(joints)
     for pose in (arm.solve(points, q), arm.solve(points, q, near=joints)):
         assert not pose.over_limit.any()
-        check(arm, pose, points, q, 1e-9)
-    np.testing.assert_allclose(np.exp(1j * pose.joints), np.exp(1j * joints), atol=1e-8)
+        check(arm, pose.joints, points, q, 1e-9)
+    assert apart(pose.joints, joints).max() < (0.01 if arm.chain else 1e-8)
     one = arm.solve(points[0], q[0], near=joints[0])
     np.testing.assert_allclose(one.joints, pose.joints[:1], atol=1e-12)
     branch = arm.solve(points, q, phi=pose.phi, near=pose.joints).branch
     np.testing.assert_array_equal(branch, pose.branch)
     if np.isfinite(arm.limits).all():
-        room = [
-            np.minimum(p.joints - arm.limits[:, 0], arm.limits[:, 1] - p.joints).min(axis=1)
-            for p in (arm.solve(points, q), pose)
-        ]
-        assert (room[0] > room[1] - 1e-3).mean() > 0.95
+        both = (arm.solve(points, q).joints, pose.joints)
+        far, near = (np.minimum(at - arm.limits[:, 0], arm.limits[:, 1] - at).min(axis=1) for at in both)
+        assert (far > near - 1e-3).mean() > 0.95
+    assert np.isfinite(arm.velocities).all() or name in ("iiwa14", "human", "bent", "free")
 
 
 def test_continuous_joints():
@@ -166,11 +161,8 @@ def test_continuous_joints():
         phi = arm.path(points, q).phi
         mixed = np.concatenate([arm.solve(points[n], q[n], phi[n], n % 8).joints for n in range(50)])
         joined = arm.continuous_joints(mixed)
-        present = np.isfinite(joined).all(axis=1)
-        assert present.all() and np.abs(np.diff(joined, axis=0)).max() < 0.5
-        reached, turned = arm.forward(joined)
-        np.testing.assert_allclose(reached, points, rtol=0, atol=1e-9)
-        assert (joined >= arm.limits[:, 0]).all() and (joined <= arm.limits[:, 1]).all()
+        check(arm, joined, points, q, 1e-9)
+        assert np.abs(np.diff(joined, axis=0)).max() < 0.5
 
 
 @pytest.mark.parametrize(
@@ -205,10 +197,7 @@ def test_track(name):
         assert step.joints and not step.reason
         assert not arm._tracker or arm._tracker.step(point, hand, at) == step, "the slow path answers instead"
         assert np.isclose(step.largest, np.abs(np.subtract(step.joints, at)).max(), rtol=0, atol=1e-9)
-        assert ((np.array(step.joints) >= arm.limits[:, 0]) & (np.array(step.joints) <= arm.limits[:, 1])).all()
-        reached, turned = arm.forward(step.joints)
-        np.testing.assert_allclose(reached[0], point, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(matrix(turned)[0], matrix(np.array(hand)), rtol=0, atol=1e-9)
+        check(arm, np.array([step.joints]), [point], np.array([hand]), 1e-9)
         assert step.largest < 0.2
         at = list(step.joints)
 
@@ -265,6 +254,101 @@ def test_dead_ends():
         IIWA14.track(point, (2.0, 0.0, 0.0, 0.0), [0.0] * 7)
     with pytest.raises(ValueError, match="limits of joint 3: only one of them is finite"):
         Arm(0.3, 0.3, limits=[(-1, 1)] * 2 + [(-np.inf, 1)] + [(-1, 1)] * 4)
+    with pytest.raises(ValueError, match=r"signs of the arm: shape \(6,\)"):
+        Arm(0.3, 0.3, signs=np.ones(6))
     stiff = Arm(0.42, 0.4, 0.126, limits=[(-0.1, 0.1)] * 7)
     dead = stiff.track(point, hand, [0.0] * 7)
     assert dead.joints is None and dead.reason.startswith("outside the limits, in branch ")
+
+
+@pytest.mark.parametrize("axis", ["z", (0.3, 1.0, -0.2)])
+@pytest.mark.parametrize("seed", [2, 3])
+def test_feasible_swivels_are_those_of_a_grid(seed, axis):
+    """Compare intervals with a grid of angles in random branches; at each end of an interval a joint is at a limit."""
+    random, count, grid = np.random.default_rng(seed), 300, np.linspace(-np.pi, np.pi, 181)
+    points, q, _ = poses(count, seed)
+    branch, middle = random.integers(0, 8, count), random.uniform(-np.pi, np.pi, 7) * (1, 0.3, 1, 0, 1, 0.3, 1)
+    limits = middle[:, None] + random.uniform(2.0, 3.1, (7, 1)) * (-1, 1)
+    swivels = feasible_swivel(points, q, tool=TOOL, limits=limits, branch=branch, axis=axis)
+
+    def over(n, phi):
+        pose = solve(points[n], phi, axis=axis, hand=q[n], tool=TOOL, branch=branch[n], limits=limits)
+        return pose.over_limit.any(axis=1), apart(pose.joints[..., None], limits).min(axis=(1, 2))
+
+    truth = ~over(np.repeat(np.arange(count), len(grid)), np.tile(grid, count))[0].reshape(count, -1)
+    first, last = np.moveaxis(swivels.intervals[..., None], 2, 0)
+    inside = (np.mod(grid - first, 2 * np.pi) <= last - first).any(axis=1)
+    close = (apart(swivels.intervals[..., None], grid) < 1e-6).any(axis=(1, 2))
+    assert 0.1 < truth.mean() < 0.9 and close.mean() < 0.2
+    np.testing.assert_array_equal(inside[~close], truth[~close])
+    some = ~np.isnan(first[..., 0])
+    assert swivels.feasible.tolist() == some.any(axis=1).tolist() == [swivels.reason(n) == "" for n in range(count)]
+    np.testing.assert_array_equal(swivels.feasible, ~swivels.over_limit.any(axis=1))
+    assert ((last >= first) & (np.abs(first) <= np.pi))[some].all() and (first[:, 1:] > last[:, :-1])[some[:, 1:]].all()
+    n, k = np.nonzero(some & ~truth.all(axis=1)[:, None])
+    for end in (first, last):
+        assert over(n, np.angle(np.exp(1j * end[n, k, 0])))[1].max() < 1e-7
+
+
+@pytest.mark.parametrize("joint", [0, 1, 2, 4, 5, 6])
+def test_locked_joint_gives_isolated_angles(joint):
+    points, q, phi = poses(50)
+    for n in range(50):
+        limits, th = FREE.copy(), solve(points[n], phi[n], hand=q[n], tool=TOOL, branch=n % 8).joints[0]
+        limits[joint] = th[joint]
+        intervals = feasible_swivel(points[n], q[n], tool=TOOL, limits=limits, branch=n % 8).intervals[0]
+        assert np.ptp(intervals, axis=1).max() < 1e-7 and apart(intervals, phi[n]).min() < 1e-6
+        at = solve(points[n], intervals[:, 0], hand=q[n], tool=TOOL, branch=n % 8).joints[:, joint]
+        assert apart(at, th[joint]).max() < 1e-7
+
+
+def test_nearest_feasible_angle():
+    def nearest(intervals, near, margin=0.0):
+        return Swivels(np.array(intervals), *[np.empty(0)] * 3, 3.0).nearest(near, margin)
+
+    no, turn = (np.nan, np.nan), 2 * np.pi
+    two, one, none, whole = [(-1, 0.5), (2, 4.5)], [(1.5, 1.6), no], [no, no], [(-np.pi, np.pi), no]
+    for row, near, margin, expected in (
+        (two, (0.2, 1.0, 1.8, -2.0, -1.5, 7.0), 0.0, (0.2, 0.5, 2.0, -2.0, 4.5 - turn, 0.5)),
+        (two, (0.2, 1.0, 1.4, -2.0), 0.3, (0.2, 0.2, 2.3, 4.2 - turn)),
+        (two, (0.4, 1.9), 1.0, (-0.25, 3.0)),  # the middle of the shorter interval
+        (one, (-2.0, 1.5, 1.57, 7.0), 0.0, (1.6, 1.5, 1.57, 1.5)),
+        (whole, (-3.0, 7.0), 0.5, (-3.0, 7.0 - turn)),
+        (none, (0.1, np.pi), 0.5, (np.nan, np.nan)),
+    ):
+        np.testing.assert_allclose(nearest([row] * len(near), near, margin), expected, rtol=0, atol=1e-12)
+    path = nearest([whole, two, none, one, whole], None)  # the first near 3, where the elbow hangs
+    np.testing.assert_allclose(path, (3.0, 3.0, np.nan, 1.6, 1.6), rtol=0, atol=1e-12)
+    assert feasible_swivel((0.3, 0.1, 0.2), (1, 0, 0, 0), axis="-z").nearest() == 0  # hangs at 0 there, pi for z
+
+
+def turning():
+    """Return joints (3000, 7) of a smooth path; some joints make several turns."""
+    random, t = np.random.default_rng(5), np.linspace(0, 1, 3000)[:, None]
+    return 1.2 * np.sin(4 * t * random.uniform(0.5, 2, 7) + random.uniform(0, 6, 7)) + t * (15, 0, 0, 0, -9, 0, 20)
+
+
+def test_path_without_jumps():
+    smooth, branch = turning(), np.random.default_rng(1).integers(0, 8, 3000)
+    scrambled = np.angle(np.exp(1j * branches_of(smooth)[branch, np.arange(3000)]))
+    scrambled[[7, 8, 1500], [0, 3, 6]] = np.nan
+    joined, present = continuous_core_angles(scrambled), np.isfinite(scrambled).all(axis=1)
+    np.testing.assert_array_equal(joined[~present], scrambled[~present])
+    np.testing.assert_allclose(joined[0], scrambled[0], rtol=0, atol=1e-12)
+    turns = (joined[present] - branches_of(smooth)[branch[0], present]) / (2 * np.pi)
+    np.testing.assert_allclose(turns, np.round(turns[:1]).repeat(2997, axis=0), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("first", "tilt"), [(4, 0.0), (4, np.pi), (0, 0.0), (0, np.pi)])
+def test_singular_stretch_keeps_the_first_joint(first, tilt):
+    """Check that only the third angle moves while only the sum of the first and third angle counts."""
+    smooth, rows = turning(), slice(1000, 2000)
+    smooth[rows, first + 1], smooth[rows, first] = tilt, smooth[999, first]
+    split, share = smooth.copy(), np.random.default_rng(1).uniform(-9, 9, 1000)
+    split[rows, first] += share
+    split[rows, first + 2] += share if tilt else -share
+    np.testing.assert_allclose(chain(split)[1], chain(smooth)[1], atol=1e-13)
+    joined = continuous_core_angles(np.angle(np.exp(1j * split)))[rows]
+    np.testing.assert_allclose(joined[:, first], joined[0, first], rtol=0, atol=1e-12)
+    off = (joined - smooth[rows])[:, first + 2] / (2 * np.pi)
+    np.testing.assert_allclose(off, off[0].round(), rtol=0, atol=1e-12)
