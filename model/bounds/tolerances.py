@@ -13,7 +13,6 @@ from ..dataflow.formats import WIDTHS
 from ..io.flags import BAD_HAND, SATURATED, SINGULAR, UNREACHABLE
 from ..reference.joints import reached
 from ..reference.kinematics import angle_between
-from . import arm_accuracy
 from .accuracy import STATED
 from .predict import predicted_error
 
@@ -62,7 +61,7 @@ tool's offset to an inner word, at W = 32 three bits longer. Searches find 1.4 t
 def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
     """Return the largest permitted errors for poses (N, 11): of the hand's point (N,), ulps, and orientation, rad."""
     reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
-    point, orientation = ARM_ULPS if width < 28 else (float(arm_accuracy.STATED["point"][width]), ARM_ULPS[1])
+    point, orientation = ARM_ULPS if width < 28 else (float(STATED["arm", "point"][width]), ARM_ULPS[1])
     return point * 2.0 ** (2 - width) * reach + WRIST_ULPS, orientation * 2.0 ** (2 - width)
 
 
@@ -97,7 +96,7 @@ def pose(words: np.ndarray, width: int, across: np.ndarray) -> tuple[np.ndarray,
 def sought(width: int) -> float:
     """Return the largest permitted hand error / reach of the lean datapath for targets from a search for large errors:
     the proved limit (:mod:`.accuracy`), or :data:`LEAN` where that is the same, rounded up."""
-    return max(LEAN[width], float(STATED["lean"][width]) * 2.0 ** (2 - width))
+    return max(LEAN[width], float(STATED["lean", "wrist"][width]) * 2.0 ** (2 - width))
 
 
 def hand(width: int, datapath: str, *, regular: bool = False) -> float | None:
