@@ -10,6 +10,7 @@ Each proof that succeeds updates its row of docs/generated/proofs.md; its full t
 import json
 import math
 import sys
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from datetime import date
@@ -69,13 +70,18 @@ def accuracy_page() -> str:
         exponent = math.floor(math.log10(units) + (2 - width) * math.log10(2))
         return f"{up(units * Fraction(2) ** (2 - width) / Fraction(10) ** exponent, 2)}e{exponent}"
 
-    def parts(datapath: str) -> list[list[str]]:
-        return [[name, *(up(of[name], 3) for of in shown.values())] for name in accuracy(WIDTHS[0], datapath)]
+    def rows(*lines: Sequence) -> str:
+        return "\n".join(f"    {name:<14}" + "".join(f"{cell:>10}" for cell in cells) for name, *cells in lines)
 
+    def parts(datapath: str) -> str:
+        names = [name for name in accuracy(WIDTHS[0], datapath) if name not in ("rounded", "spread", "Qe skew")]
+        lines = [[name, *(up(of[name], 3) for of in shown.values())] for name in names]
+        return rows([f"{datapath}, W =", *shown], *lines)
+
+    stated = [[w, *(share(of[w], w) if w in of else "" for of in STATED.values())] for w in WIDTHS]
     return render(
         "accuracy",
-        stated=[[w, *(share(of[w], w) if w in of else "" for of in STATED.values())] for w in WIDTHS],
-        widths=list(shown),
+        stated=rows(["W", "E lean", "lean25", "lean16", "Eo (rad)", "Ep"], *stated),
         wrist=parts("lean"),
         hand=parts("arm"),
         claim={name: text for name, (text, _) in (dataflow("lean", WIDTHS[0]).lemmas | NODES).items()}

@@ -146,7 +146,7 @@ def bound(node: Node, at: Mapping[str, Cell], given: str = "") -> Word:
         return _product(node, one, two, iv.mpf(2) ** op.scale)
     if isinstance(op, ShiftDown) and (word := bound(op.value, at, given)).rest is None:
         return Word(word.factor, ulps(node))
-    if isinstance(op, ShiftUp) and (op.value.decision or op.value.name in node.as_words):  # of an exact word
+    if isinstance(op, ShiftUp) and op.value.decision:  # of an exact word
         return Word(ONE, None if node.error == EXACT else ulps(node))
     if isinstance(op, Choice) and node.limited:
         # The limit takes at most an ulp from the exact value, as the raw word's rounding may.
@@ -299,6 +299,7 @@ def elbow(flow: Dataflow) -> dict[str, Interval]:
     return {"Qe factors": most, "Qe rests": norm(*rests), "Qe skew": abs((ratio - 1) / iv.sqrt(ratio) / 2).b}
 
 
+@cache
 def core(flow: Dataflow) -> dict[str, Interval]:
     """Return the constants of the wrist's theorem, by name: its limit for d1 + d2 = 1 is ``wrist`` = ``a`` + ``b``, for
     a clamped target ``c``."""
@@ -364,7 +365,7 @@ def frame(flow: Dataflow, elbow: Interval) -> Interval:
 def arm(flow: Dataflow) -> dict[str, Interval]:
     """Return the constants of the whole arm's theorem, by name: limits of the errors of the ``orientation`` (rad) and
     of the ``point`` for d1 + d2 + |tool| = 1, of which ``coordinates`` does not scale with it."""
-    width, wrist = flow.width, core(flow)
+    width, wrist = flow.width, core(dataflow("lean", flow.width))
     k, moved, factors, rests = (wrist[name] for name in ("K", "rounded", "Qe factors", "Qe rests"))
     qs, qe, half = iv.sqrt(1 - k) - moved, 1 - factors - rests, iv.pi / 2**width  # least lengths
     bend, off = head(width, iv.mpf(qe.a)), frame(flow, 1 + factors + rests)

@@ -27,11 +27,6 @@ their own tolerance, :func:`sought`. In ulps of a result: 3.4 at 16 bits, 4.2 at
 one. At 18 and 28 to 31 bits it is the proved limit: searches (`soak --worst 200`) find 5.07e-5, 5.27e-8, 3.42e-8,
 2.43e-8 and 2.08e-8 there. Others (`--worst 300`) find up to 3.2 ulps from 17 to 26 bits, and 1.91e-8 at 32 bits."""
 
-ROUNDED_ULPS = 2 + 2**0.5
-"""Largest hand error / reach, in ulps, that rounding exact results to the nearest word can cause: Qs is a quarter turn
-about a frame axis, the forearm is the whole reach, all roundings have the same direction. More bits inside the core do
-not reduce it."""
-
 REGULAR = 1e-4
 """Tolerance of the paper's equations if all targets are regular: the paper's 1/16 mm, on an arm of 0.6 m."""
 

@@ -159,7 +159,7 @@ def test_every_rounding_is_counted(datapath, monkeypatch):
     and test_halves_of_words state, and tables."""
     counted, ulps = set(), proof.ulps
     monkeypatch.setattr(proof, "ulps", lambda node: counted.add(node.name) or ulps(node))
-    accuracy.__wrapped__(24, datapath)
+    proof.core.__wrapped__(dataflow(datapath, 24))
     rounded = {n.name: n.kind for n in dataflow(datapath, 24).nodes.values() if n.frac and n.error != (0, 0)}
     halves = {f"{pair}_{part}" for pair in ("az", "tilt", "bend") for part in ("sq", "c", "s")}
     tables = {name for name, kind in rounded.items() if kind in ("even", "rsqrt", "trig")}
