@@ -7,13 +7,15 @@ computes the constants; the last questions compare them with the stated ones.
 """
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from functools import partial
 
 from model.bounds.accuracy import STATED, accuracy
 from model.bounds.ranges import LeanRanges
 from model.dataflow.fixed import dataflow
 from model.dataflow.formats import WIDTHS
-from tb.formal.lean_proofs import LIMIT, SOLVER, Exact, Rules
+from tb.formal import lean_proofs
+from tb.formal.lean_proofs import LIMIT, REACHABLE, SOLVER, Exact, Rules
 from tb.formal.smt import formula, smt
 from tb.formal.task import Question, digest_of
 from tb.formal.tools import Answer, ask
@@ -110,10 +112,11 @@ GIVEN = ("sin a", "1/|q|")
 class Steps(Rules):
     """Questions about :data:`NODES` and the lemmas on which they rest, at one word length."""
 
-    def __init__(self, width: int) -> None:
-        exact = Exact(width)
+    cases = (REACHABLE,)
+
+    def __init__(self, exact: Exact, case: str) -> None:
         exact.lemmas |= {name: (smt(text), uses) for name, (text, uses) in NODES.items()}
-        super().__init__(exact)
+        super().__init__(exact, case)
 
     def _proved(self) -> list[str]:
         left, needed = [*NODES, *GIVEN], dict[str, bool]()
@@ -169,7 +172,7 @@ def algebra(name: str, facts: Sequence[str], claim: str) -> Question:
 # ---- the constants ---------------------------------------------------------------------------------------------------
 
 
-def stated(width: int, datapath: str) -> dict[str, float]:
+def stated(width: int, datapath: str) -> dict[str, Fraction]:
     """Return constant -> its stated limit."""
     return {name: limits[width] for (path, name), limits in STATED.items() if path == datapath}
 
@@ -186,14 +189,7 @@ def holds(width: int, datapath: str) -> Answer:
 
 def questions(widths: Sequence[int] = WIDTHS) -> Iterator[Question]:
     """Yield all questions; yield a question only once if word lengths share it."""
-    known: set[str] = set()
-    for width in sorted(widths, reverse=True):
-        steps = Steps(width)
-        for name in steps.names():
-            if (text := steps.question(name)) not in known:
-                known.add(text)
-                met = partial(ask, steps.exact.formula(steps.facts(name), "false"), SOLVER, LIMIT)
-                yield Question(f"{name}, W={width}", steps.says(name), partial(ask, text, SOLVER, LIMIT), met)
+    yield from lean_proofs.questions(Steps, widths)
     yield from (algebra(name, *step) for name, step in ALGEBRA.items())
     for datapath, width in sorted({(path, w) for (path, _), limits in STATED.items() for w in limits if w in widths}):
         says = ", ".join(f"{name} <= {float(limit)}" for name, limit in stated(width, datapath).items())
@@ -202,9 +198,7 @@ def questions(widths: Sequence[int] = WIDTHS) -> Iterator[Question]:
 
 def digest() -> str:
     """Return a digest of the questions, of the code that computes the constants, and of what it reads of the nodes."""
-    texts = [code(ROOT / file) for file in FILES]
-    for steps in map(Steps, WIDTHS):
-        texts += [steps.question(name) for name in steps.names()]
+    texts = [lean_proofs.digest(Steps), *(code(ROOT / file) for file in FILES)]
     for (datapath, _), limits in STATED.items():
         for width in limits:
             nodes = dataflow(datapath, width).nodes.values()
