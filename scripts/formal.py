@@ -8,7 +8,7 @@ Each proof that succeeds updates its row of docs/generated/proofs.md; its full t
 import json
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from datetime import date
@@ -16,11 +16,9 @@ from fractions import Fraction
 from functools import partial
 from os import cpu_count
 
-from model.bounds import arm_accuracy
 from model.bounds.accuracy import CELLS, SIDES, STATED, accuracy
 from model.dataflow.fixed import dataflow
 from model.dataflow.formats import WIDTHS
-from model.dataflow.quadratic import PRECISION
 from model.io.files import write_atomically
 from scripts.console import InputError, Options, command, option, switch
 from scripts.generate.render import read_table, render
@@ -60,9 +58,9 @@ def write_page(proved: dict[str, tuple[Outcome, str]]) -> None:
 
 def accuracy_page() -> str:
     """Return docs/generated/accuracy.md: the proof, with statements and constants from the code that proves them."""
-    shown = {width: accuracy(width) for width in (32, 24, 18)}
+    shown = {width: accuracy(width) | accuracy(width, "arm") for width in (32, 24, 18)}
 
-    def up(value: Fraction, places: int = 3) -> str:
+    def up(value: Fraction, places: int) -> str:
         return f"{math.ceil(value * 10**places) / 10**places:.{places}f}"
 
     def share(units: Fraction, width: int) -> str:
@@ -70,33 +68,24 @@ def accuracy_page() -> str:
         exponent = math.floor(math.log10(units) + (2 - width) * math.log10(2))
         return f"{up(units * Fraction(2) ** (2 - width) / Fraction(10) ** exponent, 2)}e{exponent}"
 
-    def limits(width: int) -> Iterator[str]:
-        for datapath, of in STATED.items():
-            pair = (of[width], accuracy(width, datapath).c) if width in of else ()
-            yield "{} ({})".format(*(share(limit, width) for limit in pair)) if pair else ""
+    def rows(*lines: Sequence) -> str:
+        return "\n".join(f"    {name:<14}" + "".join(f"{cell:>10}" for cell in cells) for name, *cells in lines)
 
-    rows = [
-        {**of.parts, **of._asdict(), "a + b": of.both, **arm.parts, **arm._asdict()}
-        for of, arm in ((of, arm_accuracy.arm_accuracy(width)) for width, of in shown.items())
-    ]
+    def parts(datapath: str) -> str:
+        names = [name for name in accuracy(WIDTHS[0], datapath) if name not in ("rounded", "spread", "Qe skew")]
+        lines = [[name, *(up(of[name], 3) for of in shown.values())] for name in names]
+        return rows([f"{datapath}, W =", *shown], *lines)
 
-    def parts(*names: str) -> list[list[str]]:
-        return [[name, *(up(row[name]) for row in rows)] for name in names]
-
+    stated = [[w, *(share(of[w], w) if w in of else "" for of in STATED.values())] for w in WIDTHS]
     return render(
         "accuracy",
-        names=list(STATED),
-        rows=[[width, *limits(width)] for width in WIDTHS],
-        arm=[[width, *(share(of[width], width) for of in arm_accuracy.STATED.values())] for width in WIDTHS],
-        widths=list(shown),
-        parts=parts,
-        lemma=lambda name: NODES[name][0],
-        given=lambda name: dataflow("lean", WIDTHS[0]).lemmas[name][0],
-        step=lambda name: ALGEBRA[name][1],
-        unit=lambda name: ", ".join(parts(name)[0][1:]),
+        stated=rows(["W", "E lean", "lean25", "lean16", "Eo (rad)", "Ep"], *stated),
+        wrist=parts("lean"),
+        hand=parts("arm"),
+        claim={name: text for name, (text, _) in (dataflow("lean", WIDTHS[0]).lemmas | NODES).items()}
+        | {name: text for name, (_, text) in ALGEBRA.items()},
         cells=CELLS,
         sides=SIDES,
-        bits=PRECISION,
     )
 
 

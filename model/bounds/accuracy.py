@@ -1,58 +1,54 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proved accuracy of the lean datapath: |wrist - p| <= (a |p| + b d2) 2^-(W-2) for every target in reach.
+"""Proved accuracy: limits of the error of lean's wrist, and of the whole arm's hand, at every word length.
 
-docs/generated/accuracy.md is the proof.  This module computes its constants a and b from the errors that the operations
-of the dataflow state, and from the rows of the root's table.  Numbers are intervals, rounded outwards by mpmath.
+docs/generated/accuracy.md is the proof.  This module computes its constants from the errors that the operations of the
+dataflow state, from the rows of the root's table, and from the CORDIC's errors (:func:`..dataflow.angles.head`).
+Numbers are intervals, rounded outwards by mpmath.
 
-    python -m model.bounds.accuracy [DATAPATH WIDTH]      print the limits, or the constants of a core
+    python -m model.bounds.accuracy [DATAPATH WIDTH]      print all limits, or the constants of a core
 """
 
 import itertools
+import math
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cache, reduce
 from operator import mul
 from typing import NamedTuple
 
-import mpmath
 from mpmath.libmp import to_rational
 
-from ..dataflow.angles import Interval, iv
+from ..dataflow.angles import GUARD, Interval, arc, head, iv, upper
+from ..dataflow.arm import PRODUCTS
 from ..dataflow.expressions import EXACT
 from ..dataflow.fixed import dataflow
 from ..dataflow.formats import WIDTHS
 from ..dataflow.lean_operations import Choice, Even, ShiftDown, ShiftUp
 from ..dataflow.mul3 import Mul3
 from ..dataflow.nodes import Dataflow, Node
-from ..dataflow.quadratic import (
-    INVERSE_ROOT,
-    PRECISION,
-    SINE_FRACS,
-    Form,
-    HalfAngle,
-    Rsqrt,
-    half_sincos_error,
-    rounding,
-    row_error,
-)
+from ..dataflow.quadratic import INVERSE_ROOT, PRECISION, SINE_FRACS, Rsqrt, half_sincos_error, rounding, row_error
 
-
-def stated(ulps: str) -> dict[int, Fraction]:
-    """Return word length -> limit."""
-    return {width: Fraction(text) for width, text in zip(WIDTHS, ulps.split(), strict=False)}
-
-
-STATED = {
-    "lean": stated(
-        "3.884 4.354 4.549 4.327 4.33 4.337 4.35 4.377 4.43 4.5 4.549 4.949 5.762 8.109 12.803 22.19 40.966"
-    ),
-    "lean25": stated(
-        "3.884 4.353 4.547 4.324 4.325 4.326 4.328 4.332 4.341 4.359 4.395 4.644 5.17 6.925 10.436 17.457 31.498"
-    ),
-    "lean16": stated("3.876 4.336 4.513 4.371 4.418 4.474 4.498 4.77 5.225"),
+LIMITS = {
+    (
+        "lean",
+        "wrist",
+    ): "3.884 4.354 4.549 4.327 4.33 4.337 4.35 4.377 4.43 4.5 4.549 4.949 5.762 8.109 12.803 22.19 40.966",
+    (
+        "lean25",
+        "wrist",
+    ): "3.884 4.353 4.547 4.324 4.325 4.326 4.328 4.332 4.341 4.359 4.395 4.644 5.17 6.925 10.436 17.457 31.498",
+    ("lean16", "wrist"): "3.876 4.336 4.513 4.371 4.418 4.474 4.498 4.77 5.225",
+    ("arm", "orientation"): "18.65 17.1 19 17.53 21.94 21.51 23.41 21.6 23.15 22.95 23.9 23.18 24.68 24.57 28.26 28.65"
+    " 35.53",
+    (
+        "arm",
+        "point",
+    ): "19.55 18.05 19.95 18.48 22.89 22.46 24.36 22.55 24.1 23.91 24.86 24.17 25.7 25.74 29.74 31.07 46.29",
 }
-"""Datapath -> word length -> proved limit of hand error / reach, in units of 2^-(W-2)."""
+STATED = {of: dict(zip(WIDTHS, map(Fraction, text.split()), strict=False)) for of, text in LIMITS.items()}
+"""Datapath and constant -> word length -> its proved limit in units of 2^-(W-2): of the error of the wrist / (d1 + d2),
+of the hand's orientation (rad), and of its point for d1 + d2 + |tool| = 1."""
 
 CELLS = 8
 """Number of parts of a mantissa's range [1/4, 1), each with its largest errors."""
@@ -60,13 +56,7 @@ CELLS = 8
 SIDES = 32
 """Number of parts of the range of g, the tangent of half an angle."""
 
-
-def interval(low, high=None) -> Interval:
-    """Return the interval between exact numbers, or of one."""
-    return iv.mpf(low if high is None else [low, high])
-
-
-ZERO, ONE = interval(0), interval(1)
+ZERO, ONE = iv.mpf(0), iv.mpf(1)
 
 
 def hull(intervals: Iterable[Interval]) -> Interval:
@@ -75,17 +65,17 @@ def hull(intervals: Iterable[Interval]) -> Interval:
     return iv.mpf([min(part.a for part in parts), max(part.b for part in parts)])
 
 
-def largest(intervals: Iterable[Interval]) -> Interval:
-    """Return the largest magnitude in ``intervals``."""
-    return abs(hull(intervals)).b
-
-
 def norm(*sizes: Interval) -> Interval:
-    """Return the length of a vector."""
-    return iv.sqrt(sum(abs(size) ** 2 for size in sizes))
+    """Return the largest length of a vector of intervals."""
+    return iv.sqrt(sum(abs(size) ** 2 for size in sizes)).b
 
 
-# ---- roots, by rows of the table -------------------------------------------------------------------------------------
+def ulps(node: Node) -> Interval:
+    """Return the range of the rounding error that the node's operation states."""
+    return iv.mpf(node.error) * node.format.ulp
+
+
+# ---- words -----------------------------------------------------------------------------------------------------------
 
 
 class Cell(NamedTuple):
@@ -97,46 +87,37 @@ class Cell(NamedTuple):
     product: Interval
 
 
-def _row(form: Form, frac: int, row: int, cut: bool) -> Cell:
-    """Return the cell that is a row of the table.  ``cut``: the word of a mantissa may be truncated."""
-    with mpmath.workprec(PRECISION):
-        left, width = INVERSE_ROOT.segment(form, row)
-        ends = row_error(INVERSE_ROOT, form, row, rises=False)
-    ulp = mpmath.ldexp(1, -frac)
-    added = interval(rounding(form, frac)) / (1 << form.sum_frac)
-    error = interval(*ends) + added + interval(-ulp, 0)  # y - 1/(2 sqrt m)
-    error += interval(-1, 1) * mpmath.ldexp(1, 40 - PRECISION)  # covers the error of the row errors
-    root = iv.sqrt(interval(left, left + width))
-    lost = interval(0, ulp / 8 if cut else 0)  # V - m
-    share = lost / left  # 1 - m/V is at most its end
-    fall = share / (4 * root.a)  # 1/(2 sqrt m) - 1/(2 sqrt V)
-    truncated = hull([ZERO, -share / 2 - share**2 / 2])  # sqrt(m/V) - 1
-    return Cell(root, 2 * root * (error + fall), truncated + 2 * root * error * (1 - share))
-
-
 @cache
-def cells(frac: int, tile: int, cut: bool) -> tuple[Cell, ...]:
-    """Return the cells of a mantissa whose root has ``frac`` fraction bits: groups of rows of equal number."""
-    form = INVERSE_ROOT.form(frac, tile)
-    rows = [_row(form, frac, row, cut) for row in range(form.rows)]
+def cells(frac: int, tile: int, cut: bool) -> list[Cell]:
+    """Return the cells of a mantissa whose root has ``frac`` fraction bits: groups of rows of equal number.  ``cut``:
+    the word of a mantissa may be truncated."""
+    form, ulp, rows = INVERSE_ROOT.form(frac, tile), 2.0**-frac, []
+    for row in range(form.rows):
+        left, width = map(iv.mpf, INVERSE_ROOT.segment(form, row))
+        error = iv.mpf(row_error(INVERSE_ROOT, form, row, rises=False)) + iv.mpf([-ulp, 0])  # y - 1/(2 sqrt m)
+        error += iv.mpf(rounding(form, frac)) / 2**form.sum_frac
+        error += iv.mpf([-1, 1]) * 2.0 ** (40 - PRECISION)  # covers the error of the row errors
+        root = iv.sqrt(hull([left, left + width]))
+        share = iv.mpf([0, ulp / 8 if cut else 0]) / left  # 1 - m/V is at most its end
+        fall = share / (4 * root.a)  # 1/(2 sqrt m) - 1/(2 sqrt V)
+        truncated = hull([ZERO, -share / 2 - share**2 / 2])  # sqrt(m/V) - 1
+        rows.append((root, 2 * root * (error + fall), truncated + 2 * root * error * (1 - share)))
     size = form.rows // CELLS
-    groups = [rows[n : n + size] for n in range(0, form.rows, size)]
-    return tuple(Cell(*map(hull, zip(*group, strict=True))) for group in groups)
+    groups = (rows[n : n + size] for n in range(0, form.rows, size))
+    return [Cell(*map(hull, zip(*group, strict=True))) for group in groups]
 
 
-def combinations(flow: Dataflow, node: Node, given: str = "") -> list[dict[str, Cell]]:
-    """Return all combinations of cells of the mantissas on which a node depends, except node ``given``'s."""
+def combinations(node: Node, given: str = "") -> Iterator[dict[str, Cell]]:
+    """Yield all combinations of cells of the mantissas on which a node depends, except through the node ``given``."""
 
     def mantissas(node: Node) -> list[Node]:
         if isinstance(node.op, Even):
             return [node]
         return [m for operand in node.operands for m in mantissas(operand)] if node.name != given else []
 
-    roots = {m.name: cells(m.frac - 3, flow.tile, m.op.width > m.format.width) for m in mantissas(node)}  # type: ignore[attr-defined]
-    return [dict(zip(roots, parts, strict=True)) for parts in itertools.product(*roots.values())]
-
-
-# ---- words -----------------------------------------------------------------------------------------------------------
+    found = {m.name: (m.frac - 3, m.flow.tile, m.op.width > m.format.width) for m in mantissas(node)}  # type: ignore
+    parts = {name: cells(*of) for name, of in found.items()}
+    return (dict(zip(parts, at, strict=True)) for at in itertools.product(*parts.values()))
 
 
 class Word(NamedTuple):
@@ -148,53 +129,44 @@ class Word(NamedTuple):
     value: Interval = None
 
 
-def ulps(node: Node) -> Interval:
-    """Return the range of the rounding error that the node's operation states."""
-    return interval(*node.error) * node.format.ulp
+def bound(node: Node, at: Mapping[str, Cell], given: str = "") -> Word:
+    """Return the bound of a node's word for mantissas in the cells ``at``, by name.  The word of the node ``given``
+    counts as exact.  Raises TypeError for an operation without a rule."""
+    op = node.op
+    if node.name == given:
+        return Word(ONE)
+    if isinstance(op, Rsqrt):
+        cell = at[op.m.name]
+        return Word(1 + cell.inverse, None, 1 / (2 * cell.root))
+    if isinstance(op, Mul3) and isinstance(op.parts[1].op, Even):  # 2 m / (2 sqrt m)
+        cell = at[op.parts[1].name]
+        return Word(1 + cell.product + ulps(node) / cell.root, None, cell.root)
+    if isinstance(op, Mul3):
+        one, two = (bound(part, at, given) for part in op.parts)
+        return _product(node, one, two, iv.mpf(2) ** op.scale)
+    if isinstance(op, ShiftDown) and (word := bound(op.value, at, given)).rest is None:
+        return Word(word.factor, ulps(node))
+    if isinstance(op, ShiftUp) and op.value.decision:  # of an exact word
+        return Word(ONE, None if node.error == EXACT else ulps(node))
+    if isinstance(op, Choice) and node.limited:
+        # The limit takes at most an ulp from the exact value, as the raw word's rounding may.
+        (raw,) = op.operands
+        if raw.error[0] * raw.format.ulp <= -node.format.ulp:
+            return bound(raw, at, given)
+    raise TypeError(f"{node.name}: no bound of its word")
 
 
-class Words:
-    """Bounds of words for mantissas in the cells ``places``, by name.  The word of node ``given`` counts as exact."""
-
-    def __init__(self, places: Mapping[str, Cell], given: str = "") -> None:
-        self.places, self.given = places, given
-
-    def __call__(self, node: Node) -> Word:
-        op = node.op
-        if node.name == self.given:
-            return Word(ONE)
-        if isinstance(op, Rsqrt):
-            cell = self.places[op.m.name]
-            return Word(1 + cell.inverse, None, 1 / (2 * cell.root))
-        if isinstance(op, Mul3):
-            return self._product(node, op)
-        if isinstance(op, ShiftDown) and (word := self(op.value)).rest is None:
-            return Word(word.factor, ulps(node))
-        if isinstance(op, ShiftUp) and op.value.decision:  # of an exact word
-            return Word(ONE, ulps(node) if node.error != EXACT else None)
-        if isinstance(op, Choice) and node.limited:
-            # The limit takes at most an ulp from the exact value, as the raw word's rounding may.
-            (raw,) = op.operands
-            if raw.error[0] * raw.format.ulp <= -node.format.ulp:
-                return self(raw)
-        raise TypeError(f"{node.name}: no bound of its word")
-
-    def _product(self, node: Node, op: Mul3) -> Word:
-        a, b = op.parts
-        if isinstance(b.op, Even):  # 2 m / (2 sqrt m)
-            cell = self.places[b.name]
-            return Word(1 + cell.product + ulps(node) / cell.root, None, cell.root)
-        one, two, scale, rest = self(a), self(b), 2**op.scale, ulps(node)
-        for word, other in ((one, two), (two, one)):
-            if word.rest is not None:
-                if other.rest is not None or other.value is None:
-                    raise TypeError(f"{node.name}: no bound of a product with the rest of a word")
-                rest += scale * word.rest * other.factor * other.value
-        factor = one.factor * two.factor
-        if one.value is None or two.value is None:
-            return Word(factor, rest)
-        value = scale * one.value * two.value
-        return Word(factor + rest / value, None, value)
+def _product(node: Node, one: Word, two: Word, scale: Interval) -> Word:
+    rest, factor = ulps(node), one.factor * two.factor
+    for word, other in ((one, two), (two, one)):
+        if word.rest is not None:
+            if other.rest is not None or other.value is None:
+                raise TypeError(f"{node.name}: no bound of a product with the rest of a word")
+            rest += scale * word.rest * other.factor * other.value
+    if one.value is None or two.value is None:
+        return Word(factor, rest)
+    value = scale * one.value * two.value
+    return Word(factor + rest / value, None, value)
 
 
 # ---- rotations -------------------------------------------------------------------------------------------------------
@@ -207,7 +179,7 @@ class Turn(NamedTuple):
     stretch: Interval
     angle: Interval
     above: Interval
-    least: Interval = interval(0.5)
+    least: Interval = iv.mpf(0.5)
 
 
 STRAIGHT = Turn(ZERO, ZERO, ZERO, ONE)
@@ -223,188 +195,219 @@ def turned(shared: Pairs, single: Pairs) -> Turn:
     ``shared`` lists pairs (r, c), ``single`` pairs (o, e); each pair of one list may occur with each of the other.
     """
     r, c, o, e = (hull(part) for pairs in (shared, single) for part in zip(*pairs, strict=True))
-    wrong = largest([r]) + largest([c])  # at most |C| where C's word has the wrong sign
-    ends = [*(interval(n) / SIDES for n in range(SIDES + 1)), iv.sqrt((1 + wrong) / (1 - wrong)).b]
+    wrong = abs(r).b + abs(c).b  # at most |C| where C's word has the wrong sign
+    ends = [*(iv.mpf(n) / SIDES for n in range(SIDES + 1)), iv.sqrt((1 + wrong) / (1 - wrong)).b]
     stretches, angles = [], []
     for low, high in itertools.pairwise(ends):
         g = hull([low, high])
-        sine = hull(2 * end / (1 + end**2) for end in (low, high)) if high.b <= 1 else interval(0, 1)
+        sine = hull(2 * end / (1 + end**2) for end in (low, high)) if high.b <= 1 else iv.mpf([0, 1])
         along = hull(r * (1 + g**2) / 2 + c * (1 - g**2) / 2 for r, c in shared)
         along += hull((1 + r) * o * sine * g + e * g for o, e in single)
         across = hull((r - c) * g for r, c in shared) + hull((1 + r) * o * sine + e for o, e in single)
-        angles.append(largest([across]))
-        stretches.append(along + angles[-1] ** 2 * interval(0, 0.5))
-    lost = wrong + largest([r]) + 2 * largest([o]) + largest([e])
-    return Turn(hull(stretches), largest(angles) / (1 - lost), hull([ZERO, r + c]).b / 2)
+        angles.append(abs(across).b)
+        stretches.append(along + angles[-1] ** 2 * iv.mpf([0, 0.5]))
+    lost = wrong + abs(r).b + 2 * abs(o).b + abs(e).b
+    return Turn(hull(stretches), upper(*angles) / (1 - lost), hull([ZERO, r + c]).b / 2)
 
 
 def turn(flow: Dataflow, cosine: str, sine: str, common: str, mirrored: bool = False) -> Turn:
     """Return the error of the rotation by half the angle of two nodes, whose words have the factor of the node
     ``common``.  ``mirrored``: the sine may be negative."""
     c, s, of = (flow.nodes[name] for name in (cosine, sine, common))
-    ulp, some = c.format.ulp, dict[str, Cell]()
+    one, two = (iv.mpf([n, n + 1]) * c.format.ulp for n in (0, 1))
     shared, single = [], []
-    for places in combinations(flow, c):
-        words, some = Words(places), some | places
-        factor, rest = words(of).factor, words(c).rest
-        shared += [(factor - 1, rest - interval(0, 1) * ulp), (factor - 1, -rest - interval(1, 2) * ulp)]  # C >= 0, < 0
-        if words(c).factor != factor:
+    for at in combinations(c):
+        factor, word = bound(of, at).factor, bound(c, at)
+        shared += [(factor - 1, word.rest - one), (factor - 1, -word.rest - two)]  # C >= 0, C < 0
+        if word.factor != factor:
             raise ValueError(f"{cosine} does not have the factor of {common}")
-    for places in combinations(flow, s, common):
-        word, some = Words(places, common)(s), some | places
-        error = word.rest - interval(0, 1) * ulp
+    for other in combinations(s, common):
+        word = bound(s, other, common)
+        error = word.rest - one
         single += [(word.factor - 1, error), (word.factor - 1, -error if mirrored else error)]
-    if Words(some)(s).factor != word.factor * factor:
-        raise ValueError(f"{sine} does not have the factor of {common}")
+        if bound(s, at | other).factor != word.factor * factor:
+            raise ValueError(f"{sine} does not have the factor of {common}")
     return turned(shared, single)
 
 
-def half_angle(flow: Dataflow) -> Interval:
-    """Return the error of the squared length of (cos, sin) of phi/2."""
-    sine, cosine = (flow.nodes[name] for name in flow.half_angle)
+# ---- the wrist -------------------------------------------------------------------------------------------------------
+
+
+def lengths(flow: Dataflow, turns: Sequence[Turn]) -> tuple[Interval, Interval]:
+    """Return the errors of the squared length of (cos, sin) of phi/2, and of Qs's squared length times inv_q^2."""
+    az_tilt_sq, length_sq, m_q, sine = (flow.nodes[name] for name in ("az_tilt_sq", "length_sq", "m_q", "sin_h"))
     frac = min(sine.frac, SINE_FRACS[-1])
-    if not all(isinstance(node.op, HalfAngle) for node in (sine, cosine)):
-        raise TypeError("the half angle is not from the table")
-    one = interval(half_sincos_error(frac, flow.tile)) * (1 + 2.0**-50) / (1 << frac)
-    both = 2 * norm(one, one)
-    return hull([-both, both + 2 * one**2])
-
-
-def normalization(flow: Dataflow, turns: Iterable[Turn]) -> Interval:
-    """Return the error that the squared length's products and the last root add to the squared length of Qs."""
-    az_tilt_sq, length_sq, m_q = (flow.nodes[name] for name in ("az_tilt_sq", "length_sq", "m_q"))
+    table = norm(*[iv.mpf(half_sincos_error(frac, flow.tile)) * (1 + 2.0**-50) / 2**frac] * 2)
     if m_q.frac < length_sq.frac:
         raise ValueError("m_q: the squared length is truncated")
     whole = 4 * ulps(az_tilt_sq) + 8 * ulps(length_sq)  # relative to lengths of 1/4 and 1/8 or more
     # A length of 1 or more becomes the largest mantissa.
-    limited = (1 - interval(m_q.format.ulp)) / reduce(mul, (1 + turn.above for turn in turns)) - 1
+    limited = (1 - iv.mpf(m_q.format.ulp)) / reduce(mul, (1 + turn.above for turn in turns)) - 1
     inverse = 1 + hull(cell.inverse for cell in cells(m_q.frac - 3, flow.tile, False))
-    return inverse**2 / (1 + hull([whole, limited])) - 1
+    return hull([-2 * table, 2 * table + table**2]), inverse**2 / (1 + hull([whole, limited])) - 1
 
 
-# ---- the theorem -----------------------------------------------------------------------------------------------------
+def products(flow: Dataflow) -> dict[str, Interval]:
+    """Return the lengths of the errors of Qs that its products and roundings add, by name."""
+
+    def at(names: str) -> list[Interval]:
+        return [ulps(flow.nodes[name]) for name in names.split()]
+
+    cc, ss, sc, cs = at("cc ss sc cs")
+    last = []
+    for names in ("wi_c i_dif w_sum", "kj_c j_dif k_sum"):
+        whole, dif, plus = at(names)
+        last += [hull([whole - dif, whole + dif]), whole - plus]
+    return {
+        "first products": upper(norm(cc - ss, sc + cs), norm(cc + ss, sc - cs)),
+        "tilt products": norm(*at("w_0 i_0 j_0 k_0")),
+        "bend products": norm(*last),
+        "inv_q products": norm(*at("w_q i_q j_q k_q")),
+        "Qs rounding": norm(*at("qs_w qs_i qs_j qs_k")),
+    }
 
 
-def sizes(flow: Dataflow, *names: str) -> Interval:
-    """Return the largest length of the vector of the nodes' rounding errors."""
-    return norm(*(largest([ulps(flow.nodes[name])]) for name in names))
+def shoulder(flow: Dataflow, *turns: Turn) -> dict[str, Interval]:
+    """Return the constants of a unit vector rotated by Qs, by name, for the errors of azimuth, tilt and bend."""
+    phi, last = lengths(flow, turns)
+    stretch = reduce(mul, (1 + turn.stretch for turn in turns)) * (1 + phi) * (1 + last)
+    k, w = abs(stretch - 1).b, norm(turns[0].angle, turns[1].angle) + turns[2].angle
+    size, steps, length = iv.sqrt(1 + k), products(flow), iv.sqrt(1 + phi)
+    for name, part in zip(steps, turns, strict=False):
+        length = length * iv.sqrt((1 + part.stretch) * part.least)
+        steps[name] = size * steps[name] / length
+    moved = sum(steps.values())
+    parts = {"phi k": phi, "length k": last, "K": k, "w": w, **{name: 2 * step for name, step in steps.items()}}
+    return parts | {"turned": norm(k, size * w), "rounded": moved, "spread": 2 * size * moved + moved**2}
 
 
-def corners(flow: Dataflow, *names: str) -> Iterable[tuple[Interval, ...]]:
-    """Return all combinations of the least and greatest rounding errors of nodes."""
-    errors = (ulps(flow.nodes[name]) for name in names)
-    return itertools.product(*((error.a, error.b) for error in errors))
-
-
-def products(flow: Dataflow) -> tuple[Interval, Interval, Interval]:
-    """Return the lengths of the errors of Qs from the products of azimuth and phi, of these with the tilt, and of these
-    with the bend.  A length is convex in the errors, so it is largest in a corner."""
-    first = largest(
-        norm(*part)
-        for cc, ss, sc, cs in corners(flow, "cc", "ss", "sc", "cs")
-        for part in ((cc - ss, sc + cs), (cc + ss, sc - cs))
-    )
-    pairs = (
-        largest(
-            norm(part, whole - plus)
-            for whole, dif, plus in corners(flow, f"{one}{two}_c", f"{two}_dif", f"{one}_sum")
-            for part in (whole - dif, whole + dif)
-        )
-        for one, two in ("wi", "kj")
-    )
-    return first, sizes(flow, "w_0", "i_0", "j_0", "k_0"), norm(*pairs)
-
-
-def elbow(flow: Dataflow) -> tuple[Interval, Interval, Interval]:
+def elbow(flow: Dataflow) -> dict[str, Interval]:
     """Return two parts of the length of Qe's error, of the factors of its words, and of their rests and rounding; and
     the largest angle by which unequal factors turn Qe."""
-    inverse, factors, rests = flow.nodes["inv_12"], [], []
-    shared = hull(Words(places)(inverse).factor for places in combinations(flow, inverse))
+    shared, factors, rests = (
+        hull(bound(flow.nodes["inv_12"], at).factor for at in combinations(flow.nodes["inv_12"])),
+        [],
+        [],
+    )
     for half in "wi":
         node = flow.nodes[f"elbow_{half}"]
-        words = [Words(places, "inv_12")(node) for places in combinations(flow, node, "inv_12")]
+        words = [bound(node, at, "inv_12") for at in combinations(node, "inv_12")]
         factors.append(hull(word.factor for word in words))
-        rests.append(largest(word.rest for word in words) + largest([ulps(flow.nodes[f"qe_{half}"])]))
+        rests.append(abs(hull(word.rest for word in words)).b + abs(ulps(flow.nodes[f"qe_{half}"])).b)
     ratio = factors[0] / factors[1]
-    return largest(factor * shared - 1 for factor in factors), norm(*rests), largest([(ratio - 1) / iv.sqrt(ratio) / 2])
-
-
-class Accuracy(NamedTuple):
-    """Constants of the theorem in units of 2^-(W-2): ``a``, ``b``, for a clamped target ``c``, and by name those from
-    which they come."""
-
-    a: Fraction
-    b: Fraction
-    c: Fraction
-    parts: dict[str, Fraction]
-
-    @property
-    def both(self) -> Fraction:
-        """Limit of the hand error divided by d1 + d2: a + b."""
-        return self.a + self.b
-
-
-def shoulder(flow: Dataflow, *turns: Turn) -> tuple[Interval, Interval, Interval, dict[str, Interval]]:
-    """Return the errors of a unit vector rotated by Qs, for the errors of azimuth, tilt and bend: from exact products
-    of words, and from their roundings; the squared length of Qs without the latter; and parts by name."""
-    phi, last = half_angle(flow), normalization(flow, turns)
-    stretch = reduce(mul, (1 + turn.stretch for turn in turns)) * (1 + phi) * (1 + last)
-    angle = norm(turns[0].angle, turns[1].angle) + turns[2].angle
-    size, off = iv.sqrt(stretch).b, largest([stretch - 1])
-    turned = norm(off, size * angle)
-
-    steps, length = [], iv.sqrt(1 + phi)
-    for error, part in zip(products(flow), turns, strict=True):
-        length = length * iv.sqrt((1 + part.stretch) * part.least)
-        steps.append(size * error / length)
-    steps += [sizes(flow, *(f"{kind}{unit}{end}" for unit in "wijk")) for kind, end in (("", "_q"), ("qs_", ""))]
-    moved = sum(steps)
-    names = "first products", "tilt products", "bend products", "inv_q products", "Qs rounding"
-    parts = {name: 2 * step for name, step in zip(names, steps, strict=True)}
-    parts |= {"phi k": phi, "length k": last, "K": off, "w": angle, "turned": turned, "rounded": moved}
-    return turned, 2 * size * moved + moved**2, stretch, parts
-
-
-def units(size: Interval, width: int) -> Fraction:
-    """Return the largest magnitude of an interval in units of 2^-(W-2)."""
-    return Fraction(*to_rational(abs(size).b._mpi_[1])) * (1 << width - 2)
+    most = abs(hull(factor * shared - 1 for factor in factors)).b
+    return {"Qe factors": most, "Qe rests": norm(*rests), "Qe skew": abs((ratio - 1) / iv.sqrt(ratio) / 2).b}
 
 
 @cache
-def accuracy(width: int, datapath: str = "lean") -> Accuracy:
-    """Return the constants of the theorem for a datapath at a word length."""
-    flow = dataflow(datapath, width)
-    azimuth = turn(flow, "u_y", "u_x", "inv_rho", mirrored=True)
-    tilt, bend = turn(flow, "sin_el", "cos_el", "inv_s"), turn(flow, "cos_a", "sin_a", "inv_law")
-    turned, spread, stretch, parts = shoulder(flow, azimuth, tilt, bend)
-    factors, rests, skew = elbow(flow)
-    bent = factors + rests
-    limits = [
-        turned + spread,
-        (2 * bent + bent**2) * (stretch + spread),
-        sum(shoulder(flow, azimuth, tilt, STRAIGHT)[:2]),
-    ]
-    for name, part in (("azimuth", azimuth), ("tilt", tilt), ("bend", bend)):
-        parts |= {f"{name} k": part.stretch, f"{name} w": part.angle}
-    inverses = (root.inverse for root in cells(flow.nodes["m_s"].frac - 3, flow.tile, True))
-    parts |= {"Qe factors": 2 * factors, "Qe rests": 2 * rests, "Qe skew": skew, "inv": hull(inverses)}
-    a, b, c = (units(limit, width) for limit in limits)
-    return Accuracy(a, b, c, {name: units(part, width) for name, part in parts.items()})
+def core(flow: Dataflow) -> dict[str, Interval]:
+    """Return the constants of the wrist's theorem, by name: its limit for d1 + d2 = 1 is ``wrist`` = ``a`` + ``b``, for
+    a clamped target ``c``."""
+    turns = {
+        "azimuth": turn(flow, "u_y", "u_x", "inv_rho", mirrored=True),
+        "tilt": turn(flow, "sin_el", "cos_el", "inv_s"),
+        "bend": turn(flow, "cos_a", "sin_a", "inv_law"),
+    }
+    straight = shoulder(flow, turns["azimuth"], turns["tilt"], STRAIGHT)
+    parts = {
+        f"{name} {kind}": size for name, of in turns.items() for kind, size in (("k", of.stretch), ("w", of.angle))
+    }
+    parts |= shoulder(flow, *turns.values()) | elbow(flow)
+    bent = parts["Qe factors"] + parts["Qe rests"]
+    a = parts["turned"] + parts["spread"]
+    b = (2 * bent + bent**2) * (1 + parts["K"] + parts["spread"])
+    return parts | {"a": a, "b": b, "c": straight["turned"] + straight["spread"], "wrist": a + b}
 
 
-def main(words: Sequence[str]) -> None:
+# ---- the whole arm ---------------------------------------------------------------------------------------------------
+
+
+def ball(width: int, least: Interval) -> Interval:
+    """Return the limit of the angle (rad) between a quaternion of words, at least ``least`` long, and the rotation by
+    the words of its three angles."""
+    word, half, root = iv.mpf(4) / 2**width, iv.pi / 2**width, iv.sqrt(iv.mpf(2))
+    lsb = word / 2**GUARD
+    worst = ZERO
+    shares = [1 / root, *(iv.mpf(2) ** -k for k in range(1, width))]
+    # Ranges of the shorter of (w, k) and (i, j), relative to the quaternion
+    for high, low in itertools.pairwise(shares):
+        longer, shorter = least * iv.sqrt(1 - high**2), iv.mpf((least * low).a)
+        one, other = head(width, upper(root * word, shorter)), head(width, iv.mpf(longer.a))
+        left = head(width, upper(word, shorter)).left  # a vector of one word is on an axis: its angle is exact
+        slip = other.along * lsb / least
+        along = other.along * iv.sqrt(1 - low**2)
+        moved = norm(along, one.across, other.across) * lsb / (least * (1 - root * slip))
+        cosine, between = iv.cos(upper(left, other.left)), (high + slip) / (longer / least - slip)
+        unequal = (1 / iv.sqrt(cosine) - iv.sqrt(cosine)) / 2
+        if (between**2 * cosine).b < 1:
+            unequal = (1 / cosine - 1) * between / (1 + cosine * between**2)
+        last = head(width, iv.mpf((other.gain * least * (1 - root * slip) * cosine).a))
+        b = unequal + last.lost + last.rest + half / 2
+        share = (high + slip) / (1 - root * slip)
+        more = upper(ZERO, one.rest**2 - other.rest**2)
+        chord = norm(b, iv.sqrt(other.rest**2 + share * (share + b) * more) + half)
+        worst = upper(worst, 2 * (moved + 2 * arc(chord / 2)))
+    return worst
+
+
+def frame(flow: Dataflow, elbow: Interval) -> Interval:
+    """Return the length of Qw's error, for the largest length of Qe."""
+    turned, moved = [], []
+    for c, row in PRODUCTS.items():
+        turned.append(
+            sum(ulps(flow.nodes[f"g_{a}{b}"]) * (-1 if sign == "-" else 1) for a, b, sign in map(tuple, row.split()))
+        )
+        one, two = (ulps(product) for product in flow.nodes[f"qw_{c}"].operands)
+        moved.append(hull([one + two, one - two]))
+    return norm(*turned) * elbow + norm(*moved) + norm(*(ulps(flow.nodes[f"qw_{c}"]) for c in PRODUCTS))
+
+
+def arm(flow: Dataflow) -> dict[str, Interval]:
+    """Return the constants of the whole arm's theorem, by name: limits of the errors of the ``orientation`` (rad) and
+    of the ``point`` for d1 + d2 + |tool| = 1, of which ``coordinates`` does not scale with it."""
+    width, wrist = flow.width, core(dataflow("lean", flow.width))
+    k, moved, factors, rests = (wrist[name] for name in ("K", "rounded", "Qe factors", "Qe rests"))
+    qs, qe, half = iv.sqrt(1 - k) - moved, 1 - factors - rests, iv.pi / 2**width  # least lengths
+    bend, off = head(width, iv.mpf(qe.a)), frame(flow, 1 + factors + rests)
+    least = qs * qe * (1 - iv.mpf(2) ** -8)
+
+    def largest(name: str) -> Interval:
+        return abs(ulps(flow.nodes[name])).b
+
+    columns = (("ik", "wj"), ("jk", "wi"), ("ii", "jj"))
+    parts = {
+        "ball, Qs": ball(width, qs),
+        "elbow": 2 * (bend.lost + bend.rest) + half,
+        "Qw": 2 * arc(off / least),
+        "ball, Qw": ball(width, least - off),
+        "a, arm": wrist["w"] + 2 * arc(moved / iv.sqrt(1 - k)),
+        "b, arm": 2 * (wrist["Qe skew"] + arc(rests / (1 - factors))),
+        "tool": 2 * norm(*(sum(largest(f"h_{product}") for product in column) for column in columns)),
+        "coordinates": norm(*(2 * largest(f"off_{axis}") + largest(axis) for axis in "xyz")),
+    }
+    both, end = parts["ball, Qs"] + parts["elbow"], parts["ball, Qw"] + parts["Qw"]
+    moved = upper(parts["a, arm"] + parts["b, arm"], end + parts["tool"])
+    return parts | {"orientation": both + end, "point": parts["coordinates"] + both + moved}
+
+
+@cache
+def accuracy(width: int, datapath: str = "lean") -> dict[str, Fraction]:
+    """Return the constants of a datapath's theorem in units of 2^-(W-2), by name: of :func:`core` or :func:`arm`."""
+    parts = (arm if datapath == "arm" else core)(dataflow(datapath, width))
+    return {name: Fraction(*to_rational(abs(size).b._mpi_[1])) * (1 << width - 2) for name, size in parts.items()}
+
+
+def main(datapath: str = "", width: str = "") -> None:
     """Print the constants of a datapath at a word length, or all limits."""
-    if words:
-        result = accuracy(int(words[1]), words[0])
-        rows = {**result.parts, "a": result.a, "b": result.b, "c": result.c, "a + b": result.both}
-        for name, part in rows.items():
-            print(f"{name:<16}{float(part):8.3f} {float(part) * 2.0 ** (2 - int(words[1])):.3e}")
+    if datapath:
+        for name, part in accuracy(int(width), datapath).items():
+            print(f"{name:<16}{float(part):8.3f} {math.ldexp(part, 2 - int(width)):.3e}")
         return
-    for datapath, limits in STATED.items():
-        for width, limit in limits.items():
-            both, reach = float(accuracy(width, datapath).both), float(limit) * 2.0 ** (2 - width)
-            print(f"{datapath:<7} W = {width}: {both:.4f}, stated {float(limit)}, {reach:.3e} of the reach")
+    for (datapath, name), limits in STATED.items():
+        for w, limit in limits.items():
+            most = float(accuracy(w, datapath)[name])
+            print(f"{datapath:<7} W = {w}: {name} {most:.4f}, stated {float(limit)}, {math.ldexp(limit, 2 - w):.3e}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main(*sys.argv[1:])

@@ -13,7 +13,6 @@ from ..dataflow.formats import WIDTHS
 from ..io.flags import BAD_HAND, SATURATED, SINGULAR, UNREACHABLE
 from ..reference.joints import reached
 from ..reference.kinematics import angle_between
-from . import arm_accuracy
 from .accuracy import STATED
 from .predict import predicted_error
 
@@ -27,11 +26,6 @@ their own tolerance, :func:`sought`. In ulps of a result: 3.4 at 16 bits, 4.2 at
 21.5 at 32, where inner words have only three fraction bits more than the results (seven at 17 to 28 bits) and roots
 one. At 18 and 28 to 31 bits it is the proved limit: searches (`soak --worst 200`) find 5.07e-5, 5.27e-8, 3.42e-8,
 2.43e-8 and 2.08e-8 there. Others (`--worst 300`) find up to 3.2 ulps from 17 to 26 bits, and 1.91e-8 at 32 bits."""
-
-ROUNDED_ULPS = 2 + 2**0.5
-"""Largest hand error / reach, in ulps, that rounding exact results to the nearest word can cause: Qs is a quarter turn
-about a frame axis, the forearm is the whole reach, all roundings have the same direction. More bits inside the core do
-not reduce it."""
 
 REGULAR = 1e-4
 """Tolerance of the paper's equations if all targets are regular: the paper's 1/16 mm, on an arm of 0.6 m."""
@@ -62,7 +56,7 @@ tool's offset to an inner word, at W = 32 three bits longer. Searches find 1.4 t
 def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
     """Return the largest permitted errors for poses (N, 11): of the hand's point (N,), ulps, and orientation, rad."""
     reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
-    point, orientation = ARM_ULPS if width < 28 else (float(arm_accuracy.STATED["point"][width]), ARM_ULPS[1])
+    point, orientation = ARM_ULPS if width < 28 else (float(STATED["arm", "point"][width]), ARM_ULPS[1])
     return point * 2.0 ** (2 - width) * reach + WRIST_ULPS, orientation * 2.0 ** (2 - width)
 
 
@@ -97,7 +91,7 @@ def pose(words: np.ndarray, width: int, across: np.ndarray) -> tuple[np.ndarray,
 def sought(width: int) -> float:
     """Return the largest permitted hand error / reach of the lean datapath for targets from a search for large errors:
     the proved limit (:mod:`.accuracy`), or :data:`LEAN` where that is the same, rounded up."""
-    return max(LEAN[width], float(STATED["lean"][width]) * 2.0 ** (2 - width))
+    return max(LEAN[width], float(STATED["lean", "wrist"][width]) * 2.0 ** (2 - width))
 
 
 def hand(width: int, datapath: str, *, regular: bool = False) -> float | None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proof of the lean datapath's accuracy, which docs/generated/accuracy.md states step by step.
+"""Proof of the accuracy of lean and of the whole arm, which docs/generated/accuracy.md states step by step.
 
 z3 proves that the dataflow, in exact arithmetic, is the product of rotations that the page describes (:data:`NODES`,
 with lemmas of the dataflow), and the algebra of the page's steps (:data:`ALGEBRA`).  :mod:`model.bounds.accuracy`
@@ -7,29 +7,29 @@ computes the constants; the last questions compare them with the stated ones.
 """
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from functools import partial
 
-from model.bounds import arm_accuracy
 from model.bounds.accuracy import STATED, accuracy
 from model.bounds.ranges import LeanRanges
 from model.dataflow.fixed import dataflow
 from model.dataflow.formats import WIDTHS
-from tb.formal.lean_proofs import LIMIT, SOLVER, Exact, Rules
+from tb.formal import lean_proofs
+from tb.formal.lean_proofs import LIMIT, REACHABLE, SOLVER, Exact, Rules
 from tb.formal.smt import formula, smt
 from tb.formal.task import Question, digest_of
 from tb.formal.tools import Answer, ask
 from tb.sim.env import ROOT
 from tb.sim.sources import code
 
-Lemma = tuple[str, tuple[str, ...]]
-
 FILES = (
-    *(f"model/bounds/{name}.py" for name in ("accuracy", "arm_accuracy")),
-    *(f"model/dataflow/{name}.py" for name in ("angles", "mul3", "quadratic")),
+    *(f"model/{name}.py" for name in ("bounds/accuracy", "dataflow/angles", "dataflow/mul3", "dataflow/quadratic")),
     "tb/formal/accuracy.py",
 )
 
 # ---- the dataflow in exact arithmetic --------------------------------------------------------------------------------
+
+Lemma = tuple[str, tuple[str, ...]]
 
 
 def equations(names: str) -> tuple[str, ...]:
@@ -45,13 +45,10 @@ def pair(name: str, cosine: str, sine: str, small: str, large: str, *facts: str)
     return f"{size} and ({choice})", (*facts, *equations(f"{name}_c {name}_s {name}_sq"))
 
 
-def azimuth(unit: str, tilt: str, one: str, sign: str, two: str) -> Lemma:
-    """Return the lemma on a part of the product of the rotations by azimuth, tilt and phi."""
-    uses = equations(f"{unit}_0 c_plus c_minus s_plus s_minus cc ss sc cs")
-    return f"{unit}_0 == tilt_{tilt}*({one} {sign} {two})", uses
-
-
 SQUARES = equations("k_law sum_dif a_far b_near d_sum_sq d_dif_sq d_sum d_dif d1 d2")
+HALVES = equations("w_0 i_0 j_0 k_0 c_plus c_minus s_plus s_minus cc ss sc cs")
+G = "=qs_len", *equations(" ".join(f"g_{a} " + " ".join(f"g_{a}{b}" for b in "wijk") for a in "wijk"))
+QW = "=qe_len", *equations("qw_w qw_i qw_j qw_k f_ww f_wi f_iw f_ii f_jj f_jk f_kk f_kj")
 
 NODES: dict[str, Lemma] = {
     "R": ("R*R == rho_sq and 0 <= R", ()),
@@ -59,57 +56,54 @@ NODES: dict[str, Lemma] = {
     "1/R": ("implies(0 < R, inv_rho*e_rho*R == 2)", ("R", *equations("inv_rho m_rho e_rho"))),
     "1/P": ("inv_s*e_s*P == 2", ("P", *equations("inv_s m_s e_s"))),
     "root R": ("4*root_rho == R*e_rho", ("R", *equations("root_rho inv_rho m_rho e_rho"))),
-    "u_x": ("implies(0 < R, u_x*R == x_w)", ("1/R", *equations("u_x x_n"))),
-    "u_y": ("implies(0 < R, u_y*R == y_w)", ("1/R", *equations("u_y y_n"))),
-    "sin_el": ("sin_el*P == z_w", ("1/P", *equations("sin_el z_n"))),
-    "cos_el": ("cos_el*P == R", ("root R", "1/P", *equations("cos_el inv_s_el n_el e_rho"))),
-    "cos_a": ("2*d1*P*cos_a == k_law", ("1/P", "1/(d1 |p|)", *equations("cos_a k_scaled n_law m_1 d1 e_1"))),
+    "x/R": ("implies(0 < R, u_x*R == x_w)", ("1/R", *equations("u_x x_n"))),
+    "y/R": ("implies(0 < R, u_y*R == y_w)", ("1/R", *equations("u_y y_n"))),
+    "z/P": ("sin_el*P == z_w", ("1/P", *equations("sin_el z_n"))),
+    "R/P": ("cos_el*P == R", ("root R", "1/P", *equations("cos_el inv_s_el n_el e_rho"))),
+    "K/P": ("2*d1*P*cos_a == k_law", ("1/P", "1/(d1 |p|)", *equations("cos_a k_scaled n_law m_1 d1 e_1"))),
     "Qe along": ("2*d1*(d1 + d2*(elbow_i*elbow_i - elbow_w*elbow_w)) == k_law", ("elbow w", "elbow i", *SQUARES)),
     "Qe across": ("16*d1*d1*d2*d2*elbow_w*elbow_w*elbow_i*elbow_i == a_far*b_near", ("elbow w", "elbow i")),
     "|elbow|": ("elbow_w*elbow_w + elbow_i*elbow_i == 1", ("elbow w", "elbow i", "A + B", *equations("d1 d2"))),
     "qe": ("qe_w == elbow_w and qe_i == -elbow_i", ("case", *equations("qe_w qe_i"))),
+    "not on_axis": ("not on_axis", ()),
+    "off the shoulder": ("not at_shoulder", ()),
     "pair az": pair("az", "u_y", "u_x", "c", "s", "not on_axis", "=u_y"),
     "pair tilt": pair("tilt", "sin_el", "cos_el", "s", "c", "off the shoulder"),
     "pair bend": pair("bend", "cos_a", "sin_a", "s", "c", "case"),
-    "not on_axis": ("not on_axis", ()),
-    "off the shoulder": ("not at_shoulder", ()),
-    "w_0": azimuth("w", "c", "az_c*cos_h", "-", "az_s*sin_h"),
-    "i_0": azimuth("i", "s", "az_c*cos_h", "+", "az_s*sin_h"),
-    "j_0": azimuth("j", "s", "az_s*cos_h", "-", "az_c*sin_h"),
-    "k_0": azimuth("k", "c", "az_s*cos_h", "+", "az_c*sin_h"),
-    "clamp": ("clamp", ()),
+    "four products": (
+        "w_0 == tilt_c*(az_c*cos_h - az_s*sin_h) and i_0 == tilt_s*(az_c*cos_h + az_s*sin_h)"
+        " and j_0 == tilt_s*(az_s*cos_h - az_c*sin_h) and k_0 == tilt_c*(az_s*cos_h + az_c*sin_h)",
+        HALVES,
+    ),
+    "lengths": ("length_sq == az_sq*tilt_sq*bend_sq", equations("length_sq az_tilt_sq")),
+    "target is clamped": ("clamp", ()),
     "clamped": (
         "bend_sq == 1 and ((bend_swap and bend_c == 0 and bend_s == 1) if away else"
         " (not bend_swap and bend_c == 1 and bend_s == 0))"
         " and ((qe_w == 1 and qe_i == 0) if closed else (qe_w == 0 and qe_i == -1))",
-        ("clamp", *equations("bend_sq bend_c bend_s bend_swap qe_w qe_i")),
+        ("target is clamped", *equations("bend_sq bend_c bend_s bend_swap qe_w qe_i")),
     ),
-    "lengths": ("length_sq == az_sq*tilt_sq*bend_sq", equations("length_sq az_tilt_sq")),
+    "Qs G, w": ("qs_w_w*g_w - qs_i_w*g_i - qs_j_w*g_j - qs_k_w*g_k == qs_len*h_w", G),
+    "Qs G, i": ("qs_w_w*g_i + qs_i_w*g_w + qs_j_w*g_k - qs_k_w*g_j == qs_len*h_i", G),
+    "Qs G, j": ("qs_w_w*g_j + qs_j_w*g_w + qs_k_w*g_i - qs_i_w*g_k == qs_len*h_j", G),
+    "Qs G, k": ("qs_w_w*g_k + qs_k_w*g_w + qs_i_w*g_j - qs_j_w*g_i == qs_len*h_k", G),
+    "e Qw, w": ("-qe_i_w*qw_w - qe_w_w*qw_i == qe_len*g_w", QW),
+    "e Qw, i": ("-qe_i_w*qw_i + qe_w_w*qw_w == qe_len*g_i", QW),
+    "e Qw, j": ("-qe_i_w*qw_j - qe_w_w*qw_k == qe_len*g_j", QW),
+    "e Qw, k": ("-qe_i_w*qw_k + qe_w_w*qw_j == qe_len*g_k", QW),
+    "tool, x": ("off_x == tool_h*(qh_i*qh_k + qh_w*qh_j)", equations("off_x r_x h_ik h_wj")),
+    "tool, y": ("off_y == tool_h*(qh_j*qh_k - qh_w*qh_i)", equations("off_y r_y h_jk h_wi")),
+    "tool, z": ("off_z == tool_h*(0.5 - qh_i*qh_i - qh_j*qh_j)", equations("off_z r_z h_ii h_jj")),
 } | {
-    f"qs_{unit}": (
+    f"Qs {unit}": (
         f"qs_{unit} == (-2 if minus else 2)*{unit}_1*inv_q",
         (*equations(f"qs_{unit} {unit}_q"), f"{unit} turned", "1/|q|"),
     )
     for unit in "wijk"
 }
-GIVEN_G = "=qs_len", *equations(" ".join(f"g_{a} " + " ".join(f"g_{a}{b}" for b in "wijk") for a in "wijk"))
-GIVEN_QW = "=qe_len", *equations("qw_w qw_i qw_j qw_k f_ww f_wi f_iw f_ii f_jj f_jk f_kk f_kj")
-FRAME: dict[str, Lemma] = {
-    "g_w": ("qs_w_w*g_w - qs_i_w*g_i - qs_j_w*g_j - qs_k_w*g_k == qs_len*h_w", GIVEN_G),
-    "g_i": ("qs_w_w*g_i + qs_i_w*g_w + qs_j_w*g_k - qs_k_w*g_j == qs_len*h_i", GIVEN_G),
-    "g_j": ("qs_w_w*g_j + qs_j_w*g_w + qs_k_w*g_i - qs_i_w*g_k == qs_len*h_j", GIVEN_G),
-    "g_k": ("qs_w_w*g_k + qs_k_w*g_w + qs_i_w*g_j - qs_j_w*g_i == qs_len*h_k", GIVEN_G),
-    "qw_w": ("-qe_i_w*qw_w - qe_w_w*qw_i == qe_len*g_w", GIVEN_QW),
-    "qw_i": ("-qe_i_w*qw_i + qe_w_w*qw_w == qe_len*g_i", GIVEN_QW),
-    "qw_j": ("-qe_i_w*qw_j - qe_w_w*qw_k == qe_len*g_j", GIVEN_QW),
-    "qw_k": ("-qe_i_w*qw_k + qe_w_w*qw_j == qe_len*g_k", GIVEN_QW),
-    "off_x": ("off_x == tool_h*(qh_i*qh_k + qh_w*qh_j)", equations("off_x r_x h_ik h_wj")),
-    "off_y": ("off_y == tool_h*(qh_j*qh_k - qh_w*qh_i)", equations("off_y r_y h_jk h_wi")),
-    "off_z": ("off_z == tool_h*(0.5 - qh_i*qh_i - qh_j*qh_j)", equations("off_z r_z h_ii h_jj")),
-}
-NODES |= FRAME
 """Lemma -> statement about exact values of nodes, and the facts that prove it (:mod:`model.dataflow.lean`).  Without
-facts it is an assumption; R is rho, P is |p|.  A count e stands for 2^e, neg_n for the sign of the word of node n."""
+facts it is an assumption; R is rho, P is |p|.  A count e stands for 2^e, neg_n for the sign of the word of node n, and
+n_w for the word."""
 
 GIVEN = ("sin a", "1/|q|")
 """Lemmas of the dataflow that the page uses, besides those on which :data:`NODES` rest."""
@@ -118,24 +112,20 @@ GIVEN = ("sin a", "1/|q|")
 class Steps(Rules):
     """Questions about :data:`NODES` and the lemmas on which they rest, at one word length."""
 
-    def __init__(self, width: int) -> None:
-        exact = Exact(width)
-        exact.lemmas |= {f"{name}, exact": (smt(text), tuple(map(_own, uses))) for name, (text, uses) in NODES.items()}
-        super().__init__(exact)
+    cases = (REACHABLE,)
+
+    def __init__(self, exact: Exact, case: str) -> None:
+        exact.lemmas |= {name: (smt(text), uses) for name, (text, uses) in NODES.items()}
+        super().__init__(exact, case)
 
     def _proved(self) -> list[str]:
-        left, needed = [*map(_own, NODES), *GIVEN], dict[str, bool]()
+        left, needed = [*NODES, *GIVEN], dict[str, bool]()
         while left:
             name = left.pop()
             if name not in needed and self.exact.lemmas.get(name, ("", ()))[1]:
                 needed[name] = True
                 left += self.uses(name)
         return list(needed)
-
-
-def _own(name: str) -> str:
-    """Return the name of a lemma of this file among those of the dataflow."""
-    return f"{name}, exact" if name in NODES else name
 
 
 # ---- algebra ---------------------------------------------------------------------------------------------------------
@@ -145,10 +135,7 @@ SIDES = ("C*(1 + g*g) == 1 - g*g", "S*(1 + g*g) == 2*g")
 UNIT = ("x*x + y*y + z*z == 1", "u*u + v*v + w*w == 1")
 
 ALGEBRA: dict[str, tuple[Sequence[str], str]] = {
-    "half angle": (
-        (*HALF, *SIDES),
-        "2*L0 == 1 + C and 2*s0 == S and L0*L0 + s0*s0 == L0 and L0*L0 - s0*s0 == L0*C",
-    ),
+    "half angle": ((*HALF, *SIDES), "2*L0 == 1 + C and 2*s0 == S and L0*L0 + s0*s0 == L0 and L0*L0 - s0*s0 == L0*C"),
     "stretch": (HALF, "L*L + s*s == L*(1 + (1 - g*g)*l + 2*g*t) + (t - g*l)*(t - g*l)"),
     "quotient": (HALF, "L*L0 + s*s0 == L0*(1 + l + g*t) and s*L0 - L*s0 == L0*(t - g*l)"),
     "errors": (
@@ -162,16 +149,10 @@ ALGEBRA: dict[str, tuple[Sequence[str], str]] = {
         UNIT,
         "(m*u - x)**2 + (m*v - y)**2 + (m*w - z)**2 == (m - 1)**2 + m*((u - x)**2 + (v - y)**2 + (w - z)**2)",
     ),
-    "two angles": (
-        ("c*c + s*s == 1",),
-        "(q*c - p)**2 + (q*s)**2 == (q - p)**2 + p*q*((c - 1)**2 + s*s)",
-    ),
+    "two angles": (("c*c + s*s == 1",), "(q*c - p)**2 + (q*s)**2 == (q - p)**2 + p*q*((c - 1)**2 + s*s)"),
     "Qe": (("c*c + s*s == 1", "-m <= a", "a <= m", "-m <= b", "b <= m"), "(c*a)**2 + (s*b)**2 <= m*m"),
     "unequal": (("0 < m",), "4*m*t*t <= (1 + m*t*t)*(1 + m*t*t)"),
-    "column": (
-        ("w*w + i*i + j*j + k*k == n",),
-        "1 - 2*i*i - 2*j*j == w*w - i*i - j*j + k*k + 1 - n",
-    ),
+    "column": (("w*w + i*i + j*j + k*k == n",), "1 - 2*i*i - 2*j*j == w*w - i*i - j*j + k*k + 1 - n"),
     "step 1": (
         ("a*a + b*b <= m", "c*c + d*d <= m"),
         "(p*a)**2 + (q*c)**2 + (q*d)**2 + (p*b)**2 <= (p*p + q*q)*m",
@@ -179,74 +160,47 @@ ALGEBRA: dict[str, tuple[Sequence[str], str]] = {
 }
 """Step -> facts, and the claim that follows for real numbers."""
 
-FALSE = ("stretch", (HALF, "L*L + s*s == L*(1 + (1 - g*g)*l + 2*g*t)"))
+FALSE = ("stretch", HALF, "L*L + s*s == L*(1 + (1 - g*g)*l + 2*g*t)")
 """Seeded bug: the stretch of a half angle without its second order."""
 
 
 def algebra(name: str, facts: Sequence[str], claim: str) -> Question:
-    told = [smt(fact) for fact in facts]
-    questions = (formula(told, goal, lambda name: "Real") for goal in (smt(claim), "false"))
-    asked, met = (partial(ask, question, SOLVER, LIMIT) for question in questions)
-    return Question(name, claim, asked, met)
+    goals = (formula([smt(fact) for fact in facts], goal, lambda name: "Real") for goal in (smt(claim), "false"))
+    return Question(name, claim, *(partial(ask, question, SOLVER, LIMIT) for question in goals))
 
 
 # ---- the constants ---------------------------------------------------------------------------------------------------
 
 
+def stated(width: int, datapath: str) -> dict[str, Fraction]:
+    """Return constant -> its stated limit."""
+    return {name: limits[width] for (path, name), limits in STATED.items() if path == datapath}
+
+
 def holds(width: int, datapath: str) -> Answer:
     """Return "unsat" if every word of a datapath fits its format and the constants are at most the stated ones."""
     try:
-        fits = not LeanRanges(width, datapath).failed
-        return Answer("unsat" if fits and accuracy(width, datapath).both <= STATED[datapath][width] else "sat", 0.0)
+        fits, constants = not LeanRanges(width, datapath).failed, accuracy(width, datapath)
     except (TypeError, ValueError, ZeroDivisionError) as error:  # the dataflow is not of the form that is bounded
         return Answer(str(error), 0.0)
+    small = all(constants[name] <= limit for name, limit in stated(width, datapath).items())
+    return Answer("unsat" if fits and small else "sat", 0.0)
 
 
-def arm_holds(width: int) -> Answer:
-    """Return "unsat" if the whole arm has the core's nodes, and its constants are at most the stated ones."""
-    core, arm = dataflow("lean", width).nodes, dataflow("arm", width).nodes
-    same = all(
-        (node.right_side, node.format, node.error) == (arm[name].right_side, arm[name].format, arm[name].error)
-        for name, node in core.items()
-        if node.operands
-    )
-    limits = arm_accuracy.arm_accuracy(width)
-    small = all(getattr(limits, name) <= of[width] for name, of in arm_accuracy.STATED.items())
-    return Answer("unsat" if same and small else "sat", 0.0)
-
-
-def questions(widths: Sequence[int] = WIDTHS, false: bool = False) -> Iterator[Question]:
-    """Yield all questions; yield a question only once if word lengths share it.  ``false``: only the seeded bug."""
-    if false:
-        yield algebra(FALSE[0], *FALSE[1])
-        return
-    known: set[str] = set()
-    for width in sorted(widths, reverse=True):
-        steps = Steps(width)
-        for name in steps.names():
-            if (text := steps.question(name)) not in known:
-                known.add(text)
-                met = partial(ask, steps.exact.formula(steps.facts(name), "false"), SOLVER, LIMIT)
-                yield Question(f"{name}, W={width}", steps.says(name), partial(ask, text, SOLVER, LIMIT), met)
+def questions(widths: Sequence[int] = WIDTHS) -> Iterator[Question]:
+    """Yield all questions; yield a question only once if word lengths share it."""
+    yield from lean_proofs.questions(Steps, widths)
     yield from (algebra(name, *step) for name, step in ALGEBRA.items())
-    for datapath, stated in STATED.items():
-        for width in (width for width in stated if width in widths):
-            says = f"a + b <= {float(stated[width])}"
-            yield Question(f"{datapath}, W={width}", says, partial(holds, width, datapath))
-    for width in widths:
-        limits = ", ".join(f"{name} <= {float(of[width])}" for name, of in arm_accuracy.STATED.items())
-        yield Question(f"arm, W={width}", limits, partial(arm_holds, width))
+    for datapath, width in sorted({(path, w) for (path, _), limits in STATED.items() for w in limits if w in widths}):
+        says = ", ".join(f"{name} <= {float(limit)}" for name, limit in stated(width, datapath).items())
+        yield Question(f"{datapath}, W={width}", says, partial(holds, width, datapath))
 
 
 def digest() -> str:
     """Return a digest of the questions, of the code that computes the constants, and of what it reads of the nodes."""
-    texts = [code(ROOT / file) for file in FILES]
-    for width in WIDTHS:
-        steps = Steps(width)
-        texts += [steps.question(name) for name in steps.names()]
-    for datapath, stated in {**STATED, "arm": WIDTHS}.items():
-        for width in stated:
-            texts += [
-                f"{node.right_side} {node.format} {node.error}" for node in dataflow(datapath, width).nodes.values()
-            ]
+    texts = [lean_proofs.digest(Steps), *(code(ROOT / file) for file in FILES)]
+    for (datapath, _), limits in STATED.items():
+        for width in limits:
+            nodes = dataflow(datapath, width).nodes.values()
+            texts += [f"{node.right_side} {node.format} {node.error}" for node in nodes]
     return digest_of(*texts)

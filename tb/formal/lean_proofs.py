@@ -183,6 +183,8 @@ class Exact:
 class Questions:
     """Questions at one word length about one of :data:`CASES`: does a claim follow from a set of facts?"""
 
+    cases = tuple(CASES)
+
     def __init__(self, exact: Exact, case: str = REACHABLE) -> None:
         self.exact = exact
         self.case = case
@@ -325,7 +327,7 @@ def _question(asked: Questions, name: str) -> Question:
 def _all(kind: type[Questions], widths: Sequence[int]) -> Iterator[tuple[Questions, str]]:
     for width in sorted(widths, reverse=True):
         exact = Exact(width)
-        for asked in (kind(exact, case) for case in CASES):
+        for asked in (kind(exact, case) for case in kind.cases):
             yield from ((asked, name) for name in asked.names())
 
 

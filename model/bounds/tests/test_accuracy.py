@@ -1,134 +1,102 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test the accuracy of the lean datapath: every constant against the words, and against errors of its nodes alone."""
+"""Test the proved accuracy: words against the theorems, and errors of one group of nodes alone against its constant."""
 
 import math
 
-import mpmath
 import numpy as np
 import pytest
 
 from model.bounds import accuracy as proof
-from model.bounds.accuracy import STATED, accuracy
+from model.bounds.accuracy import accuracy
 from model.bounds.predict import Real
 from model.dataflow import fixed
 from model.dataflow.fixed import dataflow
-from model.io.flags import UNREACHABLE, expected_flags
-from model.io.stimuli import mixed, right_angles, unreachable
+from model.io.flags import BAD_HAND, SATURATED, UNREACHABLE, expected_flags
+from model.io.stimuli import REGIONS, hand_poses, mixed, region, right_angles, unreachable
 from model.io.words import RESULT_FIELDS
-from model.reference.kinematics import forward, product
+from model.reference.joints import Branch, reached, turned
+from model.reference.kinematics import angle_between, forward
 
-REAL = np.longdouble
 COUNT = 7000
-CORES = [(32, "lean"), (18, "lean")]
 OTHERS = (16, "lean"), (17, "lean"), (24, "lean"), (27, "lean"), (24, "lean16"), (19, "lean16"), (32, "lean25")
-CORES += [pytest.param(*core, marks=pytest.mark.slow) for core in OTHERS]
+CORES = [(32, "lean"), (18, "lean"), *(pytest.param(*core, marks=pytest.mark.slow) for core in OTHERS)]
+WIDTHS = [18, 32, *(pytest.param(width, marks=pytest.mark.slow) for width in (16, 17, 24, 27, 31))]
 
 
-def poses(count: int, width: int, seed: int) -> np.ndarray:
+def poses(width: int, seed: int) -> np.ndarray:
     """Return targets in reach, half of all kinds, half where roots and roundings weigh most."""
-    words = np.concatenate([right_angles(count // 2, width, seed), mixed(count, width, seed)])
+    words = np.concatenate([right_angles(COUNT // 2, width, seed), mixed(COUNT, width, seed)])
     return words[(expected_flags(words, width) & UNREACHABLE == 0) & words[:, :3].any(axis=1)]
 
 
-def size(vectors):
-    return np.sqrt((vectors * vectors).sum(axis=0))
+def hands(width: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return hand poses (N, 11) of all kinds, many with th2 or th6 near 0 or half a turn, and random branches (N,)."""
+    targets = [poses(width, seed), *(region(name, 1500, width, seed) for name in REGIONS)]
+    words = hand_poses(np.concatenate(targets), width, seed)
+    branch = np.random.default_rng(seed).integers(8, size=len(words))
+    good = fixed.run(words, width, "arm", branch).flags & (UNREACHABLE | SATURATED | BAD_HAND) == 0
+    return words[good], branch[good]
 
 
-class Words:
-    """Words of nodes, as numbers of :data:`REAL`, for targets (N, 6)."""
-
-    def __init__(self, words: np.ndarray, width: int, datapath: str) -> None:
-        self.nodes = fixed.run(words, width, datapath).bits.nodes
-        self.zero = np.zeros(len(words), REAL)
-
-    def __call__(self, names: str):
-        """Return the words of a node (N,), or of several (count, N)."""
-        values = [np.asarray(self.nodes[n].value).astype(REAL) / REAL(2) ** self.nodes[n].frac for n in names.split()]
-        return np.array(values) if len(values) > 1 else values[0]
-
-    def half(self, name: str, axis: int = 3):
-        """Return the quaternion (4, N) of two parts that turns about axis 1 (x) or 3 (z)."""
-        q = np.array([self.zero] * 4)
-        q[0], q[axis] = self(name)
-        return q
+def length(vectors):
+    return np.linalg.norm(vectors, axis=1)
 
 
-def measured(words: np.ndarray, width: int, datapath: str) -> dict[str, np.ndarray]:
-    """Return what each constant limits, (N,), computed from the words before it, in units of 2^-(W-2).
+@pytest.mark.parametrize("width, datapath", CORES)
+def test_wrists(width, datapath):
+    """Check the wrist's theorem in reach and, with the nearest pose, out of reach and at the shoulder."""
+    a, b, c = (float(accuracy(width, datapath)[name]) for name in "abc")
+    out = unreachable(COUNT, width, 5)
+    for words, clamped in ((poses(width, 1), False), (out[(out[:, 4:] > 0).all(axis=1)], True)):
+        p, (d1, d2), answer = words[:, :3].astype(float), words[:, 4:].T, fixed.run(words, width, datapath)
+        limit = a * length(p) + b * d2
+        if clamped:
+            p[~p.any(axis=1), 2] = 1
+            reach = np.where(answer.bits.nodes["too_far"].value, d1 + d2, np.abs(d1 - d2))
+            p, limit = p * (reach / length(p))[:, None], c * np.maximum(reach, 1)
+            assert (reach == 0).any()
+        q = answer.results * 2.0 ** (2 - width)
+        share = length(forward(q[:, :4], q[:, 4:], d1, d2)[1] - p) / limit * 2.0 ** (width - 2)
+        assert 0.1 < share.max() <= 1
 
-    ``wrist`` is the error of the wrist divided by the theorem's limit.
-    """
-    v, parts = Words(words, width, datapath), {}
-    x, y, z, d1, d2 = (v(name) for name in ("x", "y", "z", "d1", "d2"))
-    rho, p = np.sqrt(v("rho_sq")), np.sqrt(v("s"))
-    r, reach = np.where(rho == 0, 1, rho), 2 * d1 * p
-    angles = {
-        "azimuth": ("az", np.where(rho == 0, 0, -y / r), np.where(rho == 0, 1, x / r)),
-        "tilt": ("tilt", z / p, rho / p),
-        "bend": ("bend", v("k_law") / reach, np.sqrt(v("a_far")) * np.sqrt(v("b_near")) / reach),
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_hands(width):
+    """Check the whole arm's theorem, the angles of its CORDICs, and the wrist of the quaternions' directions."""
+    words, branch = hands(width, 1)
+    answer, of = fixed.run(words, width, "arm", branch), {name: float(k) for name, k in accuracy(width, "arm").items()}
+
+    def v(names):
+        return np.stack([answer.bits.nodes[name].value for name in names.split()], axis=1) * 2.0 ** (2 - width)
+
+    qs, qw, qe, h = v("qs_w qs_i qs_j qs_k"), v("qw_w qw_i qw_j qw_k"), v("qe_w qe_i"), v("h_w h_i h_j h_k")
+    (d1, d2, tool), p, th = v("d1 d2 tool_h").T, v("x y z"), answer.results[:, :7].T * (2 * np.pi / 2**width)
+    bend, still = np.column_stack([-qe[:, 1], qe[:, 0], 0 * qe]), 0 * th[3]
+    plain = branch & Branch.ELBOW == 0  # otherwise both bones are turned about themselves
+    errors = {
+        "ball, Qs": angle_between(turned(*th[:3]).T, qs) * plain / of["ball, Qs"],
+        "elbow": angle_between(turned(still, th[3], still).T, bend) * plain / of["elbow"],
+        "ball, Qw": angle_between(turned(*th[4:]).T, qw) * plain / of["ball, Qw"],
     }
-    squares = {"phi": (v("cos_h sin_h") ** 2).sum(axis=0)}
-    for name, (pair, cosine, sine) in angles.items():
-        c, s = v(f"{pair}_c {pair}_s")
-        squares[name] = c * c + s * s
-        parts[f"{name} k"] = squares[name] / v(f"{pair}_sq") - 1
-        c, s = c * c - s * s, 2 * c * s
-        parts[f"{name} w"] = np.arctan2(s * cosine - c * sine, c * cosine + s * sine)
-    parts["phi k"] = squares["phi"] - 1
-    scale = 4 * v("inv_q") ** 2 * v("az_sq") * v("tilt_sq") * v("bend_sq")
-    parts["length k"] = scale - 1
-
-    length = np.sqrt(scale * math.prod(squares.values()))
-    tilt, back = v.half("tilt_c tilt_s", 1), v.half("bend_c bend_s", 1) * np.array([[1], [-1], [1], [1]])
-    by_tilt = v("tilt_c tilt_s tilt_s tilt_c") * v("c_plus c_minus s_minus s_plus")
-    ideal = product(product(v.half("az_c az_s"), tilt), v.half("cos_h sin_h"))
-    q_0, q_1, q, qs = (v(" ".join(form.format(unit) for unit in "wijk")) for form in ("{}_0", "{}_1", "{}_q", "qs_{}"))
-    before = squares["phi"] * squares["azimuth"] * squares["tilt"]
-    parts["first products"] = 2 * length * size(by_tilt - ideal) / np.sqrt(before)
-    parts["tilt products"] = 2 * length * size(q_0 - by_tilt) / np.sqrt(before)
-    parts["bend products"] = 2 * length * size(q_1 - product(q_0, back)) / np.sqrt(before * squares["bend"])
-    parts["inv_q products"] = 2 * size(q - 2 * v("inv_q") * q_1)
-    parts["Qs rounding"] = 2 * np.minimum(size(qs - q), size(qs + q))
-    qe = v("qe_w qe_i")
-    parts["Qe"] = 2 * size(qe - np.sqrt(v("a_far b_near") / (4 * d1 * d2)) * np.array([[1], [-1]]))
-    c, s = qe
-    forearm = np.array([v.zero, v.zero, 2 * c * s * d2, d1 - (c * c - s * s) * d2])
-    wrist = product(product(qs, forearm), qs * np.array([[1], [-1], [-1], [-1]]))[1:]
-    bound = accuracy(width, datapath)
-    parts["wrist"] = size(wrist - np.array([x, y, z])) / (float(bound.a) * p + float(bound.b) * d2)
-    return {name: np.abs(part * REAL(2) ** (width - 2)).astype(float) for name, part in parts.items()}
+    point, hand = reached(th, d1, d2, tool[:, None] * (0.0, 0.0, 1.0))
+    errors["orientation"] = angle_between(hand, h) / of["orientation"]
+    off = length(point - v("hand_x hand_y hand_z")) - 2 * np.abs((h * h).sum(axis=1) - 1) * np.abs(tool)
+    share = of["point"] - of["coordinates"]
+    errors["point"] = off / (share * (d1 + d2 + np.abs(tool)) + of["coordinates"])
+    off = length(forward(qs / length(qs)[:, None], qe / length(qe)[:, None], d1, d2)[1] - p)
+    errors["a, b"] = off / (of["a, arm"] * length(p) + of["b, arm"] * d2)
+    for name, error in errors.items():
+        assert 0.2 < error.max() * 2.0 ** (width - 2) <= 1, name
 
 
-def limits(width: int, datapath: str) -> dict[str, float]:
-    """Return the constants that limit what :func:`measured` returns."""
-    constants = {name: float(part) for name, part in accuracy(width, datapath).parts.items()}
-    return constants | {"Qe": constants["Qe factors"] + constants["Qe rests"], "wrist": 1.0}
-
-
-@pytest.mark.parametrize("width, datapath", CORES)
-def test_no_word_exceeds_its_constant(width, datapath):
-    """Check that no error is above its constant, and that none is far below: then the constant would be of another."""
-    most = limits(width, datapath)
-    for name, part in measured(poses(COUNT, width, 1), width, datapath).items():
-        assert 0.15 < part.max() / most[name] <= 1, name
-
-
-@pytest.mark.parametrize("width, datapath", CORES)
-def test_clamped_targets(width, datapath):
-    """Check the wrist's distance from that of the nearest pose, for targets out of reach and at the shoulder."""
-    words = unreachable(COUNT, width, 5)
-    words = words[(words[:, 4] > 0) & (words[:, 5] > 0)]
-    v, d1, d2 = Words(words, width, datapath), *words[:, 4:].T.astype(REAL)
-    p = words[:, :3].astype(REAL)
-    p[~words[:, :3].any(axis=1), 2] = 1
-    length = np.sqrt((p * p).sum(axis=1))
-    reach = np.where(v("too_far") > 0, d1 + d2, np.abs(d1 - d2))
-    c, s = v("qe_w qe_i")
-    forearm = np.array([v.zero, v.zero, 2 * c * s * d2, d1 - (c * c - s * s) * d2])
-    qs = v("qs_w qs_i qs_j qs_k")
-    wrist = product(product(qs, forearm), qs * np.array([[1], [-1], [-1], [-1]]))[1:]
-    error = size(wrist - (p / length[:, None] * reach[:, None]).T) / np.maximum(reach, 1) * 2.0 ** (width - 2)
-    assert 0.1 < error.max() / float(accuracy(width, datapath).c) <= 1 and (reach == 0).any()
+def displaced(bits, members):
+    """Yield all nodes' values (N,) with errors of ``members`` alone, eight times, each error at an end of its range.
+    Tables have half of their stated error, which every table may have."""
+    random = np.random.default_rng(3)
+    for _ in range(8):
+        nodes = (bits.nodes[member] for member in members.split())
+        sizes = {n: random.choice(n.error, len(bits.nodes["d1"].value)) for n in nodes}
+        yield Real(bits, {n.name: e * (0.5 if n.kind in ("rsqrt", "trig") else 1) for n, e in sizes.items()}).values
 
 
 GROUPS = {
@@ -149,99 +117,102 @@ GROUPS = {
 
 @pytest.mark.parametrize("width, datapath", CORES)
 def test_no_group_of_errors_moves_the_wrist_further_than_its_constant(width, datapath):
-    """Evaluate the dataflow in double precision with errors of one group's nodes alone, all at an end of their range.
-    Tables have half of their stated error, which every table may have.  Left out: targets on the axis, and straight or
-    closed arms, because products with 0 are exact; cosines a few ulps from 0, whose words decide on ``bend_swap``."""
-    words, most = poses(COUNT, width, 2), limits(width, datapath)
+    """Left out: targets on the axis, and straight or closed arms, because products with 0 are exact; cosines a few ulps
+    from 0, whose words decide on ``bend_swap``."""
+    words, most = poses(width, 2), {name: float(part) for name, part in accuracy(width, datapath).items()}
     exact = fixed.run(words, width, datapath).bits.nodes
     regular = [exact[name].value != 0 for name in ("rho_sq", "a_far", "b_near")]
-    words = words[np.all([*regular, np.abs(exact["cos_a"].value) > 99], axis=0)]
-    bits = fixed.run(words, width, datapath).bits
+    bits = fixed.run(words[np.all([*regular, np.abs(exact["cos_a"].value) > 99], axis=0)], width, datapath).bits
     d1, d2, s = (Real(bits, {}).word(name).astype(float) for name in ("d1", "d2", "s"))
-    random = np.random.default_rng(3)
 
-    def hand(moves):
-        values = Real(bits, moves).values
+    def hand(values):
         q = np.stack([values[name] for name in RESULT_FIELDS], axis=1)
         return forward(q[:, :4], q[:, 4:], d1, d2)[1]
 
-    still = hand({})
+    still, most["Qe"] = hand(Real(bits, {}).values), 2 * (most["Qe factors"] + most["Qe rests"])
     for name, members in GROUPS.items():
         constant = most[name] if name in most else math.hypot(most[f"{name} k"], most[f"{name} w"])
-        limit = constant * (d2 if name == "Qe" else np.sqrt(s)) + most["Qe factors"] * d2 * (name == "bend")
+        limit = constant * (d2 if name == "Qe" else np.sqrt(s)) + 2 * most["Qe factors"] * d2 * (name == "bend")
         limit = 2.0 ** (2 - width) * (1 + 1e-3) * limit + 1e-14 * (d1 + d2)  # second order, double precision
-        worst = 0.0
-        for _ in range(8):
-            nodes = (bits.nodes[member] for member in members.split())
-            moves = {
-                n.name: random.choice(n.error, len(d2)) * (0.5 if n.kind in ("rsqrt", "trig") else 1) for n in nodes
-            }
-            worst = max(worst, (np.linalg.norm(hand(moves) - still, axis=1) / limit).max())
-        assert 0.1 < worst <= 1, name
+        assert 0.1 < max((length(hand(v) - still) / limit).max() for v in displaced(bits, members)) <= 1, name
 
 
-@pytest.mark.parametrize("datapath", STATED)
+@pytest.mark.parametrize("width", WIDTHS)
+def test_no_group_of_errors_moves_the_hand_further_than_its_constant(width):
+    words, branch = hands(width, 2)
+    bits, of = fixed.run(words, width, "arm", branch).bits, accuracy(width, "arm")
+    frame = " ".join(node.name for node in bits.nodes.values() if node.section == "frame" and any(node.error))
+    still, tool = Real(bits, {}).values, np.abs(words[:, 6]) * 2.0 ** (2 - width)
+    for name, members, results, limit in (
+        ("Qw", frame, "qw_w qw_i qw_j qw_k", 0.5),
+        ("tool", "h_ik h_wj h_jk h_wi h_ii h_jj", "x y z", tool),
+        ("coordinates", "x y z off_x off_y off_z", "x y z", 1),
+    ):
+        limit = 2.0 ** (2 - width) * (float(of[name]) * limit + 1e-3)
+        moved = (np.array([values[n] - still[n] for n in results.split()]).T for values in displaced(bits, members))
+        assert 0.2 < max((length(vectors) / limit).max() for vectors in moved) <= 1, name
+
+
+@pytest.mark.parametrize("datapath", ["lean", "lean25", "lean16"])
 def test_every_rounding_is_counted(datapath, monkeypatch):
-    """Check that the constants read the error of every node that rounds, apart from halves, which :func:`proof.halved`
+    """Check that the constants read the error of every node that rounds, apart from halves, which :func:`proof.turn`
     and test_halves_of_words state, and tables."""
-    counted = set()
-    ulps = proof.ulps
+    counted, ulps = set(), proof.ulps
     monkeypatch.setattr(proof, "ulps", lambda node: counted.add(node.name) or ulps(node))
-    accuracy.__wrapped__(24, datapath)
-    rounded = {n.name: n for n in dataflow(datapath, 24).nodes.values() if n.frac and n.error != (0, 0)}
-    halves = {f"{pair}_{part}" for pair in ("az", "tilt", "bend") for part in ("sq", "c", "s")} | {
-        "bend_dif",
-        "bend_sum",
-    }
-    assert rounded.keys() - counted == halves | {
-        n for n, node in rounded.items() if node.kind in ("even", "rsqrt", "trig")
-    }
+    proof.core.__wrapped__(dataflow(datapath, 24))
+    rounded = {n.name: n.kind for n in dataflow(datapath, 24).nodes.values() if n.frac and n.error != (0, 0)}
+    halves = {f"{pair}_{part}" for pair in ("az", "tilt", "bend") for part in ("sq", "c", "s")}
+    tables = {name for name, kind in rounded.items() if kind in ("even", "rsqrt", "trig")}
+    assert rounded.keys() - counted == halves | tables | {"bend_dif", "bend_sum"}
 
 
 @pytest.mark.parametrize("width, datapath", CORES)
-def test_halves_of_words(width, datapath):
-    """Check the identities of words on which the page rests."""
-    nodes = fixed.run(poses(COUNT, width, 4), width, datapath).bits.nodes
+def test_half_angles(width, datapath):
+    """Check the identities of words on which the page rests, and the rotations by words against the exact ones."""
+    nodes = fixed.run(poses(width, 4), width, datapath).bits.nodes
     v = {name: np.asarray(node.value) for name, node in nodes.items()}
-    one, axis = 1 << nodes["u_y"].frac, v["on_axis"].astype(bool)
-    for pair, cosine, sine, large_cosine in (
-        ("az", "u_y", "u_x", v["u_y"] < 0),
-        ("tilt", "sin_el", "cos_el", v["sin_el"] >= 0),
-        ("bend", "cos_a", "sin_a", v["cos_a"] >= 0),
+    real = {name: word.astype(float) * nodes[name].format.ulp for name, word in v.items()}
+    one, axis, unit = 1 << nodes["u_y"].frac, v["on_axis"].astype(bool), 2.0 ** (width - 2)
+    rho, p, roots = np.sqrt(real["rho_sq"]), np.sqrt(real["s"]), np.sqrt(real["a_far"]) * np.sqrt(real["b_near"])
+    r, reach = np.where(axis, 1, rho), 2 * real["d1"] * p
+    for name, pair, cosine, sine, sign, exact in (
+        ("azimuth", "az", "u_y", "u_x", -1, (-real["y"] / r, np.where(axis, 1, real["x"] / r))),
+        ("tilt", "tilt", "sin_el", "cos_el", 1, (real["z"] / p, rho / p)),
+        ("bend", "bend", "cos_a", "sin_a", 1, (real["k_law"] / reach, roots / reach)),
     ):
-        magnitude, small = np.where(v[cosine] < 0, ~v[cosine], v[cosine]), v[sine] >> 1
-        small = np.where(axis, v["az_sq"], small) if pair == "az" else small
-        assert np.array_equal(v[f"{pair}_sq"], one + magnitude >> 1)
-        assert np.array_equal(v[f"{pair}_c"], np.where(large_cosine, v[f"{pair}_sq"], small))
-        assert np.array_equal(v[f"{pair}_s"], np.where(large_cosine, small, v[f"{pair}_sq"]))
+        large, small = one + np.where(v[cosine] < 0, ~v[cosine], v[cosine]) >> 1, v[sine] >> 1
+        small = np.where(axis, large, small) if pair == "az" else small
+        parts = (large, small) if sign > 0 else (small, large)
+        assert np.array_equal(v[f"{pair}_sq"], large)
+        for part, word, other in zip("cs", parts, parts[::-1], strict=True):
+            assert np.array_equal(v[f"{pair}_{part}"], np.where(v[cosine] >= 0, word, other))
+        c, s, square = (real[f"{pair}_{part}"] for part in ("c", "s", "sq"))
+        off = np.arctan2(
+            2 * c * s * exact[0] - (c * c - s * s) * exact[1], (c * c - s * s) * exact[0] + 2 * c * s * exact[1]
+        )
+        for kind, error in (("k", (c * c + s * s) / square - 1), ("w", off)):
+            assert 0.2 < np.abs(error).max() * unit / float(accuracy(width, datapath)[f"{name} {kind}"]) <= 1
     assert np.array_equal(v["bend_sum"], v["bend_c"] + v["bend_s"])
     assert np.array_equal(v["bend_dif"], (v["bend_c"] - v["bend_s"]) * np.where(v["cos_a"] < 0, -1, 1))
-    assert not v["u_x"][axis].any() and not v["u_y"][axis].any() and not v["cos_el"][axis].any() and axis.any()
-    straight = (v["a_far"] == 0) | (v["b_near"] == 0)
-    assert straight.any() and not v["sin_a"][straight].any()
-    bits = {"d1": "m_1", "d2": "m_2"}  # not cut
-    assert all(
-        (
-            v[m] / 2.0 ** nodes[m].frac * 4.0 ** -v[m.replace("m", "e")] * 4 * 2.0 ** (width % 2)
-            == v[d] * nodes[d].format.ulp
-        ).all()
-        for d, m in bits.items()
-    )
+    assert axis.any() and (roots == 0).any() and not v["sin_a"][roots == 0].any()
+    assert not any(v[name][axis].any() for name in ("u_x", "u_y", "cos_el"))
+    for m, e, d in (("m_1", "e_1", "d1"), ("m_2", "e_2", "d2")):  # not cut
+        assert np.array_equal(real[m] * 4.0 ** (1 - v[e]) * 2.0 ** (width % 2), real[d])
 
 
 def test_rotation_by_any_parts():
-    """Check :func:`proof.turned` against the exact rotation, for random errors, mostly at the ends of their ranges."""
+    """Check :func:`proof.turned` against the exact rotation, for random errors, often at the ends of their ranges."""
     random = np.random.default_rng(5)
     for _ in range(300):
         unit = 2.0 ** -random.integers(9, 30)
         ends = np.sort(random.uniform(-9, 9, (4, 2)) * unit)
-        (r, c), (o, e) = ([proof.interval(*pair) for pair in pairs] for pairs in (ends[:2], ends[2:]))
-        k, w, *_ = (float(mpmath.mpf(abs(part).b._mpi_[1])) for part in proof.turned([(r, c)], [(o, e)]))
-        r, c, o, e = np.where(random.random((4, 50)) < 0.3, random.uniform(*ends.T[..., None], (4, 50)), ends[:, :1])
-        r, c, o, e = (
-            np.where(random.random(50) < 0.5, part, high) for part, high in zip((r, c, o, e), ends[:, 1], strict=True)
+        (r, c), (o, e) = ([proof.iv.mpf(list(pair)) for pair in pairs] for pairs in (ends[:2], ends[2:]))
+        k, w = (
+            float(proof.Fraction(*proof.to_rational(abs(part).b._mpi_[1])))
+            for part in proof.turned([(r, c)], [(o, e)])[:2]
         )
-        g = np.where(random.random(50) < 0.5, random.random(50), 1 - unit * random.random(50)).astype(REAL)
+        r, c, o, e = np.clip(random.uniform(*(2 * ends - ends[:, ::-1]).T[..., None], (4, 50)), *ends.T[..., None])
+        g = np.where(random.random(50) < 0.5, random.random(50), 1 - unit * random.random(50)).astype(np.longdouble)
         cosine, sine = (1 - g * g) / (1 + g * g), 2 * g / (1 + g * g)
         large, small = (1 + cosine * (1 + r) + c) / 2, sine * (1 + r) * (1 + o) / 2 + e / 2
         valid = large >= 0.5  # the word of a magnitude is not negative

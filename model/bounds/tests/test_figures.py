@@ -17,7 +17,6 @@ Units: fraction of the reach for a hand, radians for an angle, ulps of the resul
 * ``inner``: hand error of the lean datapath before its results are rounded; that rounding mostly hides inner errors.
 """
 
-import itertools
 import json
 import math
 from collections.abc import Callable
@@ -37,7 +36,6 @@ from model.io.scoring import singular_distance
 from model.io.stimuli import REGIONS, random_reachable, region, unreachable
 from model.io.words import from_words
 from model.reference.equations import solve_clamped
-from model.reference.kinematics import forward
 from model.reference.lean_equations import solve_lean
 
 FILE = Path(__file__).with_name("figures.json")
@@ -186,21 +184,6 @@ def test_figures(name):
     assert present.get("error max", 0) <= present.get("proved", 0), "an error exceeds its proved bound"
     if name in TOLERATED:
         assert TOLERATED[name] / 8 < present["hand max"] <= TOLERATED[name]
-
-
-@pytest.mark.parametrize("width", (16, 24, 32))
-def test_rounding_of_results_alone(width):
-    """Check the largest hand error if all six results are half an ulp off: over 64 sign combinations and many poses."""
-    words = random_reachable(1000, width, seed=8)
-    q = np.concatenate([Run(words, width).exact, [(0.5**0.5, 0, 0.5**0.5, 0, 0, -1)]])
-    arms = np.concatenate([words[:, 4:], [(0, 1)]])
-    wrist = forward(q[:, :4], q[:, 4:], *arms.T)[1]
-    worst = np.zeros(len(q))
-    for signs in itertools.product((-0.5, 0.5), repeat=6):
-        rounded = q + ulp(width) * np.array(signs)
-        off = np.linalg.norm(forward(rounded[:, :4], rounded[:, 4:], *arms.T)[1] - wrist, axis=1)
-        worst = np.maximum(worst, off / arms.sum(axis=1) / ulp(width))
-    assert worst.max() == worst[-1] == pytest.approx(tolerances.ROUNDED_ULPS, rel=8 * ulp(width) + 1e-6)
 
 
 def rounded(name: str, figure: float) -> float:
