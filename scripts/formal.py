@@ -72,7 +72,7 @@ def accuracy_page() -> str:
         return "\n".join(f"    {name:<14}" + "".join(f"{cell:>10}" for cell in cells) for name, *cells in lines)
 
     def parts(datapath: str) -> str:
-        names = [name for name in accuracy(WIDTHS[0], datapath) if name not in ("rounded", "spread", "Qe skew")]
+        names = [name for name in accuracy(WIDTHS[0], datapath) if name != "rounded"]
         lines = [[name, *(up(of[name], 3) for of in shown.values())] for name in names]
         return rows([f"{datapath}, W =", *shown], *lines)
 

@@ -29,24 +29,17 @@ from ..dataflow.mul3 import Mul3
 from ..dataflow.nodes import Dataflow, Node
 from ..dataflow.quadratic import INVERSE_ROOT, PRECISION, SINE_FRACS, Rsqrt, half_sincos_error, rounding, row_error
 
-LIMITS = {
-    (
-        "lean",
-        "wrist",
-    ): "3.884 4.354 4.549 4.327 4.33 4.337 4.35 4.377 4.43 4.5 4.549 4.949 5.762 8.109 12.803 22.19 40.966",
-    (
-        "lean25",
-        "wrist",
-    ): "3.884 4.353 4.547 4.324 4.325 4.326 4.328 4.332 4.341 4.359 4.395 4.644 5.17 6.925 10.436 17.457 31.498",
-    ("lean16", "wrist"): "3.876 4.336 4.513 4.371 4.418 4.474 4.498 4.77 5.225",
-    ("arm", "orientation"): "18.65 17.1 19 17.53 21.94 21.51 23.41 21.6 23.15 22.95 23.9 23.18 24.68 24.57 28.26 28.65"
-    " 35.53",
-    (
-        "arm",
-        "point",
-    ): "19.55 18.05 19.95 18.48 22.89 22.46 24.36 22.55 24.1 23.91 24.86 24.17 25.7 25.74 29.74 31.07 46.29",
+LIMITS = """
+lean wrist 3.884 4.354 4.549 4.327 4.33 4.337 4.35 4.377 4.43 4.5 4.549 4.949 5.762 8.109 12.803 22.19 40.966
+lean25 wrist 3.884 4.353 4.547 4.324 4.325 4.326 4.328 4.332 4.341 4.359 4.395 4.644 5.17 6.925 10.436 17.457 31.498
+lean16 wrist 3.876 4.336 4.513 4.371 4.418 4.474 4.498 4.77 5.225
+arm orientation 18.65 17.1 19 17.53 21.94 21.51 23.41 21.6 23.15 22.95 23.9 23.18 24.68 24.57 28.26 28.65 35.53
+arm point 19.55 18.05 19.95 18.48 22.89 22.46 24.36 22.55 24.1 23.91 24.86 24.17 25.7 25.74 29.74 31.07 46.29
+"""
+STATED = {
+    (path, name): dict(zip(WIDTHS, map(Fraction, row), strict=False))
+    for path, name, *row in map(str.split, LIMITS.strip().splitlines())
 }
-STATED = {of: dict(zip(WIDTHS, map(Fraction, text.split()), strict=False)) for of, text in LIMITS.items()}
 """Datapath and constant -> word length -> its proved limit in units of 2^-(W-2): of the error of the wrist / (d1 + d2),
 of the hand's orientation (rad), and of its point for d1 + d2 + |tool| = 1."""
 
@@ -149,10 +142,11 @@ def bound(node: Node, at: Mapping[str, Cell], given: str = "") -> Word:
     if isinstance(op, ShiftUp) and op.value.decision:  # of an exact word
         return Word(ONE, None if node.error == EXACT else ulps(node))
     if isinstance(op, Choice) and node.limited:
-        # The limit takes at most an ulp from the exact value, as the raw word's rounding may.
+        # The limit takes at most an ulp from the exact value, as the raw word's rounding may where its factor is 1.
         (raw,) = op.operands
-        if raw.error[0] * raw.format.ulp <= -node.format.ulp:
-            return bound(raw, at, given)
+        word = bound(raw, at, given)
+        if raw.error[0] * raw.format.ulp <= -node.format.ulp and word.factor.a <= 1:
+            return word
     raise TypeError(f"{node.name}: no bound of its word")
 
 
@@ -282,13 +276,10 @@ def shoulder(flow: Dataflow, *turns: Turn) -> dict[str, Interval]:
 
 
 def elbow(flow: Dataflow) -> dict[str, Interval]:
-    """Return two parts of the length of Qe's error, of the factors of its words, and of their rests and rounding; and
-    the largest angle by which unequal factors turn Qe."""
-    shared, factors, rests = (
-        hull(bound(flow.nodes["inv_12"], at).factor for at in combinations(flow.nodes["inv_12"])),
-        [],
-        [],
-    )
+    """Return limits of two parts of the length of Qe's error, due to its words' factors and due to their rests and
+    rounding, and of the angle by which unequal factors turn Qe."""
+    shared = hull(bound(flow.nodes["inv_12"], at).factor for at in combinations(flow.nodes["inv_12"]))
+    factors, rests = [], []
     for half in "wi":
         node = flow.nodes[f"elbow_{half}"]
         words = [bound(node, at, "inv_12") for at in combinations(node, "inv_12")]
@@ -398,10 +389,10 @@ def accuracy(width: int, datapath: str = "lean") -> dict[str, Fraction]:
 
 
 def main(datapath: str = "", width: str = "") -> None:
-    """Print the constants of a datapath at a word length, or all limits."""
+    """Print the constants of a datapath at a word length; without both, the limits of all at every word length."""
     if datapath:
         for name, part in accuracy(int(width), datapath).items():
-            print(f"{name:<16}{float(part):8.3f} {math.ldexp(part, 2 - int(width)):.3e}")
+            print(f"{name:<16}{math.ceil(part * 1000) / 1000:8.3f} {math.ldexp(part, 2 - int(width)):.3e}")
         return
     for (datapath, name), limits in STATED.items():
         for w, limit in limits.items():
