@@ -339,7 +339,7 @@ def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
 def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
     """Return the targets with new swivel angles that make k of Qs near 0.
 
-    Qs is q_0 cos(phi/2) + q_pi sin(phi/2), with Qs at 0 and pi up to an unknown sign: both combinations are tried.
+    Qs = q_0 cos(phi/2) + q_pi sin(phi/2), where q_0 and q_pi are Qs at 0 and pi up to sign: both signs are tried.
     """
     x, y, z, _, d1, d2 = rows.T.astype(float)
     at_0, at_pi = (solve_lean(x, y, z, phi, d1, d2)["qs_k"] for phi in (0.0, np.pi))

@@ -295,10 +295,9 @@ TAG_BITS = 24  # bits of a tag that a result record returns
 class Records:
     """Layout of target and result records: words of 32 bits, little endian, whatever the core's word length.
 
-    Lengths and quaternions are Q2.30, one turn is 2^32. Word number `tag` holds the tag and, above it, the branch
-    (target) or the flags (result); `inputs` and `results` name the other words. The results are followed by the
-    record's index in its job and, for the whole arm, by over_limit: a bit for each joint from bit 0, and bad_hand in
-    bit 8.
+    Lengths and quaternions are Q2.30, one turn is 2^32. Word number `tag` holds the tag and above it the branch
+    (target) or flags (result); `inputs` and `results` name the other words. The results are followed by the record's
+    index in its job and, for the whole arm, by over_limit: a bit for each joint from bit 0, and bad_hand in bit 8.
     """
 
     size: int  # bytes
@@ -315,8 +314,7 @@ class Records:
         return (np.column_stack([column.astype(np.int64) for column in columns]) & 0xFFFFFFFF).astype("<u4").tobytes()
 
     def _unpacked(self, records: bytes, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the first ``count`` signed words of each record except its tag word, (N, count), and the tag words
-        (N,)."""
+        """Return the first signed words (N, count) of records, tag words left out, and the tag words (N,)."""
         table = np.frombuffer(records, dtype="<i4").astype(np.int64).reshape(-1, self.size // 4)
         return np.delete(table, self.tag, axis=1)[:, :count], table[:, self.tag]
 
@@ -333,8 +331,7 @@ class Records:
         return words, tags & ((1 << TAG_BITS) - 1), tags >> TAG_BITS & (1 << len(BRANCHES)) - 1
 
     def written(self, results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:
-        """Return a job's result records for results (N, n) of `width` bits, columns as `results`, flags and tags
-        (N,)."""
+        """Return a job's result records for words (N, n) of `width` bits, columns as `results`, flags and tags (N,)."""
         more = (flags & 255) << TAG_BITS | tags, np.arange(len(results)), flags >> OVER_BIT | flags & BAD_HAND
         return self.packed(results << (32 - width), *more)
 
