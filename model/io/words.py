@@ -35,7 +35,7 @@ ARM_RESULT_FIELDS = (*JOINTS, *RESULT_FIELDS, *WRIST_FIELDS)
 """Fields of a result word of the whole arm, lowest bits first."""
 
 CHOICE_FIELDS = (*(f"joint_{k}" for k in range(1, 8)), *RESULT_FIELDS, *WRIST_FIELDS)
-"""The same where the core chooses the branch: joints of the chosen branch."""
+"""Fields of a result word if the core chooses the branch: `joint_k` are the joints in the chosen branch."""
 
 REFERENCES = tuple(f"ref_{k}" for k in range(1, 8))
 """Reference joints of a hand pose, for the choice of its branch; binary angles."""
@@ -314,7 +314,7 @@ class Records:
         return (np.column_stack([column.astype(np.int64) for column in columns]) & 0xFFFFFFFF).astype("<u4").tobytes()
 
     def _unpacked(self, records: bytes, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the first signed words (N, count) of records, tag words left out, and the tag words (N,)."""
+        """Return signed words (N, count), the first of each record except its tag word, and the tag words (N,)."""
         table = np.frombuffer(records, dtype="<i4").astype(np.int64).reshape(-1, self.size // 4)
         return np.delete(table, self.tag, axis=1)[:, :count], table[:, self.tag]
 

@@ -24,14 +24,14 @@ from .swivels import Circles, Swivels, feasible_swivel
 from .track import Step, Tracker
 from .urdf import SAMPLES, TURN_MISFIT, Chain, arguments, from_axes, nearest, placed
 
-Given = ArrayLike | None  # argument that is chosen if it is None
+Given = ArrayLike | None  # argument; None: chosen
 
 UNIT = joints.UNIT
-SPARE = 0.02  # rad beyond the limits in which a start for the correction may lie
-CORRECTED = 1e-9  # largest error after the correction, of size or in rad; for larger ones all candidates are corrected
+SPARE = 0.02  # angle (rad) by which the start of a correction may exceed a limit
+CORRECTED = 1e-9  # largest error after correction (distance / size, or rad); otherwise all candidates are corrected
 GOAL = 0.2  # largest step of a joint along a path, rad
-BATCH = 128  # poses whose branch and swivel angle are chosen at a time, so that arrays stay in the cache
-CHUNK = 1024  # poses of which only the branch is chosen
+BATCH = 128  # poses per batch if branch and swivel angle are chosen, so that arrays stay in the cache
+CHUNK = 1024  # poses per batch if only the branch is chosen
 
 
 def _vector(name: str, values: ArrayLike, size: int) -> Floats:

@@ -300,7 +300,7 @@ class _Parser:
         text = self.plain[self.table.end() :].split("\n") if self.table else []
         lines = [(number, words) for number, line in enumerate(text, self.line) if (words := line.split())]
         lengths = [len(words) for _, words in lines]
-        if channels not in lengths and sum(lengths) == channels * count:  # lines that ignore rows
+        if channels not in lengths and sum(lengths) == channels * count:  # line breaks are not row breaks
             lines = [(number, [word]) for number, words in lines for word in words]
         rows: list[list[float]] = []
         row: list[float] = []

@@ -31,21 +31,21 @@ from .swivels import FLIPS, TURN, Circles, beyond
 SWIVELS, MORE_SWIVELS = 16, 32  # uniform swivel angles of the first attempt, and of further attempts near jumps
 
 FURTHER = ((0.0, 0.8), (0.5, 0.6), (0.5, 0.8), (1.0, 0.6), (3.0, 0.8))
-"""Further attempts: distance (rad) kept from joints at the last attempt's jumps; free step, as a part of the goal."""
+"""Further attempts: distance (rad) kept from joints at the last attempt's jumps; free step / goal."""
 
 DENSE = 20  # rows on either side of a jump that get more swivel angles
 SPLITS = 16  # values of th1 (th5) tried where only a sum or difference of two joints counts
 SINGULAR = 1e-7  # |sin th2|, |sin th6| below this: only a sum or difference counts
-FREE_STEP, STEP_WEIGHT, FURTHER_WEIGHT = 0.1, 100.0, 1e4  # the last: of steps in further attempts
+FREE_STEP, STEP_WEIGHT, FURTHER_WEIGHT = 0.1, 100.0, 1e4  # rad; weight of larger steps, in further attempts
 AVOIDED_WEIGHT = 1e3  # cost of joints that an attempt avoids
 MARGIN, WEIGHTS = 0.1, (0.01, 0.01, 0.001, 0.001, 0.001)
 """Distance from a limit (rad) below which a pose costs; weight of this cost in the search and its refinements."""
 
 Progress = Callable[[float, int], None]
-"""Callback of an attempt: the part that is done, 0 to 1, and the number of swivel angles."""
+"""Callback of an attempt: the fraction done, 0 to 1, and the number of swivel angles."""
 
 OPTIONS = ((joints.SIGNS < 0) | (joints.TURNS > 0))[:, np.arange(8) & ~Branch.ELBOW] + (np.arange(8) & Branch.ELBOW)
-"""For joints in branches (7, 8): 1 if the branch turns or negates it, other than by ELBOW, plus 2 for ELBOW."""
+"""By joint and branch (7, 8): 1 if SHOULDER or WRIST turns or negates the joint, plus 2 if the branch has ELBOW."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,7 @@ class Candidates(NamedTuple):
         return both.only(np.argsort(both.row, kind="stable"))
 
     def only(self, which: NDArray) -> "Candidates":
-        """Return the candidates of a mask or of indices."""
+        """Return the candidates that a mask or indices select."""
         return Candidates(self.row[which], self.branch[which], self.phi[which], self.at[:, which])
 
 
@@ -109,7 +109,7 @@ class Planner:
         self.steps, self.avoided = (FREE_STEP, STEP_WEIGHT), list[tuple[Floats, float]]()
         self.finer = TURN / SWIVELS
         self.corrected: Callable[[Floats, NDArray], tuple[Floats, Floats]] | None = None
-        self.copied = np.zeros(7, dtype=bool)  # wide joints whose windings are candidates of their own
+        self.copied = np.zeros(7, dtype=bool)  # wide joints: values whole turns apart are separate candidates
         self.progress: Progress = lambda part, count: None
 
     def placed(self, th: Floats, near: Floats | None = None) -> tuple[Floats, NDArray[np.bool_]]:

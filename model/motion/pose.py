@@ -273,7 +273,7 @@ def _pose(table: Floats, results: Floats, flags: NDArray[np.int64], phi: Floats,
 def _table(
     points: ArrayLike, phi: ArrayLike, d1: ArrayLike, d2: ArrayLike, hands: Hands | None, nan: str
 ) -> tuple[Floats, NDArray[np.bool_] | None]:
-    """Return checked targets as a table (6, N) with rows as ``FIELDS``, and a mask (N,) of columns with a nan, or None.
+    """Return checked targets as a table (6, N), rows as ``FIELDS``; and a mask (N,) of columns with nan, or None.
 
     A column with a nan is replaced by another column, so that all columns can be solved.
     """

@@ -29,7 +29,7 @@ TURN = 2 * np.pi
 FLIPS = np.array([(0, 1, 4, 5), (2, 3, 6, 7)])  # branches of each elbow solution
 
 BESIDE = np.tan(np.radians((-75, -60, -40, -20, 0, 20, 40, 60, 75)))
-"""Offsets of swivel angles beside the one at which a ball joint is nearest to singular: equal turns of th1 and th3."""
+"""Scaled offsets from the swivel angle at which a ball joint is nearest to singular; th1 and th3 turn equally."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +201,7 @@ class Circles:
         return joints.angles(qs, self.flexion[elbow.astype(int), row], qw)
 
     def extremes(self) -> Floats:
-        """Return swivel angles (N, K, 2 elbow solutions) at and near those where th2 or th6 is nearest to singular."""
+        """Return swivel angles (N, K, 2 elbow solutions) at and near which th2 or th6 is nearest to singular."""
         stations = self.ends[:, :, 0], (self.ends[:, :, 0] + self.ends[:, :, 1]) * 0.5**0.5, self.ends[:, :, 1]
         at_0, at_quarter, at_half = ((np.square(q) * (1, -1, -1, 1)).sum(axis=-1)[..., None] for q in stations)
         middle = (at_0 + at_half) / 2
@@ -300,8 +300,7 @@ def _roots(ends, bounds):
 
 
 def _joined(roots, at_root, arc):
-    """Return intervals (N, K, 2) that join feasible arcs; at_root, arc: masks of feasible roots and of arcs after
-    each."""
+    """Return intervals (N, K, 2) that join feasible arcs; at_root, arc: masks of feasible roots and arcs after them."""
     ring = np.stack((at_root, arc), axis=2).reshape(len(roots), 2 * roots.shape[1])
     whole = ring.all(axis=1)
     begins, ends = ring & ~np.roll(ring, 1, axis=1), ring & ~np.roll(ring, -1, axis=1)

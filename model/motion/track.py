@@ -62,8 +62,7 @@ class Tracker:
         self.joints = list(zip(arm.offsets.tolist(), arm.signs.tolist(), *arm.limits.T.tolist(), strict=True))
 
     def _placed(self, th: Sequence[float], branch: int, present: Sequence[float]) -> tuple[float, list[float]]:
-        """Return the largest step (inf outside the limits) and the positions in ``branch`` for th1 .. th7 of branch
-        0."""
+        """Return the largest step, inf outside the limits, and the positions in ``branch`` for angles of branch 0."""
         a, b, c = branch & 1, branch >> 1 & 1, branch >> 2
         th1, th2, th3, th4, th5, th6, th7 = th
         if a:

@@ -21,10 +21,10 @@ TOLERANCE = 1e-6
 """Largest distance between axes that meet, relative to the chain's size; largest cosine between perpendicular axes."""
 
 MISFIT, TURN_MISFIT = 2e-3, 1e-3
-"""Largest difference of an accepted chain from the nearest exact arm: at the tip, relative to its size; in rad."""
+"""Largest tip differences of an accepted chain from the nearest exact arm: distance / size of the chain; rad."""
 
 DOUBTFUL = 1e-4  # misfit / size above which a warning is given
-SAMPLES = 4000  # joint positions at which the two are compared
+SAMPLES = 4000  # joint positions at which the two chains are compared
 SOLVED, ROUNDS = 1e-12, 20  # error and number of steps at which the correction stops
 
 

@@ -162,8 +162,8 @@ def settled(joints, limits, beyond=None):
 
 
 STRAIGHT = 1e-7
-"""Angle (rad): :func:`settled` treats th2 and th6 as 0 or pi if they are nearer than this. It is so large because th4
-of a straight arm has only half of a double's digits."""
+"""Angle (rad): :func:`settled` treats th2 and th6 as 0 or pi if they are nearer than this. The limit is large because
+th4 of a straight arm has only half of a double's digits."""
 
 SINGULAR = 1e-9  # like STRAIGHT, for paths (model.motion.swivels)
 ROUNDING = 1e-9  # allowance at a joint limit (rad)

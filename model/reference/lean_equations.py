@@ -153,8 +153,7 @@ def _two_sum(a, b):
 
 
 def _near_limits(target, law):
-    """Return K (``law``), A and B limited to 0 .. 4 d1 d2, and the reach flags; sums have twice a double's
-    precision."""
+    """Return K (``law``), A and B limited to 0 .. 4 d1 d2, and reach flags; sums have twice a double's precision."""
     x, y, z, _, d1, d2 = target
     v = np.array((x, y, z, d1 + d2, d1 - d2))
     high = v * _SPLIT

@@ -99,7 +99,7 @@ def test_windings():
 
 
 def test_joints_of_exactly_a_turn():
-    """Follow a path on which the limits of two such joints leave only swivel arcs narrower than the grid."""
+    """Follow a path on which limits of joints with a range of a turn leave swivel arcs narrower than the grid."""
     limits = np.pi * np.array([(-1, 1), (0, 1), (-1, 1), (-0.83, 0), (-1, 1), (-0.5, 0.61), (-0.86, 0.86)])
     arm = Arm(0.28, 0.26, limits=limits)
     points, q = arm.forward(curve(arm, "sine", 56, 200))
