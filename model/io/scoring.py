@@ -128,7 +128,7 @@ class Score:
       largest ratio of a hand error to its tolerance
     * `hand_error_target`: the target with the largest error; `hand_error_pose`: how near that is to a singular pose
     * `outcome`: largest error and its tolerance as text; `failures` is empty exactly if `passed`
-    * `over_limit`: targets with a joint outside its limits; None for wrist targets, and so are `orientation_error_*`
+    * `over_limit`: number of targets with a joint outside its limits; it and `orientation_error_*`: None for wrists
     """
 
     trajectory: str

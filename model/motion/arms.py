@@ -289,10 +289,10 @@ class Arm:
     ) -> JointPath:
         """Return joints along a path of poses of the tip: points (N, 3), orientations ``hand`` as in :meth:`solve`.
 
-        All joints are within their limits.  If branches and swivel angles allow, no step of a joint exceeds ``goal``
-        (rad). start (7,): joint positions before the first pose. phi (rad), branch: numbers or (N,); None: chosen.
-        progress: callback with the fraction done, 0 to 1, and the number of swivel angles tried; the fraction restarts
-        for each further attempt.  Raises ValueError.
+        Joints are within their limits, or nan.  If branches and swivel angles allow, no step of a joint exceeds
+        ``goal`` (rad). start (7,): joint positions before the first pose. phi (rad), branch: numbers or (N,); None:
+        chosen. progress: callback with the fraction done, 0 to 1, and the number of swivel angles tried; the fraction
+        restarts for each further attempt.  Raises ValueError.
         """
         wrists, q, given_phi, given_branch, _ = self._asked(points, hand, phi, branch)
         if not 0 < goal < np.inf:

@@ -164,8 +164,8 @@ class Clip:
 
 
 def _angles(turn: np.ndarray, axes: list[int], near: np.ndarray) -> np.ndarray:
-    """Return angles (F, 3), rad: the product of rotations by them about three different ``axes`` is ``turn`` (F, 3, 3).
-    Of all solutions, the angles nearest to ``near`` (F, 3) are returned."""
+    """Return angles (F, 3), rad, for which the rotations about three different ``axes`` have the product ``turn``
+    (F, 3, 3). Of all solutions, the angles nearest to ``near`` (F, 3) are returned."""
     i, j, k = axes
     sign = 1.0 if (j - i) % 3 == 1 else -1.0
     locked = np.hypot(turn[:, j, k], turn[:, k, k]) < 1e-7

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Joints of a robot along a path of hand poses: branches and swivel angles, chosen for the whole path at once.
 
-Each row has candidates: swivel angles at which a branch has all joints within their limits. The path through one
-candidate of each row with the least cost is found by dynamic programming (Viterbi) and refined in ever finer steps:
+Each row has candidates: swivel angles at which a branch has all joints within their limits. The path of least cost
+through one candidate of each row is found by dynamic programming (Viterbi) and refined in ever finer steps:
 
     cost of a step d (7,) = sum d^2 + 100 max(0, max|d| - 0.1)^2
     cost of a pose = weight * sum max(0, 1 - distance to the limit / 0.1)^2
@@ -140,7 +140,7 @@ class Planner:
         return best, self._closer(np.clip(at, *self.limits.T[..., None]), near), regular & (costs.min(axis=0) < np.inf)
 
     def _cost(self, at: Floats, near: Floats | None) -> Floats:
-        """Return costs (M,) of joint positions (7, M): of steps from ``near`` (7, M) or, if None, of close limits."""
+        """Return costs (M,) of joint positions (7, M): of steps from ``near`` or, if None, minus limit distances."""
         if near is not None:
             return self.edges(near, at)
         return -np.minimum(at - self.limits[:, :1], self.limits[:, 1:] - at).min(axis=0)
@@ -192,7 +192,7 @@ class Planner:
         """Return the best path of several attempts; stop when one reaches the goal. Each attempt tries more swivel
         angles near the jumps of the previous one; later attempts avoid the previous joints there.
 
-        phi, branch (N,): None: chosen; start (7,): joints before the first row; goal: largest wanted step, rad.
+        phi, branch (N,): fixed, or None; start (7,): joints before the first row; goal: largest wanted step, rad.
         """
 
         def rank(attempt: tuple[Candidates, Floats]) -> tuple[int, float]:
@@ -232,7 +232,7 @@ class Planner:
 
         The best is nearest to the joints ``near`` (N, 7) or, if near is None, farthest from the limits. For a pose
         without candidates, phi and branch give the smallest sum by which joints exceed their limits. phi, branch (N,):
-        None: chosen; hint (N,): a guess of the swivel angle.
+        fixed values, or None; hint (N,): a guess of the swivel angle.
         """
 
         def chosen(found: Candidates) -> Candidates:
@@ -255,7 +255,7 @@ class Planner:
 
     def _nearest_miss(self, row: NDArray, phi: Any, branch: Any) -> tuple[Floats, NDArray, Floats]:
         """Return phi and branch (R,) for rows (R,) without candidates, such that the sum of the angles by which joints
-        exceed their limits is smallest; and these angles (7, R). phi, branch (N,): None: chosen."""
+        exceed their limits is smallest; and these angles (7, R). phi, branch (N,): fixed, or None."""
         turns: Any = np.arange(SWIVELS) * (TURN / SWIVELS) if phi is None else phi[row, None]
         of: Any = np.arange(8) if branch is None else branch[row, None]
         shape = (len(row), turns.shape[-1], of.shape[-1])

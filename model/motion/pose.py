@@ -400,8 +400,8 @@ def check_order(order: str) -> None:
 
 
 def quaternions(hand: Any, order: str) -> Floats:
-    """Return quaternions (N, 4) in ``order`` of orientations: quaternions (N, 4) or (4,), matrices (N, 3, 3), (3, 3) or
-    (N, 4, 4), or a scipy Rotation.  Raises ValueError for matrices that are no rotations."""
+    """Return orientations as quaternions (N, 4) in ``order``, from quaternions (N, 4) or (4,), matrices (N, 3, 3),
+    (3, 3) or (N, 4, 4), or a scipy Rotation.  Raises ValueError for matrices that are no rotations."""
     if hasattr(hand, "as_quat"):
         return np.atleast_2d(np.roll(hand.as_quat(), int(order == "wxyz"), axis=-1))
     values = np.asarray(hand, dtype=np.float64)
@@ -414,7 +414,7 @@ def quaternions(hand: Any, order: str) -> Floats:
 
 
 def common_count(counts: dict[str, int]) -> int:
-    """Return the common number of rows of arguments, where 1 fits any.  Raises ValueError if they do not match."""
+    """Return the common number of rows of arguments, ``counts``; 1 fits any.  Raises ValueError if others differ."""
     if len(different := set(counts.values()) - {1} or {1}) > 1:
         listed = ", ".join(f"{name} has {count}" for name, count in counts.items())
         raise ValueError(f"numbers of rows do not broadcast: {listed}")

@@ -2,7 +2,7 @@
 """Pose nearest to a robot's present joints, computed without arrays for a control loop that needs one at a time.
 
 The elbow keeps its side of the line from shoulder to wrist. The branch with the smallest largest step of a joint is
-taken. With unit vectors n toward the wrist and v, perpendicular to n, toward the elbow, the upper arm is
+taken. With unit vectors n toward the wrist p and v, perpendicular to n, toward the elbow, the upper arm is
 
     u = n cos a + v sin a        cos a = (s + d1^2 - d2^2) / (2 d1 |p|)        s = |p|^2
 """
@@ -41,7 +41,7 @@ class Step(NamedTuple):
 
 
 def axes(q: Sequence[float]) -> tuple[Vector, Vector, Vector]:
-    """Return the axes x, y, z that a unit quaternion turns to, the columns of its rotation matrix."""
+    """Return the axes x, y, z as rotated by a unit quaternion: the columns of its rotation matrix."""
     w, i, j, k = q
     ii, jj, kk, ij, ik, jk, wi, wj, wk = i * i, j * j, k * k, i * j, i * k, j * k, w * i, w * j, w * k
     return (

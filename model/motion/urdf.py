@@ -30,7 +30,7 @@ SOLVED, ROUNDS = 1e-12, 20  # error and number of steps at which the correction 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Seven joints, all at 0: unit vectors axes (7, 3) through points (7, 3); end (4, 4): the tip's frame.
+    """Chain of seven joints at 0: axes (7, 3) are unit vectors through points (7, 3), end (4, 4) is the tip's frame.
 
     * names (7,); limits (7, 2), rad; velocities (7,): greatest speeds, rad/s, inf where the file has none
     """

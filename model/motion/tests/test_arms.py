@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test robots from URDF files, and the built-in robots, against products of the joints' rotations along the chain, and
-in release tests against pinocchio's forward kinematics and the poses that ssik solves within the limits."""
+"""Test robots from URDF files and built-in robots against products of the joints' rotations along the chain; in release
+tests, also against pinocchio's forward kinematics and the poses that ssik solves within the limits."""
 
 import numpy as np
 import pytest
@@ -136,7 +136,7 @@ def test_files_with_more_than_the_arm(tmp_path):
 
 
 def test_orientations_in_other_forms():
-    """Check that Rotations and matrices (3, 3) and (4, 4) give the joints of quaternions; refuse other matrices."""
+    """Check that Rotations and matrices (3, 3) or (4, 4) give the same joints as quaternions; refuse other matrices."""
     points, q = IIWA14.forward(np.random.default_rng(8).uniform(-1.5, 1.5, (20, 7)))
     whole = np.tile(np.eye(4), (20, 1, 1))
     whole[:, :3, :3] = matrix(q)

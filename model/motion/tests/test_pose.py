@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test poses from Python, of wrist targets and of hand poses with their seven joints, in any frame, in double precision
-and in the core's words; test the reference axis. Forward kinematics of the joints is a product of matrices."""
+"""Test poses from Python, in any frame, in double precision and in the core's words: wrist targets, and hand poses with
+their seven joints. Test the reference axis. Forward kinematics of the joints is a product of matrices."""
 
 import re
 import warnings
