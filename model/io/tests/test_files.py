@@ -218,8 +218,7 @@ def test_example_files_are_up_to_date(name, capsys):
 
 
 def test_flags_are_exact_at_the_limits():
-    """Check targets so near a limit that squares in double precision are equal; other tests compare flags in
-    general."""
+    """Check targets so near a limit that squares in double precision are equal; other tests cover other flags."""
     long, short = 2**30 + 1, 2**30 - 3
     wrists = [(long + short, 0), (long + short + 1, 0), (long + short, 1), (long - short, 0), (long - short - 1, 0)]
     words = np.array([(x, y, 0, 0, long, short) for x, y in wrists])
