@@ -216,7 +216,7 @@ def _in_words(
 ) -> dict[str, Any]:
     """Return fields of :class:`Pose`, computed in the core's words, with lengths scaled by 2^exponent.
 
-    table: as in :func:`_targets`, but with ``hands`` its x, y, z are the hands' points.
+    table: as in :func:`_targets`; with ``hands``, its x, y, z are the hands' points.
     """
     words, _ = core.to_words(_targets(table, hands, frame), width, exponent)
     path, ends = MODELS["arm" if hands else datapath], core.limit_words(limits, width)
