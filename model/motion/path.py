@@ -36,7 +36,7 @@ FURTHER = ((0.0, 0.8), (0.5, 0.6), (0.5, 0.8), (1.0, 0.6), (3.0, 0.8))
 DENSE = 20  # rows on either side of a jump that get more swivel angles
 SPLITS = 16  # values of th1 (th5) tried where only a sum or difference of two joints counts
 SINGULAR = 1e-7  # |sin th2|, |sin th6| below this: only a sum or difference counts
-FREE_STEP, STEP_WEIGHT, FURTHER_WEIGHT = 0.1, 100.0, 1e4  # rad; weights of larger steps: first attempt, further attempts
+FREE_STEP, STEP_WEIGHT, FURTHER_WEIGHT = 0.1, 100.0, 1e4  # rad; weights of larger steps: first, later attempts
 AVOIDED_WEIGHT = 1e3  # cost of joints that an attempt avoids
 MARGIN, WEIGHTS = 0.1, (0.01, 0.01, 0.001, 0.001, 0.001)
 """Distance from a limit (rad) below which a pose costs; weight of this cost in the search and its refinements."""
