@@ -26,7 +26,7 @@ def pytest_itemcollected(item):
 
 
 def pytest_runtest_setup(item):
-    """Skip a test if a tool that it needs is not installed; fail it if CI is set."""
+    """Skip a test if a tool that it needs is not installed; if CI is set, fail it instead."""
     if lacks := [need for need in sorted(needs(item)) if is_missing(need)]:
         message = f"not installed; to install it: python3 scripts/setup/bootstrap.py {' '.join(lacks)}"
         (pytest.fail if os.environ.get("CI") else pytest.skip)(message)
@@ -38,7 +38,7 @@ def needs(item) -> set[str]:
 
 
 def is_missing(need: str) -> bool:
-    """Return True if the packages of a need or one of its programs are not installed; ignore ccache."""
+    """Return True if packages or a program (other than ccache) of a need are not installed."""
     return (
         need in EXTRAS
         and need not in STAMPED
@@ -47,13 +47,13 @@ def is_missing(need: str) -> bool:
 
 
 def modules(item) -> set[str]:
-    """Return the modules of rtl/ that a test compares with the model: those inside its `bench` markers' modules."""
+    """Return the modules of rtl/ that a test compares with the model: those of its `bench` markers, with submodules."""
     return {path.stem for mark in item.iter_markers("bench") for path in closure(*mark.args, **mark.kwargs)}
 
 
 def pytest_collection_modifyitems(config, items):
-    """Apply --module. Sort files by their longest test, longest first, but with --module unit benches first. Tests of a
-    file stay together because they share fixtures."""
+    """Apply --module. Sort files by their longest test, longest first; with --module, put unit benches first. Tests of
+    a file stay together because they share fixtures."""
     if module := config.getoption("module"):
         config.hook.pytest_deselected(items=[item for item in items if module not in modules(item)])
         items[:] = [item for item in items if module in modules(item)]

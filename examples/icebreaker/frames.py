@@ -6,7 +6,7 @@
     hand pose (ARM = 1)    A5, tag, branch, 11 words, CRC
     answer (ARM = 1)       5A, tag, flags (2 bytes), 17 words, CRC
 
-A word has 3 bytes, little endian. The CRC-16 (big endian) covers all bytes before it except the first one.
+A word has 3 bytes, little endian. The CRC-16 (big endian) covers all preceding bytes except the first.
 """
 
 import binascii

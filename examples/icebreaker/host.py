@@ -44,7 +44,7 @@ class Board:
             raise InputError(f"cannot open the serial port {port!r}: {_why(exc)}") from None
 
     def quiet(self) -> None:
-        """Discard answers to an earlier host until the line is quiet. Raises SimulationError if it stays busy."""
+        """Discard answers to an earlier host until the line is quiet. Raises SimulationError if the line stays busy."""
         end = time.monotonic() + self.timeout
         while self.port.read(4096):
             if time.monotonic() > end:
@@ -86,13 +86,13 @@ class Board:
 
 
 def _why(error: BaseException) -> str:
-    """Return the operating system's text for an error if it has one, as pyserial's messages are for programmers."""
+    """Return the operating system's text for an error, if any, since pyserial's messages are for programmers."""
     numbers = [one.args[0] for one in (error, error.__context__) if one and one.args and isinstance(one.args[0], int)]
     return os.strerror(numbers[0]) if numbers else str(error)
 
 
 def compared(words: np.ndarray, results: np.ndarray, flags: np.ndarray) -> Run:
-    """Compare the board's answers with the bit-true model; return them with the number of wrong bits."""
+    """Compare the board's answers with the bit-true model; return them as a Run, with the number of wrong bits."""
     model = fixed.run(words, WIDTH, FOLD16.name)
     wrong = np.column_stack(((results ^ model.results) & (1 << WIDTH) - 1, flags ^ model.flags))
     targets = np.flatnonzero(wrong.any(axis=1))

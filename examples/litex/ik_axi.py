@@ -51,7 +51,7 @@ class IkAxi(LiteXModule):
 
 
 def _ports(prefix, bus, ax, x, slave):
-    """Return the ports of one AXI interface as keywords of Instance, each with its signal."""
+    """Return keywords of Instance, port -> signal, for one AXI interface. ax: address fields; x: response fields."""
     w, r = ("data strb", "data resp") if slave else ("data strb last", "id data resp last")
     ports = {}
     for channel, fields in {"aw": ax, "w": w, "b": f"{x}resp", "ar": ax, "r": r}.items():

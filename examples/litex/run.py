@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulate a LiteX SoC, a VexRiscv with ik_axi, that solves the paper's targets with examples/driver and compares them.
+"""Simulate a LiteX SoC (VexRiscv, ik_axi) that solves the paper's targets with examples/driver and checks the results.
 
 Builds the SoC with its headers, its simulator, and the program main.c for its CPU. Prints what the program writes to
 the UART.

@@ -82,7 +82,7 @@ def read_csv(
 
 
 def _hands(path: str, rows: np.ndarray, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return the fields of Targets that the columns :data:`OF_HANDS` define; none without these columns."""
+    """Return the fields of Targets that the columns :data:`OF_HANDS` define; {} if there are no such columns."""
     if not values:
         return {}
     euler = EULER[0] in values
@@ -103,7 +103,7 @@ def _hands(path: str, rows: np.ndarray, values: dict[str, np.ndarray]) -> dict[s
 
 
 def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
-    """Return the rows, except blank rows and comments, each with its first line number, and the cell separator."""
+    """Return the rows (first line number, cells) without blank rows and comments, and the cell separator."""
     try:
         data = Path(path).read_bytes()
     except OSError as exc:
@@ -193,7 +193,7 @@ def whole_files() -> Iterator[Place]:
     """Yield a function path -> temporary path in the same folder. At the end rename all temporary files to their paths;
     after an error in the block remove them, so that the old files remain.
 
-    The filename of an OSError is the path that was asked for; an OSError without a filename gets the last path.
+    An OSError gets the requested path as its filename, or the last requested path if it has none.
     """
     paths: dict[str, Path] = {}
 

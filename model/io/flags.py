@@ -42,7 +42,7 @@ CHOICE_FLAG_BITS, SINGULAR = 41, 1 << 40
 CHOICE_FLAGS = {**FLAGS, "bad_hand": BAD_HAND, **{f"out_{k}": BAD_HAND << k for k in range(1, 8)}}
 CHOICE_FLAGS |= {"choice_shoulder": 1 << 16, "choice_elbow": 1 << 17, "choice_wrist": 1 << 18, "least": 1 << 19}
 CHOICE_FLAGS |= {f"feasible_{branch}": 1 << 32 + branch for branch in range(8)} | {"singular": SINGULAR}
-"""The same where the core chooses the branch. Above the flags come the chosen branch, the largest step (bits 19 to 30;
+"""Result flags if the core chooses the branch. Above them come the chosen branch, the largest step (bits 19 to 30;
 bit 31: no branch is within the limits), a bit for each branch within the limits, and `singular`."""
 
 

@@ -4,7 +4,7 @@
 * hand: the wrist by forward kinematics of the core's quaternions, or the point and orientation of a hand pose by
   forward kinematics of the joints, compared with the user's target; quantisation of the target counts as an error
 * angles and elbow point: compared with double precision at the core's input words
-* hand of an unreachable target: compared with the hand of the clamped pose, apart from the reachable targets
+* hand of an unreachable target: compared with the hand of the clamped pose, reported separately
 
 Lengths are scaled by the power of two from `words.scale_exponent` before they are squared, so the unit of length does
 not matter.  Tolerances come from `model.bounds.tolerances`, unless the user requests an accuracy.
@@ -79,7 +79,7 @@ def model_errors(words: np.ndarray, width: int, datapath: str) -> tuple[np.ndarr
 
 
 def _whole(q: np.ndarray) -> np.ndarray:
-    """Return quaternions (N, 4) from their first two components or from all four."""
+    """Return quaternions (N, 4) from all components or only the first two; the others are 0."""
     return np.pad(q, ((0, 0), (0, 4 - q.shape[1])))
 
 
@@ -122,13 +122,13 @@ class PerTarget:
 class Score:
     """Scores of one trajectory; all but `per_target` are stored in score.json under the same names.
 
-    * `*_max`, `*_rms`: over the reachable targets, None if there are none; but norm and orientation errors over all
-      targets, `clamped_error_max` over the unreachable targets
+    * `*_max`, `*_rms`: over reachable targets, None if there are none; exceptions: norm and orientation errors are over
+      all targets, `clamped_error_max` is over unreachable targets
     * `*_tolerance`: largest permitted error of the worst target, None without a tolerance; `hand_error_over_tolerance`:
       largest ratio of a hand error to its tolerance
-    * `hand_error_target`: the target with the largest error; `hand_error_pose`: how near it is to a singular pose
+    * `hand_error_target`: the target with the largest error; `hand_error_pose`: how near that is to a singular pose
     * `outcome`: largest error and its tolerance as text; `failures` is empty exactly if `passed`
-    * `over_limit`: number of targets with a joint outside its limits; None for wrist targets, as `orientation_error_*`
+    * `over_limit`: number of targets with a joint outside its limits; it and `orientation_error_*`: None for wrists
     """
 
     trajectory: str
@@ -186,10 +186,10 @@ def score(
     * targets: N of them, in the user's units; words, exponent: output of `words.to_words`
     * run: the core's output, with the attributes of `tb.sim.job.Run`
     * predicted (N,): largest hand error / reach that rounding can cause; None if not computed
-    * tolerance: of hand error / reach, requested by the user; by default from `model.bounds.tolerances`
+    * tolerance: permitted hand error / reach, requested by the user; by default from `model.bounds.tolerances`
     * placed: elbows and wrists (N, 3) to score, relative to the shoulder, in the user's units, and orientations (N, 4)
       for hand poses, which then have no tool; by default all are computed by forward kinematics
-    * limits: joint limits of hand poses, in words; none by default; strict: a joint outside them is a failure
+    * limits: joint limits of hand poses, in words; none by default; strict: True to fail on a joint outside them
 
     Raises ValueError for arrays whose shapes do not match, and for a prediction that is not positive and finite.
     """
@@ -331,14 +331,14 @@ def _outcome(passed: bool, tolerance: np.ndarray | None, errors: np.ndarray) -> 
 
 
 def _over_limits(over: np.ndarray) -> Iterator[str]:
-    """Yield a message that counts the rows of ``over`` (N, 7) with a True and names the first, if there is one."""
+    """If any of ``over`` (N, 7) is True, yield a message with the number of such rows and the first of them."""
     if len(rows := np.flatnonzero(over.any(axis=1))):
         which = ", ".join(JOINTS[joint] for joint in np.flatnonzero(over[rows[0]]))
         yield f"{len(rows)} targets with a joint outside its limits; first: target {rows[0]}, {which}"
 
 
 def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> Iterator[str]:
-    """Yield a message that names the first target with wrong flags, if there is one."""
+    """If any flags are wrong, yield a message that names the first such target."""
     if len(wrong := np.flatnonzero(flags != expected)):
         actual, owed = (flag_bits.names(int(words[wrong[0]])) for words in (flags, expected))
         yield f"{len(wrong)} targets with wrong flags; first: target {wrong[0]} has {actual} instead of {owed}"
@@ -347,7 +347,7 @@ def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> Iterator[str]:
 def _large_errors(
     what: str, error: np.ndarray, most: float | np.ndarray | None, where: np.ndarray | bool = True
 ) -> Iterator[str]:
-    """Yield a message that names the largest error above its tolerance, if any; ``most``: a number or (N,)."""
+    """If an error exceeds its tolerance ``most``, a number or (N,), yield a message that names the largest one."""
     tolerance = np.broadcast_to(np.inf if most is None else most, error.shape)
     above = where & (error > tolerance)
     if above.any():
@@ -360,8 +360,8 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
     """Return the contents of results.csv and results.npz by suffix; results.npz has the same data as arrays.
 
     CSV: one row per target in input order, lengths in the user's unit and frame, angles in rad, followed by the other
-    columns of the target file and by `more`, columns (N,). Reading the file returns the same bits. docs/targets.md
-    lists columns and arrays.
+    columns of the target file and those of `more`, name -> (N,). Reading the file returns the same bits.
+    docs/targets.md lists columns and arrays.
     """
     value = dict(zip(MODELS[result.datapath].results, result_values(run.results, result.width).T, strict=True))
     qs = targets.from_core(np.column_stack([value[name] for name in RESULT_FIELDS[:4]]))

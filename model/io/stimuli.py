@@ -17,9 +17,9 @@ from .words import ARM_FIELDS, FIELDS, binary_angles
 
 
 def random_reachable(count: int, width: int, seed: int) -> np.ndarray:
-    """Return targets without flags; directions and swivel angles are uniform.
+    """Return targets that set no flags; directions and swivel angles are uniform.
 
-    The lengths of every other target fill their words; for the rest, the logarithm of the size is uniform.
+    Every other target has lengths that fill their words; for the rest, the logarithm of the size is uniform.
     """
     random, rows = np.random.default_rng((seed, width, 1)), np.zeros((0, len(FIELDS)), dtype=np.int64)
     while len(rows) < count:
@@ -179,7 +179,7 @@ def extremes(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def special(width: int) -> tuple[int, ...]:
-    """Return twelve words: at both ends of the range, around 0 and 1.0, -1.0, and alternating bits."""
+    """Return twelve words: at both ends of the range, around 0, around 1.0, -1.0 itself, and alternating bits."""
     low, one, top = -(1 << (width - 1)), 1 << (width - 2), (1 << (width - 1)) - 1
     return (low, low + 1, -one, -1, 0, 1, top // 3, one - 1, one, one + 1, top - 1, top)
 
@@ -188,7 +188,7 @@ SPECIAL = 12 ** len(FIELDS)  # number of targets that consist of special words
 
 
 def of_special(first: int, count: int, width: int) -> np.ndarray:
-    """Return the targets of special words with numbers from ``first``, at most ``count``; x varies fastest."""
+    """Return up to ``count`` targets of :func:`special` words, from number ``first`` on; x varies fastest."""
     numbers = np.arange(first, min(first + count, SPECIAL))
     return np.array(special(width))[numbers[:, None] // 12 ** np.arange(len(FIELDS)) % 12]
 
@@ -236,9 +236,9 @@ def region(name: str, count: int, width: int, seed: int) -> np.ndarray:
 
 
 def right_angles(count: int, width: int, seed: int) -> np.ndarray:
-    """Return up to ``count`` reachable targets at which roots and roundings weigh most: near the x axis, with nearly a
-    right angle between the target and a short upper arm. Most of |p| and d1 are little less than a power of 2, and of
-    4: reciprocal roots of such mantissas have the largest relative errors."""
+    """Return up to ``count`` reachable targets for which errors of roots and roundings matter most: near the x axis,
+    with nearly a right angle between the target and a short upper arm. Most |p| are just below a power of 2, most d1
+    just below a power of 4: reciprocal roots of such mantissas have the largest relative errors."""
     random, top = np.random.default_rng((seed, width, 11)), (1 << width - 1) - 1
 
     def small():
@@ -324,7 +324,7 @@ def _elbow_near_z(random, width: int, d1, d2) -> np.ndarray:
 
 
 def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
-    """Return targets of five kinds in rotation, with x, y, z, the cosine of the shoulder angle, or k of Qs near 0."""
+    """Return targets of five kinds in rotation: x, y, z, the cosine of the shoulder angle, or k of Qs is near 0."""
     count = len(phi)
     kind = np.arange(count) % 5
     few = random.integers(-4, 5, count)
@@ -337,9 +337,9 @@ def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
 
 
 def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
-    """Return the targets with new swivel angles, for which k of Qs is near 0.
+    """Return the targets with new swivel angles that make k of Qs near 0.
 
-    Qs is q_0 cos(phi/2) + q_pi sin(phi/2). The signs of q_0 and q_pi are unknown, so both sign combinations are tried.
+    Qs = q_0 cos(phi/2) + q_pi sin(phi/2), where q_0 and q_pi are Qs at 0 and pi up to sign: both signs are tried.
     """
     x, y, z, _, d1, d2 = rows.T.astype(float)
     at_0, at_pi = (solve_lean(x, y, z, phi, d1, d2)["qs_k"] for phi in (0.0, np.pi))
@@ -357,7 +357,7 @@ def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
     """Return hand poses (N, 11) with wrists at reachable targets (N, 6).
 
     A third of the poses have any orientation. The others have th6 near 0 or half a turn, a tenth of them exactly. The
-    tool is at most as long as the arm, and so short that the hand's point fits the format.
+    tool is no longer than the arm, and short enough that the hand's point fits the format.
     """
     random, count, top = np.random.default_rng((seed, width, 4)), len(targets), (1 << width - 1) - 1
     near = np.exp2(random.uniform(-34, -3, count)) * (random.random(count) < 0.9)
@@ -392,8 +392,8 @@ def arm_corners(width: int) -> np.ndarray:
 
 
 def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
-    """Return words and branches (N, 12) of shuffled hand poses: half in reach, a quarter of any words, a quarter with
-    wrists anywhere and unit quaternions; large sets include the corners."""
+    """Return words and branches (N, 12) of shuffled hand poses: half in reach, a quarter of arbitrary words, a quarter
+    with arbitrary wrists but unit quaternions; large sets include the corners."""
     random, kind = np.random.default_rng((seed, width, 6)), np.arange(count)[:, None] // 2 % 4
     anything, corners = any_hands(count, width, seed), arm_corners(width)
     poses = hand_poses(random_reachable(count, width, seed), width, seed)
@@ -405,7 +405,7 @@ def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def referenced(words: np.ndarray, width: int, seed: int) -> np.ndarray:
-    """Return the words (N, 19) of poses with their branch (N, 12) and any reference joints."""
+    """Return words and branches (N, 12) of poses with arbitrary reference joints inserted, (N, 19)."""
     references = np.random.default_rng((seed, width, 8)).integers(-(1 << width - 1), 1 << width - 1, (len(words), 7))
     return np.insert(words, [len(ARM_FIELDS)] * 7, references, axis=1)
 
@@ -430,8 +430,8 @@ def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
 
 
 def arm_limits(width: int, long: bool = False) -> list[tuple[int, int]]:
-    """Return limits (low, high) of seven joints, words: arcs of all lengths, some across half a turn (low > high); or
-    ``long`` arcs, one a whole turn, so that some branches of a pose are inside."""
+    """Return limits (low, high) of seven joints, in words: arcs of all lengths, some across half a turn (low > high).
+    ``long``: arcs so long that some branches of a pose are within them; one is a whole turn."""
     half = 1 << width - 1
     arcs = (0.9, -0.8), (-0.7, 0.95), (-1.0, 0.0), (-0.4, 0.5), (0.2, 0.3), (-0.99, 0.6), (0.7, 0.4)
     if long:
@@ -440,8 +440,8 @@ def arm_limits(width: int, long: bool = False) -> list[tuple[int, int]]:
 
 
 def any_hands(count: int, width: int, seed: int) -> np.ndarray:
-    """Return words (N, 11) of hand poses: targets of :func:`mixed` with any tool and hand. Every second pose has tool
-    and hand words at an end of the format, at half of it, or at -1, 0 or 1 ulp."""
+    """Return words (N, 11) of hand poses: targets of :func:`mixed` with arbitrary tool and hand words. In every second
+    pose these are at an end of the format, at half of it, or at -1, 0 or 1 ulp."""
     random, low = np.random.default_rng((seed, width, 5)), -(1 << width - 1)
     anything = random.integers(low, -low, (count, 5))
     edge = random.choice([low, -1, 0, 1, -low // 2, low // 2, -low - 1], (count, 5))

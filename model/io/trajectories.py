@@ -40,7 +40,7 @@ def describe(name: str) -> str:
 
 
 def _registered(place: dict[str, Callable[[], Targets]], function: Callable[[], tuple]) -> Callable[[], tuple]:
-    """Register a trajectory under the name of its function.
+    """Register a trajectory in ``place`` under the name of its function.
 
     The function returns positions (N, 3) in m and swivel angles (rad), then d1 and d2 (m) unless the arm is the
     default, then for hand poses orientations (N, 4) and the tool's length (m).

@@ -35,7 +35,7 @@ ARM_RESULT_FIELDS = (*JOINTS, *RESULT_FIELDS, *WRIST_FIELDS)
 """Fields of a result word of the whole arm, lowest bits first."""
 
 CHOICE_FIELDS = (*(f"joint_{k}" for k in range(1, 8)), *RESULT_FIELDS, *WRIST_FIELDS)
-"""The same where the core chooses the branch: joints of the chosen branch."""
+"""Fields of a result word if the core chooses the branch: `joint_k` are the joints in the chosen branch."""
 
 REFERENCES = tuple(f"ref_{k}" for k in range(1, 8))
 """Reference joints of a hand pose, for the choice of its branch; binary angles."""
@@ -111,7 +111,7 @@ class Targets:
 
     @property
     def paths(self) -> list[np.ndarray]:
-        """Rows of each path; a column ``path`` separates them."""
+        """Row numbers of each path; the column ``path`` names the path of a row."""
         labels = np.array(self.others.get("path", [""] * len(self)))
         return [np.flatnonzero(labels == one) for one in dict.fromkeys(labels.tolist())]
 
@@ -183,7 +183,7 @@ def scale_exponent(targets: Targets, width: int) -> int:
     """Return the exponent e of the host's scaling: the core works on lengths times 2^e.
 
     The largest reach d1+d2 is scaled to [1, 2). If a coordinate would then leave [-2, 2), e is lowered by at most
-    `HEADROOM_BITS`, and if a tool would, by up to the same number again; each step costs one bit of precision. Raises
+    `HEADROOM_BITS`; if a tool would, by up to `HEADROOM_BITS` more. Each step costs one bit of precision. Raises
     TargetError if that is insufficient, if a reach exceeds double precision, or if an arm length's word would be 0.
     """
     reach = targets.reach
@@ -295,9 +295,9 @@ TAG_BITS = 24  # bits of a tag that a result record returns
 class Records:
     """Layout of target and result records: words of 32 bits, little endian, whatever the core's word length.
 
-    Lengths and quaternions are Q2.30, one turn is 2^32. Word number `tag` has the tag and above it the branch (target)
-    or the flags (result); `inputs` and `results` name the other words. The results are followed by the record's index
-    in its job and, for the whole arm, by over_limit: a bit for each joint from bit 0, and bad_hand in bit 8.
+    Lengths and quaternions are Q2.30, one turn is 2^32. Word number `tag` holds the tag and above it the branch
+    (target) or flags (result); `inputs` and `results` name the other words. The results are followed by the record's
+    index in its job and, for the whole arm, by over_limit: a bit for each joint from bit 0, and bad_hand in bit 8.
     """
 
     size: int  # bytes
@@ -306,15 +306,15 @@ class Records:
     results: tuple[str, ...]
 
     def packed(self, fields: np.ndarray, *more: np.ndarray) -> bytes:
-        """Return records of 32-bit words (N, n), for targets with columns as `inputs`, of tag words (N,) and of further
-        words (N,), padded with zeros."""
+        """Return zero-padded records of the 32-bit words ``fields`` (N, n), with columns as `inputs` for targets.
+        more: the tag words (N,), then further words (N,)."""
         columns = [*np.broadcast_arrays(*fields.T, *more, *[0] * (self.size // 4))]
         columns.insert(self.tag, columns.pop(fields.shape[1]))
         columns = columns[: self.size // 4]
         return (np.column_stack([column.astype(np.int64) for column in columns]) & 0xFFFFFFFF).astype("<u4").tobytes()
 
     def _unpacked(self, records: bytes, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the first signed words (N, count) of records, without the tag words, and the tag words (N,)."""
+        """Return signed words (N, count), the first of each record except its tag word, and the tag words (N,)."""
         table = np.frombuffer(records, dtype="<i4").astype(np.int64).reshape(-1, self.size // 4)
         return np.delete(table, self.tag, axis=1)[:, :count], table[:, self.tag]
 
@@ -331,7 +331,7 @@ class Records:
         return words, tags & ((1 << TAG_BITS) - 1), tags >> TAG_BITS & (1 << len(BRANCHES)) - 1
 
     def written(self, results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:
-        """Return a job's result records of results (N, n), `width` bits, columns as `results`, flags and tags (N,)."""
+        """Return a job's result records for words (N, n) of `width` bits, columns as `results`, flags and tags (N,)."""
         more = (flags & 255) << TAG_BITS | tags, np.arange(len(results)), flags >> OVER_BIT | flags & BAD_HAND
         return self.packed(results << (32 - width), *more)
 

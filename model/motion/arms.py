@@ -24,14 +24,14 @@ from .swivels import Circles, Swivels, feasible_swivel
 from .track import Step, Tracker
 from .urdf import SAMPLES, TURN_MISFIT, Chain, arguments, from_axes, nearest, placed
 
-Given = ArrayLike | None  # argument that is chosen if it is None
+Given = ArrayLike | None  # argument; None: chosen
 
 UNIT = joints.UNIT
-SPARE = 0.02  # rad beyond the limits in which a start for the correction may lie
-CORRECTED = 1e-9  # largest error after the correction, of size or in rad; for larger ones all candidates are corrected
+SPARE = 0.02  # angle (rad) by which the start of a correction may exceed a limit
+CORRECTED = 1e-9  # largest error after correction (distance / size, or rad); otherwise all candidates are corrected
 GOAL = 0.2  # largest step of a joint along a path, rad
-BATCH = 128  # poses whose branch and swivel angle are chosen at a time, so that arrays stay in the cache
-CHUNK = 1024  # poses of which only the branch is chosen
+BATCH = 128  # poses per batch if branch and swivel angle are chosen, so that arrays stay in the cache
+CHUNK = 1024  # poses per batch if only the branch is chosen
 
 
 def _vector(name: str, values: ArrayLike, size: int) -> Floats:
@@ -42,7 +42,7 @@ def _vector(name: str, values: ArrayLike, size: int) -> Floats:
 
 
 def _rows(name: str, values: ArrayLike, size: int) -> Floats:
-    """Return an array (N, size); one row may have the shape (size,).  Raises ValueError for others and for a nan."""
+    """Return values as an array (N, size); shape (size,) is one row.  Raises ValueError for other shapes and nan."""
     rows = np.asarray(values, dtype=np.float64)
     rows = rows[None] if rows.ndim == 1 and rows.size else rows.reshape(-1, size) if not rows.size else rows
     if rows.ndim != 2 or rows.shape[1] != size:
@@ -60,15 +60,15 @@ class Arm:
     """Arm with three joint axes that meet in the shoulder, one in the elbow, and three that meet in the wrist.
 
     * d1, d2: distances from shoulder to elbow and from elbow to wrist
-    * tool: from wrist to tip, a distance along axis 7, or a vector (3,) in the hand's frame, whose z is axis 7
+    * tool: from wrist to tip: a distance along axis 7, or a vector (3,) in the hand's frame, whose z is axis 7
     * offsets (7,) rad, signs (7,) of 1 or -1: position of a joint = sign * th + offset
     * limits (7, 2): lower and upper limit of each joint, rad
-    * base (3,), mount (4,): in the base frame, position of the shoulder and orientation of its frame, whose z is axis 1
+    * base (3,), mount (4,): position of the shoulder and orientation of its frame (z along axis 1) in the base frame
     * tip (4,): orientation of the tip's frame in the hand's frame
     * upper (4,): orientation of the upper arm in the frame of axis 3, whose z is axis 3
     * fore (4,): orientation of the frame of axis 5 in the forearm's frame; links are bent unless upper = fore = 1
     * names (7,): names of the joints; velocities (7,): greatest speeds, rad/s
-    * chain: the true chain of an arm that differs from an exact one by misfit: at the tip, and rad; None for exact arms
+    * chain: true chain of a nearly exact arm, else None; misfit: largest tip errors (distance, rad) without it
 
     Quaternions are w, i, j, k.  Methods take and return points and orientations of the tip in the base frame.
     """
@@ -117,9 +117,9 @@ class Arm:
     def _asked(
         self, points: ArrayLike, hand: ArrayLike, phi: Any = None, branch: Any = None, near: Any = None
     ) -> tuple[Floats, Floats, Any, Any, Any]:
-        """Return wrist targets (N, 3) and hands (N, 4) in the shoulder's frame for poses of the tip.
+        """Return wrist targets (N, 3), hands (N, 4), phi, branch and near for poses of the tip.
 
-        The other arguments follow, with N rows or None.  Raises ValueError.
+        Wrists and hands are in the shoulder's frame; the others have N rows or are None.  Raises ValueError.
         """
         asked = {"points": _rows("points", points, 3), "hand": Hands.checked(hand, 0.0, 0).q.T}
         asked |= {} if phi is None else {"phi": _rows("phi", np.ravel(phi)[:, None], 1)[:, 0]}
@@ -141,14 +141,14 @@ class Arm:
         return planner
 
     def _branched(self, pose: Pose, branch: ArrayLike) -> Floats:
-        """Return th1 .. th7 (7, N) in a branch, a number or (N,), of poses in branch 0."""
+        """Return th1 .. th7 (7, N) of poses in branch 0, converted to ``branch``, a number or (N,)."""
         if not self.bent:
             return joints.branched(pose.joints.T, branch)
         return joints.angles(*joints.bent(pose.qs.T, joints.flexion(pose.qe.T), pose.qw.T, branch, *self.bent))
 
     def _nearest_branches(self, pose: Pose, near: Floats | None) -> tuple[NDArray[np.int64], Floats]:
-        """Return the best branches (N,) for poses in branch 0, and their joint positions (N, 7), of which the rows are
-        nan that need a planner: singular poses, poses out of reach, and poses without a branch within the limits."""
+        """Return the best branches (N,) and joint positions (N, 7) for poses in branch 0. Rows that need a planner are
+        nan: singular poses, poses out of reach, and poses without a branch within the limits."""
         branches, at = np.empty(len(pose.joints), dtype=np.int64), np.empty(pose.joints.shape)
         planner, th = self._planner(pose.wrist[:0], pose.qw[:0]), [self._branched(pose, elbow) for elbow in (0, 2)]
         for first in range(0, len(at), CHUNK):
@@ -159,16 +159,16 @@ class Arm:
         return branches, at
 
     def _corrected(self, positions: Floats, wrists: Floats, q: Floats) -> tuple[Floats, Floats]:
-        """Return joint positions (N, 7) of the true chain near the given ones for wrist targets (N, 3) with hands
-        (N, 4) in the shoulder's frame; and errors (N,)."""
+        """Correct joint positions (N, 7) so that the true chain reaches wrist targets (N, 3) with hands (N, 4), both in
+        the shoulder's frame. Return the corrected positions and their errors (N,)."""
         assert self.chain
         points = self.base + rotate(self.mount, wrists + rotate(q, self.tool))
         return self.chain.corrected(positions, points, matrix(multiply(multiply(self.mount, q), self.tip)))
 
     def _best(self, rows: NDArray, wrists: Floats, q: Floats, given: list, corrected: bool = False) -> tuple:
-        """Return :meth:`Planner.best` of some rows; given: phi, branch and near of all rows, or None.
+        """Return :meth:`Planner.best` for ``rows``; given: [phi, branch, near], each for all rows or None.
 
-        corrected: the candidates are corrected on the true chain.
+        corrected: True to correct the candidates on the true chain.
         """
         planner = self._planner(wrists[rows], q[rows])
         planner.true[:] = corrected
@@ -176,7 +176,7 @@ class Arm:
         return planner.best(phi, branch, near, None if near is None else self._swivel(near, wrists[rows]))
 
     def _swivel(self, positions: Floats, wrists: Floats) -> Floats:
-        """Return the swivel angles (N,) that put the elbow on the side that it has at joint positions (N, 7)."""
+        """Return swivel angles (N,) for wrists (N, 3) with the elbow on the same side as at joint positions (N, 7)."""
         th = self.angles(positions).T
         elbow = rotate(multiply(joints.turned(*th[:3]).T, self.upper), (0, 0, self.d1))
         return swivel((0.0, 0.0, 0.0), elbow, wrists)
@@ -188,7 +188,7 @@ class Arm:
     def positions(self, th: ArrayLike, near: Floats | None = None) -> Floats:
         """Return the robot's joint positions (N, 7) for angles th1 .. th7 (N, 7), rad.
 
-        Whole turns bring them nearest to ``near`` (N, 7), or where that is nan or None, into their limits if one does.
+        Adds whole turns, to be nearest to ``near`` (N, 7) or, where it is nan or None, within the limits if possible.
         """
         low, high = self.limits.T + [[-joints.ROUNDING], [joints.ROUNDING]]
         at = joints.wrap(np.asarray(th) * self.signs + self.offsets)
@@ -197,8 +197,8 @@ class Arm:
         return at if near is None else np.where(np.isnan(near), at, near + joints.wrap(at - near))
 
     def nearest(self) -> tuple["Arm", float, float]:
-        """Return the nearest arm whose joints need no correction, with straight links if it bends them by less than
-        the accepted misfit; and its largest difference at the tip: distance, and in rad."""
+        """Return the nearest exact arm, and the largest distance and angle (rad) between its tip and this arm's. Links
+        that the exact arm would bend by less than the accepted misfit are straight."""
         assert self.chain
         fitted, *_ = nearest(self.chain)
         lengths = from_axes(fitted.axes, fitted.points, fitted.end, TURN_MISFIT)
@@ -218,10 +218,9 @@ class Arm:
         * branch: bits of :class:`Branch`, a number or (N,)
         * near (N, 7) or (7,): joint positions, rad
 
-        What is not given is chosen: joints within their limits if any branch and swivel angle has them; nearest to
-        ``near``, or without it farthest from the limits. Where there are none, the
-        joints exceed their limits by the smallest sum.
-        ``Pose.joints`` are the robot's positions.  Raises ValueError as :func:`cga_ik.solve` does.
+        If phi or branch is None, it is chosen so that the joints are within their limits and nearest to ``near`` or, if
+        near is None, farthest from the limits. Where this is impossible, the sum by which joints exceed their limits is
+        smallest. ``Pose.joints`` are the robot's positions.  Raises ValueError as :func:`cga_ik.solve` does.
         """
         wrists, q, *given = self._asked(points, hand, phi, branch, near)
         count, (turns, of, to) = len(wrists), given
@@ -271,8 +270,8 @@ class Arm:
         return feasible_swivel(wrists, q, self.d1, self.d2, limits=self.bounds, branch=branch, bent=self.bent)
 
     def reasons(self, points: ArrayLike, hand: ArrayLike) -> dict[int, str]:
-        """Return row -> text for each pose of the tip that no branch and swivel angle solves: the joints of the best
-        branch with their distances from the limits, or the reach.  Raises ValueError."""
+        """Return row -> reason for poses of the tip that no branch and swivel angle solves: the joints outside their
+        limits in the best branch, and by how much, or the reach.  Raises ValueError."""
         wrists, q, *_ = self._asked(points, hand)
         planner, over = self._planner(wrists, q), self.solve(points, hand).over_limit.any(axis=1)
         return planner.impossible(np.flatnonzero(over | planner.circles.unreachable))
@@ -290,10 +289,10 @@ class Arm:
     ) -> JointPath:
         """Return joints along a path of poses of the tip: points (N, 3), orientations ``hand`` as in :meth:`solve`.
 
-        All joints are within their limits, and no step of a joint exceeds the goal (rad) if branches and swivel angles
-        allow it. start (7,): joint positions before the first pose. phi (rad), branch: numbers or (N,), given instead
-        of chosen. progress: called several times with the part that is done, 0 to 1, and the number of swivel angles
-        tried; from 0 for each further attempt.  Raises ValueError.
+        Joints are within their limits, or nan.  If branches and swivel angles allow, no step of a joint exceeds
+        ``goal`` (rad). start (7,): joint positions before the first pose. phi (rad), branch: numbers or (N,); None:
+        chosen. progress: callback with the fraction done, 0 to 1, and the number of swivel angles tried; the fraction
+        restarts for each further attempt.  Raises ValueError.
         """
         wrists, q, given_phi, given_branch, _ = self._asked(points, hand, phi, branch)
         if not 0 < goal < np.inf:
@@ -311,11 +310,11 @@ class Arm:
         return planner.plan(given_phi, given_branch, before, goal)
 
     def track(self, point: Sequence[float], hand: Sequence[float], positions: Sequence[float]) -> Step:
-        """Return a pose of the tip near the robot's present joint positions (7,), for a control loop.
+        """Return the step from the robot's present joint positions (7,) to a pose of the tip, for a control loop.
 
         point (3,), hand (4,): sequences of numbers.  If no branch is within the limits with the elbow on its present
-        side, or a joint moves by more than 0.2 rad, all swivel angles are tried, which takes a hundred times as long.
-        A dead end has no joints, and a reason.
+        side, or a joint would move by more than 0.2 rad, all swivel angles are tried, which takes a hundred times as
+        long. At a dead end the step has a reason but no joints.
         """
         step = None
         if self._tracker:
@@ -330,7 +329,7 @@ class Arm:
         return step if step and step.joints and step.largest <= slow.largest else slow
 
     def continuous_joints(self, positions: ArrayLike) -> Floats:
-        """Return joint positions (N, 7), rad, of the same arm in the same places, but without jumps between branches.
+        """Return joint positions (N, 7), rad, with the same hands and elbows but without jumps between branches.
 
         positions (N, 7): rad; each row may be in any branch.  The results are within the limits, or nan where no branch
         is.  Raises ValueError.
@@ -342,11 +341,11 @@ class Arm:
 
     @classmethod
     def from_urdf(cls, path: str | Path, base: str | None = None, tip: str | None = None) -> "Arm":
-        """Return the arm between two links of a URDF file, by default its only first link and its only last link.
+        """Return the arm between two links of a URDF file; by default, between its only first and its only last link.
 
-        An arm whose axes almost meet is accepted (``misfit``), and the answers of :meth:`solve` and :meth:`path` are
-        corrected on its own chain.  Raises OSError, and ValueError for a file that is no URDF, for a chain without
-        exactly seven turning joints, and for axes that do not meet.
+        An arm whose axes almost meet is accepted (``misfit``); results of :meth:`solve` and :meth:`path` are corrected
+        on its true chain.  Raises OSError, and ValueError for a file that is no URDF, for a chain without exactly seven
+        turning joints, and for axes that do not meet.
         """
         try:
             return cls(**arguments(path, base, tip))
@@ -386,7 +385,7 @@ because the AAOS measures it with the arm held sideways.
 
 
 class Robots(UserDict[str, Any]):
-    """Arms, and paths of URDF files that are read when asked for, by name."""
+    """Arms by name. An arm from a URDF file is read at its first use."""
 
     folder = Path(__file__).with_name("robots")
 

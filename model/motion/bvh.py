@@ -58,7 +58,7 @@ class Clip:
 
     * head: the text before and after the number of frames, up to the table
     * table (F, C): positions, and rotations in degrees
-    * notes: doubts about the file, each one line for the user
+    * notes: warnings about the file, each one line for the user
     * up: the up axis, as in :data:`kinematics.NAMED_AXES`
     """
 
@@ -164,8 +164,8 @@ class Clip:
 
 
 def _angles(turn: np.ndarray, axes: list[int], near: np.ndarray) -> np.ndarray:
-    """Return angles (F, 3), rad, of rotations about three different axes whose product is ``turn`` (F, 3, 3). Of all
-    solutions, the angles nearest to ``near`` (F, 3) are returned."""
+    """Return angles (F, 3), rad, for which the rotations about three different ``axes`` have the product ``turn``
+    (F, 3, 3). Of all solutions, the angles nearest to ``near`` (F, 3) are returned."""
     i, j, k = axes
     sign = 1.0 if (j - i) % 3 == 1 else -1.0
     locked = np.hypot(turn[:, j, k], turn[:, k, k]) < 1e-7
@@ -194,7 +194,7 @@ def parse(content: bytes, path: Path) -> Clip:
 
 
 class _Parser:
-    """Parser of a BVH file. In `plain` blanks replace the comments, so positions in `plain` and `text` are equal."""
+    """Parser of a BVH file. `plain` is `text` with comments blanked out, so positions in both agree."""
 
     def __init__(self, path: Path, text: str, encoding: str) -> None:
         self.path, self.text, self.encoding = path, text, encoding
@@ -214,7 +214,7 @@ class _Parser:
         return self.error(f"{self.word[:40]!r} is not {expected}")
 
     def take(self, expected: str) -> str:
-        """Take and return the next word of the hierarchy."""
+        """Take and return the next word of the hierarchy.  expected: what it should be, for the error message."""
         if not self.left:
             raise self.error(f"the hierarchy ends where {expected} is expected")
         self.line, self.word = self.left.popleft()
@@ -294,13 +294,13 @@ class _Parser:
         return Clip(self.path, self.encoding, head, tuple(self.nodes), np.array(rows), period, tuple(notes))
 
     def rows(self, count: float) -> tuple[list[list[float]], list[str]]:
-        """Return the rows of the table, which may be wrapped, and notes.  count: number of frames stated."""
+        """Return the rows of the table, where lines may be wrapped, and notes.  count: the stated number of frames."""
         if not (channels := len(self.joint_of_column)):
             raise ClipError(f"{self.path}: no joint has channels")
         text = self.plain[self.table.end() :].split("\n") if self.table else []
         lines = [(number, words) for number, line in enumerate(text, self.line) if (words := line.split())]
         lengths = [len(words) for _, words in lines]
-        if channels not in lengths and sum(lengths) == channels * count:  # lines that ignore rows
+        if channels not in lengths and sum(lengths) == channels * count:  # line breaks are not row breaks
             lines = [(number, [word]) for number, words in lines for word in words]
         rows: list[list[float]] = []
         row: list[float] = []

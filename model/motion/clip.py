@@ -48,7 +48,7 @@ DROPPED = {"joint", "jnt", "bone", "bind", "bend", "stretch"}
 class Limb:
     """Numbers of the joints of an arm or a leg.
 
-    torso: joint that carries the limbs of both sides; opposite: upper joint of the other side's limb, otherwise torso
+    torso: joint that carries the limbs of both sides; opposite: upper joint of the limb on the other side, or torso
     """
 
     side: str
@@ -66,16 +66,16 @@ class Limb:
 
 
 def read(path: Path, up: str | None = None) -> Clip:
-    """Read a clip.  up: a name of :data:`kinematics.NAMED_AXES`; None is :func:`up_axis`.  Raises OSError, and
+    """Read a clip.  up: a name of :data:`kinematics.NAMED_AXES`; None: use :func:`up_axis`.  Raises OSError, and
     :class:`ClipError` for a file that is not BVH."""
     clip = parse(path.read_bytes(), path)
     return replace(clip, up=up or up_axis(clip))
 
 
 def arms(clip: Clip, which: str = "both", joints: Sequence[str] | None = None, limbs: str = "arms") -> list[Limb]:
-    """Return the "arms", "legs" or "all" limbs of a clip, on the "left", "right" or "both" sides.
+    """Return limbs of a clip: "arms", "legs" or "all" (``limbs``), on the "left", "right" or "both" sides (``which``).
 
-    joints: three joint names for each side; None recognizes usual names.  Raises :class:`ClipError` if the names do not
+    joints: three joint names for each side; None: recognize usual names.  Raises :class:`ClipError` if the names do not
     identify the limbs.
     """
     if len(LIMBS[limbs]) > 1:
@@ -120,7 +120,7 @@ def _joint_names(clip: Clip) -> list[str]:
 
 
 def _words(name: str) -> list[str]:
-    """Return the words of a joint's name in lower case, without namespace, Blender's number and DROPPED words."""
+    """Return the words of a joint's name in lower case; omit namespace, Blender's number suffix, and DROPPED words."""
     name = re.sub(r"\.\d{3}$", "", re.split("[:|]", name)[-1])
     words = (word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name))
     return [word for word in words if word not in DROPPED]
@@ -141,7 +141,7 @@ def named(clip: Clip, name: str) -> list[int]:
 
 
 def _chosen(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]]) -> tuple[int, int, int]:
-    """Return the joints of a limb by their names; if several limbs fit, return the first that is not in ``others``."""
+    """Return the joints (upper, fore, hand) of the first limb with joints of these names that is not in ``others``."""
     for upper, fore, hand in product(*(named(clip, name) for name in joints)):
         if upper in clip.ancestors(fore) and fore in clip.ancestors(hand) and (upper, fore, hand) not in others:
             return upper, fore, hand
@@ -162,7 +162,7 @@ def _known(clip: Clip, side: str, table: Sequence[tuple[str, str, str]]) -> tupl
 
 
 def _body(clip: Clip) -> tuple[list[int], list[int]]:
-    """Return the joints of head, neck or shoulders, and of the feet; two empty lists if either list would be empty."""
+    """Return the joints of head, neck or shoulders, and those of the feet; two empty lists if either is not found."""
     optional = "(?:left|right|l|r)?"
     heads, feet = (
         next((joints for names in table if (joints := _called(clip, rf"{optional}(?:{names})\d*{optional}"))), [])
@@ -188,7 +188,7 @@ def up_axis(clip: Clip) -> str:
 
 
 def rest_up(clip: Clip) -> np.ndarray:
-    """Return the direction (3,) from hips to head in the rest pose, or an axis that is within 30 degrees of it."""
+    """Return the direction (3,) from hips to head in the rest pose, or the axis within 30 degrees of it, if any."""
     heads, feet = _body(clip)
     if not heads:
         return direction(clip.up)
@@ -286,7 +286,7 @@ def hands(clip: Clip, limb: Limb) -> np.ndarray:
 
 
 def _lengths(rest: np.ndarray, bone: np.ndarray) -> np.ndarray:
-    """Return the lengths (F,) of a bone (F, 3). Lengths equal to the rest length up to rounding are set to it."""
+    """Return the lengths (F,) of a bone (F, 3). Those within rounding of the length of ``rest`` (3,) are set to it."""
     length, lengths = np.linalg.norm(rest), np.linalg.norm(bone, axis=1)
     return np.where(np.isclose(lengths, length, rtol=1e-9, atol=0), length, lengths)
 
@@ -294,7 +294,7 @@ def _lengths(rest: np.ndarray, bone: np.ndarray) -> np.ndarray:
 def targets(
     clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | float], width: int, by_hand: bool = False
 ) -> Targets:
-    """Return the wrists, or with ``by_hand`` the hand poses, of all limbs as one stream, frame by frame.
+    """Return targets of all limbs as one stream, frame by frame: wrists, or with ``by_hand`` hand poses.
 
     phi: swivel angles of each limb, (F,) or a number.  Rounding to words of ``width`` bits could move the elbow of a
     straight limb sideways by the square root of an ulp, so targets of straight limbs are moved two ulps out of reach.
@@ -330,8 +330,8 @@ def turned(clip: Clip, moves: Sequence[tuple[Any, ...]], twist: str = "clip") ->
     """Return the clip with turned limbs.  moves: (motion, Qs, Qe) or (motion, Qs, Qe, Qh), (F, 4) in the clip's frame.
 
     Each bone turns the shortest way to the direction that the core gives, which keeps the clip's twist.  With the twist
-    "core", each bone also turns about itself until the clip's mean hinge axis of the elbow has the direction of the
-    core's hinge.  Hands without Qh keep their orientation in the world.
+    "core", each bone also turns about itself until the elbow's mean hinge axis in the clip is parallel to the core's
+    hinge.  Hands without Qh keep their orientation in the world.
     """
     world = {}
     for move, qs, qe, *qh in moves:
@@ -368,7 +368,7 @@ def _shortest(start: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 
 def _hinge(along: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """Return the mean (3,) of normals (F, 3), perpendicular to a bone's direction and of length 1."""
+    """Return the mean (3,) of normals (F, 3), made perpendicular to a bone's direction and of length 1."""
     along = _unit(along)
     hinge = normals.sum(axis=0)
     hinge -= (hinge @ along) * along

@@ -18,7 +18,7 @@ TO_Y = {"x": (0.5, 0.5, 0.5, 0.5), "y": (1.0, 0.0, 0.0, 0.0), "z": (0.5, -0.5, -
 
 
 def animated(clip: Clip, name: str, scale: float = 1.0) -> bytes:
-    """Return the bytes of a .glb file, in which y is up. scale: metres in the clip's unit of length."""
+    """Return the bytes of a .glb file, in which y is up. scale: metres per unit of length of the clip."""
     file = gltf.GLTF2(asset=gltf.Asset(generator="cga-ik"), scene=0)
     data = _Data(file)
     turn = np.array(TO_Y[clip.up[-1]])

@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Joints of a robot along a path of hand poses: branches and swivel angles, chosen for the whole path at once.
 
-Each row has candidates: swivel angles at which a branch has all joints within their limits. The path through one
-candidate of each row with the least cost is found by dynamic programming (Viterbi) and refined in ever finer steps:
+Each row has candidates: swivel angles at which a branch has all joints within their limits. The path of least cost
+through one candidate of each row is found by dynamic programming (Viterbi) and refined in ever finer steps:
 
     cost of a step d (7,) = sum d^2 + 100 max(0, max|d| - 0.1)^2
     cost of a pose = weight * sum max(0, 1 - distance to the limit / 0.1)^2
 
-A joint whose range is a turn or less has one value; a step is a plain difference, since it cannot cross the gap. The
-steps of wider joints are taken modulo a turn first, and the values unwrapped; where these leave the limits, the path is
-planned again with all values that are whole turns apart as candidates.
+A joint whose range is a turn or less has one value per angle; its step is a plain difference, since it cannot cross the
+gap. For wider joints, steps are first taken modulo a turn, then the values are unwrapped. If these leave the limits,
+the path is planned again, with values whole turns apart as separate candidates.
 
-Where a step exceeds the goal, further attempts have more swivel angles around it, charge steps near the goal more, and
-then avoid the joints of the last attempt there. Joints of a nearly exact arm are corrected on its true chain: the
-whole path's at the end, all candidates of rows near the reach, and in further attempts of rows near jumps.
+Where a step exceeds the goal, further attempts try more swivel angles nearby, charge steps near the goal more, and
+finally avoid the last attempt's joints. For a nearly exact arm, joints are corrected on its true chain: those of the
+final path, all candidates in rows near the limits of the reach and, in further attempts, all candidates near jumps.
 """
 
 from collections.abc import Callable
@@ -31,21 +31,21 @@ from .swivels import FLIPS, TURN, Circles, beyond
 SWIVELS, MORE_SWIVELS = 16, 32  # uniform swivel angles of the first attempt, and of further attempts near jumps
 
 FURTHER = ((0.0, 0.8), (0.5, 0.6), (0.5, 0.8), (1.0, 0.6), (3.0, 0.8))
-"""Further attempts: distance (rad) kept from joints at the last attempt's jumps; free step, as a part of the goal."""
+"""Further attempts: distance (rad) kept from joints at the last attempt's jumps; free step / goal."""
 
 DENSE = 20  # rows on either side of a jump that get more swivel angles
 SPLITS = 16  # values of th1 (th5) tried where only a sum or difference of two joints counts
 SINGULAR = 1e-7  # |sin th2|, |sin th6| below this: only a sum or difference counts
-FREE_STEP, STEP_WEIGHT, FURTHER_WEIGHT = 0.1, 100.0, 1e4  # the last: of steps in further attempts
+FREE_STEP, STEP_WEIGHT, FURTHER_WEIGHT = 0.1, 100.0, 1e4  # rad; weights of larger steps: first, later attempts
 AVOIDED_WEIGHT = 1e3  # cost of joints that an attempt avoids
 MARGIN, WEIGHTS = 0.1, (0.01, 0.01, 0.001, 0.001, 0.001)
 """Distance from a limit (rad) below which a pose costs; weight of this cost in the search and its refinements."""
 
 Progress = Callable[[float, int], None]
-"""Callback of an attempt: the part that is done, 0 to 1, and the number of swivel angles."""
+"""Callback of an attempt: the fraction done, 0 to 1, and the number of swivel angles."""
 
 OPTIONS = ((joints.SIGNS < 0) | (joints.TURNS > 0))[:, np.arange(8) & ~Branch.ELBOW] + (np.arange(8) & Branch.ELBOW)
-"""For joints in branches (7, 8): 1 if the branch turns or negates it, other than by ELBOW, plus 2 for ELBOW."""
+"""By joint and branch (7, 8): 1 if SHOULDER or WRIST turns or negates the joint, plus 2 if the branch has ELBOW."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +54,8 @@ class JointPath:
 
     * joints (N, 7): rad, within the limits; nan where no branch and swivel angle has all joints within them
     * phi (N,): swivel angle, rad; branch (N,): bits of :class:`Branch`
-    * step (N,): largest move of a joint from the previous row with joints, rad; of the first row from ``start``, or 0
-    * jumps: row -> text that names the joint which moves by more than the goal and why, or why there are no joints
+    * step (N,): largest move of a joint since the previous row with joints, rad; in row 0 since ``start``, or 0
+    * jumps: row -> text: which joint moves by more than the goal and why, or why the row has no joints
     """
 
     joints: Floats
@@ -85,14 +85,14 @@ class Candidates(NamedTuple):
         return both.only(np.argsort(both.row, kind="stable"))
 
     def only(self, which: NDArray) -> "Candidates":
-        """Return the candidates of a mask or of indices."""
+        """Return the candidates that a mask or indices select."""
         return Candidates(self.row[which], self.branch[which], self.phi[which], self.at[:, which])
 
 
 class Planner:
     """Planner of a path. circles: the poses; limits (7, 2), offsets, signs (7,): of the robot's joints.
 
-    spare: rad beyond the limits, and up to a turn in all, in which candidates that will be corrected may lie
+    spare: angle (rad) by which candidates still to be corrected may exceed a limit; the range is at most a turn
     """
 
     def __init__(self, circles: Circles, limits: Floats, offsets: Floats, signs: Floats, spare: float = 0.0) -> None:
@@ -109,13 +109,13 @@ class Planner:
         self.steps, self.avoided = (FREE_STEP, STEP_WEIGHT), list[tuple[Floats, float]]()
         self.finer = TURN / SWIVELS
         self.corrected: Callable[[Floats, NDArray], tuple[Floats, Floats]] | None = None
-        self.copied = np.zeros(7, dtype=bool)  # wide joints whose windings are candidates of their own
+        self.copied = np.zeros(7, dtype=bool)  # wide joints: values whole turns apart are separate candidates
         self.progress: Progress = lambda part, count: None
 
     def placed(self, th: Floats, near: Floats | None = None) -> tuple[Floats, NDArray[np.bool_]]:
         """Return joint positions (7, M) for th1 .. th7, and True (7, M) for those outside their limits.
 
-        near (7, M): positions, to which copied joints take the nearest.
+        near (7, M): positions; each copied joint takes its value nearest to them.
         """
         low, high = self.limits[:, :1], self.limits[:, 1:]
         at = th * self.signs[:, None] + self.offsets[:, None]
@@ -126,8 +126,8 @@ class Planner:
         return at, (at < low - joints.ROUNDING) | (at > high + joints.ROUNDING)
 
     def nearest_branch(self, th: list[Floats], near: Floats | None) -> tuple[NDArray[np.intp], Floats, NDArray]:
-        """Return for th1 .. th7 (7, N) of both elbow solutions the best branch (N,) within the limits as in
-        :meth:`best`, its joint positions (7, N), and True (N,) for poses that have one and are not singular."""
+        """Return the best branch (N,) within the limits, as in :meth:`best`, its joint positions (7, N), and True (N,)
+        for regular poses that have such a branch. th: th1 .. th7 (7, N) for each elbow solution."""
         turned = [joints.branched(some, of) for some in th for of in (0, Branch.SHOULDER | Branch.WRIST)]
         places, outside = (np.array(v) for v in zip(*map(self.placed, turned), strict=True))
         each, order, costs = np.arange(7), FLIPS.T.ravel(), np.empty((8, th[0].shape[1]))
@@ -140,7 +140,7 @@ class Planner:
         return best, self._closer(np.clip(at, *self.limits.T[..., None]), near), regular & (costs.min(axis=0) < np.inf)
 
     def _cost(self, at: Floats, near: Floats | None) -> Floats:
-        """Return costs (M,) of joint positions (7, M): of the step to ``near`` (7, M) or, without it, of the limits."""
+        """Return costs (M,) of joint positions (7, M): of steps from ``near`` or, if None, minus limit distances."""
         if near is not None:
             return self.edges(near, at)
         return -np.minimum(at - self.limits[:, :1], self.limits[:, 1:] - at).min(axis=0)
@@ -154,8 +154,8 @@ class Planner:
         return np.where(allowed, closer, at)
 
     def solved(self, row: NDArray, branch: NDArray, phi: Floats, near: Floats | None = None) -> Candidates:
-        """Return the candidates within the limits, sorted by row; where a ball joint is singular, several splits of the
-        two joints of which only a sum or difference counts.
+        """Return the candidates within the limits, sorted by row. Where a ball joint is singular, only the sum or
+        difference of two joints counts: several splits of it are candidates.
 
         * row, phi (M,); branch (M,) or (M, B): branches of the same elbow solution
         * near (7, M): joint positions from the last search, for values and splits close to them
@@ -177,7 +177,7 @@ class Planner:
         return Candidates.joined(Candidates(row[inside], branch[inside], phi[inside], at))
 
     def _split(self, ball: int, row, branch, phi, th, near=None) -> list[NDArray]:
-        """Return the arguments repeated, with the sum or difference of th1 and th3 (th5, th7) split in several ways."""
+        """Return the arguments repeated, splitting th1 + th3 or th1 - th3 (ball 1: th5, th7) in several ways."""
         a, tilt, c = 4 * ball + np.arange(3)
         turns = np.arange(SPLITS) * (TURN / SPLITS) if near is None else self.finer * np.arange(-3, 4)
         parts = [np.repeat(v, len(turns), axis=-1) for v in (row, branch, phi, th, *([] if near is None else [near]))]
@@ -189,10 +189,10 @@ class Planner:
         return parts
 
     def plan(self, phi: Floats | None, branch: NDArray | None, start: Floats | None, goal: float) -> JointPath:
-        """Return the best path of several attempts, until one reaches the goal; each tries more swivel angles near the
-        jumps of the last, and the later ones avoid its joints there.
+        """Return the best path of several attempts; stop when one reaches the goal. Each attempt tries more swivel
+        angles near the jumps of the previous one; later attempts avoid the previous joints there.
 
-        phi, branch (N,): given instead of chosen; start (7,): joints before the first row.
+        phi, branch (N,): fixed, or None; start (7,): joints before the first row; goal: largest wanted step, rad.
         """
 
         def rank(attempt: tuple[Candidates, Floats]) -> tuple[int, float]:
@@ -222,7 +222,7 @@ class Planner:
         return self._result(*best, start, goal, phi, branch)
 
     def _moves(self, path: Candidates, start: Floats | None) -> Floats:
-        """Return the moves (7, R) of the joints from the row before; of the first row from ``start``, or 0."""
+        """Return the joints' moves (7, R) from the previous row; in the first row, from ``start``, or 0 without it."""
         return np.diff(path.at, axis=1, prepend=path.at[:, :1] if start is None else start[:, None])
 
     def best(
@@ -230,9 +230,9 @@ class Planner:
     ) -> tuple[Candidates, Floats, NDArray[np.int64]]:
         """Return the best candidate of each pose that has one, and phi and branch (N,) of all poses.
 
-        The best is nearest to the joints ``near`` (N, 7), or if they are None, farthest from the limits. In a pose
-        without candidates the joints exceed their limits by the smallest sum. phi, branch (N,): given instead of
-        chosen; hint (N,): a swivel angle near the one to choose.
+        The best is nearest to the joints ``near`` (N, 7) or, if near is None, farthest from the limits. For a pose
+        without candidates, phi and branch give the smallest sum by which joints exceed their limits. phi, branch (N,):
+        fixed values, or None; hint (N,): a guess of the swivel angle.
         """
 
         def chosen(found: Candidates) -> Candidates:
@@ -254,8 +254,8 @@ class Planner:
         return found, joints.wrap(swivels), branches
 
     def _nearest_miss(self, row: NDArray, phi: Any, branch: Any) -> tuple[Floats, NDArray, Floats]:
-        """Return for rows (R,) without candidates phi and branch (R,) for which the sum of the joints' distances from
-        their limits is smallest, and these distances (7, R)."""
+        """Return phi and branch (R,) for rows (R,) without candidates, such that the sum of the angles by which joints
+        exceed their limits is smallest; and these angles (7, R). phi, branch (N,): fixed, or None."""
         turns: Any = np.arange(SWIVELS) * (TURN / SWIVELS) if phi is None else phi[row, None]
         of: Any = np.arange(8) if branch is None else branch[row, None]
         shape = (len(row), turns.shape[-1], of.shape[-1])
@@ -285,15 +285,15 @@ class Planner:
         return self._on_chain(path) if self.corrected else (path, np.zeros(len(path.row)))
 
     def _on_chain(self, found: Candidates) -> tuple[Candidates, Floats]:
-        """Return candidates corrected, and their errors (M,)."""
+        """Return the candidates corrected on the true chain, and their errors (M,)."""
         assert self.corrected
         at, errors = self.corrected(found.at.T, found.row)
         return found._replace(at=at.T), errors
 
     def _reaching(self, found: Candidates) -> Candidates:
-        """Return the candidates, with the rows ``true`` corrected and without candidates that then miss their pose.
+        """Return the candidates after correcting those in rows ``self.true``, without those that then miss their pose.
 
-        Where the exact arm is straight or closed, the true chain may not be, so its elbow starts a little bent.
+        Where the exact arm is straight or closed, the true chain may not be, so correction starts with a bent elbow.
         """
         which = self.true[found.row]
         if not which.any():
@@ -327,7 +327,7 @@ class Planner:
         return found if branch is None else found.only(found.branch == branch[found.row])
 
     def _with_copies(self, found: Candidates) -> Candidates:
-        """Return the candidates with each copied joint at all its positions within the limits."""
+        """Return the candidates, repeated for each value of a copied joint (whole turns apart) within its limits."""
         for joint in np.flatnonzero(self.copied):
             low, high = self.limits[joint]
             turns = np.arange(int((high - low) / TURN) + 1) * TURN
@@ -337,7 +337,7 @@ class Planner:
         return found
 
     def _around(self, path: Candidates, near_extremes: bool) -> Candidates:
-        """Return candidates close to the path's: finer swivel angles, the neighbouring rows' angles, and extremes."""
+        """Return candidates close to the path: finer swivel angles, neighbouring rows' angles, and close extremes."""
         offsets = self.finer * np.arange(-3, 4)
         swivels = [path.phi[:, None] + offsets, np.roll(path.phi, 1)[:, None], np.roll(path.phi, -1)[:, None]]
         if near_extremes:
@@ -406,7 +406,7 @@ class Planner:
         return at
 
     def impossible(self, row: NDArray, phi: Floats | None = None, branch: NDArray | None = None) -> dict[int, str]:
-        """Return row -> text that explains why the row has no candidate."""
+        """Return row -> text that explains why the row has no candidate, for each of ``row``."""
         texts, (_, of, excess) = {}, self._nearest_miss(row, phi, branch)
         for n, best, over in zip(row.tolist(), of.tolist(), excess.T, strict=True):
             if self.circles.unreachable[n]:

@@ -62,7 +62,7 @@ class Hands:
     def checked(
         cls, hand: ArrayLike, tool: ArrayLike, branch: ArrayLike, order: str = "wxyz", nan: str = "raise"
     ) -> "Hands":
-        """Return the hands with quaternions, normalized to length 1, for orientations as in :func:`quaternions`.
+        """Return hands for orientations as in :func:`quaternions`; normalize the quaternions to length 1.
 
         Raises ValueError for a length that is not about 1, for other wrong arguments, and for a nan with nan="raise".
         """
@@ -155,11 +155,11 @@ def solve(
 
     * points (N, 3) or (3,): wrist targets, the shoulder at the origin; with ``hand``, the hand's points
     * phi: swivel angle, rad, a number or (N,).  At 0 the elbow is in the plane of axis and wrist, on the side of the
-      axis.  None is :func:`hanging`
+      axis.  None: :func:`hanging`
     * d1, d2: lengths of upper arm and forearm; numbers or (N,)
     * axis: the reference axis, a name ("z", "-z", "x", ...) or a vector of three; th1 turns about it
     * width: None is double precision; 16 to 32 is the core's word length, for bit-true results
-    * datapath: "lean", "paper", or lean with products cut for other multipliers: "lean25" (25x18 bits), "lean16";
+    * datapath: "lean", "paper", or lean with products split for other multipliers: "lean25" (25x18 bits), "lean16";
       "fold" and "fold16" give the same words as "lean" and "lean16"
     * nan: "pass" returns nan and flags 0 for rows that contain a nan; "raise" raises ValueError
     * hand (N, 4) or (4,): orientations of the hand, unit quaternions; with a width, only for datapath "lean"
@@ -214,9 +214,9 @@ def _targets(table: Floats, hands: Hands | None, frame: Any) -> Targets:
 def _in_words(
     table: Floats, hands: Hands | None, limits: Any, frame: Any, datapath: str, width: int, exponent: int
 ) -> dict[str, Any]:
-    """Return fields of :class:`Pose`, computed by the core's words with lengths times 2^exponent.
+    """Return fields of :class:`Pose`, computed in the core's words, with lengths scaled by 2^exponent.
 
-    table: as in :func:`_targets`; with ``hands``, it has the hands' points.
+    table: as in :func:`_targets`; with ``hands``, its x, y, z are the hands' points.
     """
     words, _ = core.to_words(_targets(table, hands, frame), width, exponent)
     path, ends = MODELS["arm" if hands else datapath], core.limit_words(limits, width)
@@ -239,7 +239,7 @@ def _in_words(
 
 
 def _in_double(table: Floats, hands: Hands | None, limits: Any, frame: Any, datapath: str) -> dict[str, Any]:
-    """Return the same in double precision."""
+    """Return the same fields as :func:`_in_words`, computed in double precision."""
     asked = wrists = np.concatenate((table[:3] - hands.offset, table[3:])) if hands else table
     if frame is not None:
         asked = np.concatenate((_targets(wrists, None, frame).core_position.T, wrists[3:]))
@@ -261,7 +261,7 @@ def _in_double(table: Floats, hands: Hands | None, limits: Any, frame: Any, data
 
 
 def _pose(table: Floats, results: Floats, flags: NDArray[np.int64], phi: Floats, frame: Any) -> dict[str, Any]:
-    """Return poses in the user's frame from results (6, N) of the core."""
+    """Return fields of :class:`Pose`, in the user's frame, from results (6, N) of the core."""
     qs, qe = results[:4].T, results[4:].T
     qs = qs if frame is None else multiply(conjugate(frame), qs)
     elbow, wrist = kinematics.forward(qs, qe, table[4], table[5])
@@ -273,7 +273,7 @@ def _pose(table: Floats, results: Floats, flags: NDArray[np.int64], phi: Floats,
 def _table(
     points: ArrayLike, phi: ArrayLike, d1: ArrayLike, d2: ArrayLike, hands: Hands | None, nan: str
 ) -> tuple[Floats, NDArray[np.bool_] | None]:
-    """Return checked targets as a table (6, N) with rows as ``FIELDS``, and a mask (N,) of columns with a nan, or None.
+    """Return checked targets as a table (6, N), rows as ``FIELDS``; and a mask (N,) of columns with nan, or None.
 
     A column with a nan is replaced by another column, so that all columns can be solved.
     """
@@ -400,8 +400,8 @@ def check_order(order: str) -> None:
 
 
 def quaternions(hand: Any, order: str) -> Floats:
-    """Return quaternions (N, 4) in ``order`` of orientations: quaternions (N, 4) or (4,), matrices (N, 3, 3), (3, 3) or
-    (N, 4, 4), or a scipy Rotation.  Raises ValueError for matrices that are no rotations."""
+    """Return orientations as quaternions (N, 4) in ``order``, from quaternions (N, 4) or (4,), matrices (N, 3, 3),
+    (3, 3) or (N, 4, 4), or a scipy Rotation.  Raises ValueError for matrices that are no rotations."""
     if hasattr(hand, "as_quat"):
         return np.atleast_2d(np.roll(hand.as_quat(), int(order == "wxyz"), axis=-1))
     values = np.asarray(hand, dtype=np.float64)
@@ -414,7 +414,7 @@ def quaternions(hand: Any, order: str) -> Floats:
 
 
 def common_count(counts: dict[str, int]) -> int:
-    """Return the number of rows of arguments with this number each, or 1.  Raises ValueError if they do not match."""
+    """Return the common number of rows of arguments, ``counts``; 1 fits any.  Raises ValueError if others differ."""
     if len(different := set(counts.values()) - {1} or {1}) > 1:
         listed = ", ".join(f"{name} has {count}" for name, count in counts.items())
         raise ValueError(f"numbers of rows do not broadcast: {listed}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Closed form of the swivel angles that keep all seven joints within their limits; joints along a path without jumps.
+"""Swivel angles that keep all seven joints within limits, in closed form; joint angles without jumps along a path.
 
 While the hand stays in place, the arm turns about the line from shoulder to wrist, so every element of the rotation
 matrix M of shoulder or wrist is A sin(phi) + B cos(phi) + C. The angles of the ball joint M = Rz(a) Rx(b) Rz(c) are
@@ -29,7 +29,7 @@ TURN = 2 * np.pi
 FLIPS = np.array([(0, 1, 4, 5), (2, 3, 6, 7)])  # branches of each elbow solution
 
 BESIDE = np.tan(np.radians((-75, -60, -40, -20, 0, 20, 40, 60, 75)))
-"""Offsets of swivel angles beside the one at which a ball joint is nearest to singular: equal turns of th1 and th3."""
+"""Scaled offsets from the swivel angle at which a ball joint is nearest to singular; th1 and th3 turn equally."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class Swivels:
 
     * intervals (N, K, 2): first and last angle of each closed interval, rad.  The first is in -pi to pi, the last at
       most a turn above it.  Poses with fewer than K intervals are filled up with nan
-    * over_limit (N, 7): joints outside their limits at the angle with the fewest such joints; all True out of reach
+    * over_limit (N, 7): True for joints outside their limits at the angle where these are fewest; all True out of reach
     * distance (N,): from shoulder to wrist; reach (N, 2): the least and the largest possible distance
     * start: swivel angle (rad) at which the elbow hangs
     """
@@ -66,8 +66,8 @@ class Swivels:
         """Return the feasible swivel angle (N,) nearest to ``near``, rad in -pi to pi; nan where there is none.
 
         near: rad, a number or (N,).  None treats the poses as a path: near is ``start`` for the first pose, then the
-        previous angle.  margin: least distance (rad) from both ends; a shorter interval gives its middle.  Raises
-        ValueError for a negative margin and for numbers that are not finite.
+        previous angle.  margin: least distance (rad) from both ends of an interval; if the interval is too short, its
+        middle is returned.  Raises ValueError for a negative margin and for numbers that are not finite.
         """
         if not 0 <= margin < np.inf:
             raise ValueError(f"margin {margin!r} is not a distance")
@@ -86,7 +86,7 @@ class Swivels:
 
 
 def beyond(distance: float, near: float, far: float) -> str:
-    """Return text for a wrist at a distance from the shoulder that an arm does not reach."""
+    """Return a message for a wrist whose distance from the shoulder is outside the reach, ``near`` to ``far``."""
     return f"wrist {distance:.6g} from the shoulder, where the arm reaches {near:.6g} to {far:.6g}"
 
 
@@ -144,13 +144,13 @@ def _padded(intervals: list[Floats]) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Circles:
-    """Turns of the joint axes of N hand poses as functions of the swivel angle, for both elbow solutions.
+    """Rotations of shoulder and wrist of N hand poses as functions of the swivel angle, for both elbow solutions.
 
-    * ends (2, N, 2, 2, 4): for each elbow solution and pose, at phi = 0 and pi, quaternions of shoulder and wrist;
+    * ends (2, N, 2, 2, 4): quaternions by elbow solution, pose, phi (0 or pi), and ball joint (shoulder or wrist);
       Q(phi) = cos(phi/2) Q(0) + sin(phi/2) Q(pi)
     * flexion (2, N): th4
     * distance (N,): from shoulder to wrist; reach (N, 2): the least and the largest possible distance; slack: distance
-      by which they may be exceeded
+      by which a wrist may be out of reach
     """
 
     ends: Floats
@@ -190,18 +190,18 @@ class Circles:
         return np.asarray(_beyond(self.distance, *(self.reach + (-self.slack, self.slack)).T))
 
     def chunks(self) -> Iterator[slice]:
-        """Yield slices of poses of which arrays stay in the cache."""
+        """Yield slices of poses, so short that their arrays stay in the cache."""
         yield from (slice(start, start + CHUNK) for start in range(0, max(len(self), 1), CHUNK))
 
     def joints(self, row: NDArray, elbow: NDArray, phi: Floats) -> Floats:
-        """Return th1 .. th7 (7, M) of poses at swivel angles, without the branches of shoulder and wrist."""
+        """Return th1 .. th7 (7, M) of poses ``row`` at swivel angles ``phi``, in branch 0 of shoulder and wrist."""
         ends = self.ends[elbow.astype(int), row]
         half = (phi / 2)[:, None, None]
         qs, qw = np.moveaxis(ends[:, 0] * np.cos(half) + ends[:, 1] * np.sin(half), 0, 2)
         return joints.angles(qs, self.flexion[elbow.astype(int), row], qw)
 
     def extremes(self) -> Floats:
-        """Return swivel angles (N, K, 2 elbow solutions) at and near those where th2 or th6 is nearest to singular."""
+        """Return swivel angles (N, K, 2 elbow solutions) at and near which th2 or th6 is nearest to singular."""
         stations = self.ends[:, :, 0], (self.ends[:, :, 0] + self.ends[:, :, 1]) * 0.5**0.5, self.ends[:, :, 1]
         at_0, at_quarter, at_half = ((np.square(q) * (1, -1, -1, 1)).sum(axis=-1)[..., None] for q in stations)
         middle = (at_0 + at_half) / 2
@@ -216,7 +216,7 @@ class Circles:
         return np.moveaxis(swivels.reshape(2, len(self), 4 * len(BESIDE)), 0, 2)
 
     def middles(self, bounds: Floats) -> Floats:
-        """Return swivel angles (N, K, 8 branches): of each feasible interval its middle, and its ends inset."""
+        """Return swivel angles (N, K, 8 branches): the middle of each feasible interval, and points near its ends."""
         arcs = [[self.arcs(rows, elbow, bounds, list(FLIPS[elbow]))[0] for rows in self.chunks()] for elbow in (0, 1)]
         intervals = _padded([part[n] for parts in arcs for n in range(4) for part in parts])
         of_branch = intervals.reshape(8, len(self), *intervals.shape[1:])[FLIPS.ravel().argsort()]
@@ -225,10 +225,10 @@ class Circles:
         return np.concatenate((first + inset, (first + last) / 2, last - inset), axis=1)
 
     def arcs(self, rows: slice, elbow: NDArray | int, bounds: Floats, branches: list) -> tuple[list[Floats], NDArray]:
-        """Return for each of ``branches``, numbers or (n,), the intervals (n, K, 2) of swivel angles of some poses, and
-        joints outside their limits (n, 7) at the angle of the last branch with the fewest such joints.
+        """Return the feasible intervals (n, K, 2) of poses ``rows`` for each of ``branches``, numbers or (n,); and for
+        the last branch True (n, 7) for joints outside their limits at the angle where these are fewest.
 
-        elbow (n,): elbow solution, whatever the branch's bit.
+        elbow (n,): elbow solution, used instead of the branch's ELBOW bit.
         """
         numbers = np.arange(len(self))[rows]
         ends, flexion = np.moveaxis(self.ends[elbow, numbers], 0, 3), self.flexion[elbow, numbers]
@@ -265,7 +265,7 @@ def _elements(q):
 
 
 def _roots(ends, bounds):
-    """Return the swivel angles (N, 28) at which a joint may be at a limit; nan for missing ones.
+    """Return the swivel angles (N, 28) at which a joint may be at a limit; nan fills missing ones.
 
     There are two for each limit of six joints, and for a straight arm along an axis two for each ball joint.
     """
@@ -300,7 +300,7 @@ def _roots(ends, bounds):
 
 
 def _joined(roots, at_root, arc):
-    """Return intervals (N, K, 2) of neighbouring arcs between roots (N, K), given those that are feasible."""
+    """Return intervals (N, K, 2) that join feasible arcs; at_root, arc: masks of feasible roots and arcs after them."""
     ring = np.stack((at_root, arc), axis=2).reshape(len(roots), 2 * roots.shape[1])
     whole = ring.all(axis=1)
     begins, ends = ring & ~np.roll(ring, 1, axis=1), ring & ~np.roll(ring, -1, axis=1)
@@ -320,7 +320,7 @@ def _joined(roots, at_root, arc):
 
 
 def continuous_core_angles(angles: ArrayLike) -> Floats:
-    """Return joints (N, 7) of a path without jumps: each pose takes the branch and turns nearest to the previous pose.
+    """Return joints (N, 7) without jumps: each row takes the branch and whole turns nearest to the previous row.
 
     angles (N, 7): rad; rows of nan are skipped.  Where th2 is within `joints.SINGULAR` of 0 or pi, only the sum or
     difference of th1 and th3 counts, so th1 keeps its value.  The same holds for th6 with th5 and th7.

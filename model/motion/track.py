@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pose nearest to a robot's present joints, without arrays: for a control loop that asks for one pose at a time.
+"""Pose nearest to a robot's present joints, computed without arrays for a control loop that needs one at a time.
 
-The elbow keeps its side of the line from shoulder to wrist; of the eight branches, the one whose largest step is the
-smallest is taken. With n toward the wrist and v across it toward the elbow, the upper arm is
+The elbow keeps its side of the line from shoulder to wrist. The branch with the smallest largest step of a joint is
+taken. With unit vectors n toward the wrist p and v, perpendicular to n, toward the elbow, the upper arm is
 
     u = n cos a + v sin a        cos a = (s + d1^2 - d2^2) / (2 d1 |p|)        s = |p|^2
 """
@@ -41,7 +41,7 @@ class Step(NamedTuple):
 
 
 def axes(q: Sequence[float]) -> tuple[Vector, Vector, Vector]:
-    """Return the axes x, y, z that a unit quaternion turns to, the columns of its rotation matrix."""
+    """Return the axes x, y, z as rotated by a unit quaternion: the columns of its rotation matrix."""
     w, i, j, k = q
     ii, jj, kk, ij, ik, jk, wi, wj, wk = i * i, j * j, k * k, i * j, i * k, j * k, w * i, w * j, w * k
     return (
@@ -62,7 +62,7 @@ class Tracker:
         self.joints = list(zip(arm.offsets.tolist(), arm.signs.tolist(), *arm.limits.T.tolist(), strict=True))
 
     def _placed(self, th: Sequence[float], branch: int, present: Sequence[float]) -> tuple[float, list[float]]:
-        """Return the largest step and the positions in a branch for angles of branch 0; step inf outside the limits."""
+        """Return the largest step, inf outside the limits, and the positions in ``branch`` for angles of branch 0."""
         a, b, c = branch & 1, branch >> 1 & 1, branch >> 2
         th1, th2, th3, th4, th5, th6, th7 = th
         if a:
@@ -89,7 +89,7 @@ class Tracker:
         return most, positions
 
     def step(self, point: Sequence[float], hand: Sequence[float], joints: Sequence[float]) -> Step:
-        """Return the nearest pose with the elbow on its present side; none for a hand whose length is not 1."""
+        """Return the step to the pose with the elbow on its present side; joints None if impossible or |hand| != 1."""
         size = hand[0] * hand[0] + hand[1] * hand[1] + hand[2] * hand[2] + hand[3] * hand[3]
         if not abs(size - 1) < ROUNDING:
             return Step(None, 0, inf)

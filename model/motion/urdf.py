@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Chain of seven joints in a URDF file: reader, forward kinematics, and the nearest arm that can be solved exactly.
 
-An arm can be solved exactly if its first three axes meet at right angles, its last three too, and shoulder, elbow and
-wrist are in a plane across axis 4. Files with rounded numbers, and a few real arms, miss that by a little: `nearest`.
+An arm can be solved exactly if its first three axes meet at right angles, its last three do too, and shoulder, elbow
+and wrist are in a plane perpendicular to axis 4. Files with rounded numbers and a few real arms need `nearest`.
 """
 
 import warnings
@@ -21,16 +21,16 @@ TOLERANCE = 1e-6
 """Largest distance between axes that meet, relative to the chain's size; largest cosine between perpendicular axes."""
 
 MISFIT, TURN_MISFIT = 2e-3, 1e-3
-"""Largest difference of an accepted chain from the nearest exact arm: at the tip, relative to its size; in rad."""
+"""Largest tip differences of an accepted chain from the nearest exact arm: distance / size of the chain; rad."""
 
 DOUBTFUL = 1e-4  # misfit / size above which a warning is given
-SAMPLES = 4000  # joint positions at which the two are compared
+SAMPLES = 4000  # joint positions at which the two chains are compared
 SOLVED, ROUNDS = 1e-12, 20  # error and number of steps at which the correction stops
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Seven joints with all positions 0: axes (7, 3), unit vectors through points (7, 3); end (4, 4): the tip's frame.
+    """Chain of seven joints at 0: axes (7, 3) are unit vectors through points (7, 3), end (4, 4) is the tip's frame.
 
     * names (7,); limits (7, 2), rad; velocities (7,): greatest speeds, rad/s, inf where the file has none
     """
@@ -58,7 +58,7 @@ class Chain:
         return np.array(total)
 
     def forward(self, positions: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return points (N, 3) and rotations (N, 3, 3) of the tip, and its Jacobian (N, 6, 7): velocity, then spin."""
+        """Return points (N, 3) and rotations (N, 3, 3) of the tip, and its Jacobian (N, 6, 7): linear, then angular."""
         turns = self.turns(positions)
         bones = np.diff(np.vstack((self.points, self.end[:3, 3])), axis=0)
         places = [self.points[0] + np.zeros((len(positions), 3))]
@@ -70,10 +70,10 @@ class Chain:
         return places[-1], turns[-1] @ self.end[:3, :3], jacobian
 
     def corrected(self, positions: Floats, points: Floats, turns: Floats) -> tuple[Floats, Floats]:
-        """Return joint positions (N, 7) within the limits near the given ones that bring the tip to points (N, 3) and
-        orientations (N, 3, 3), and their remaining errors (N,): distance / size or rad, the larger.
+        """Correct joint positions (N, 7) within the limits so that the tip reaches points (N, 3) and orientations
+        (N, 3, 3). Return them and their remaining errors (N,): the larger of distance / size and angle (rad).
 
-        Newton's steps, damped near singular poses: dq = J' (J J' + mu)^-1 e with mu = 1e-3 |e|^2 + 1e-14.
+        Newton's steps, damped near singular poses: dq = J' (J J' + mu)^-1 e, J the Jacobian, mu = 1e-3 |e|^2 + 1e-14.
         """
         low, high = self.limits.T
         at = np.clip(positions, low, high)
@@ -104,7 +104,7 @@ class Chain:
 def arguments(path: str | Path, base: str | None, tip: str | None) -> dict[str, Any]:
     """Return the arguments of :class:`Arm` for the chain between two links of a URDF file.
 
-    Warns of a chain that is not exact by more than DOUBTFUL. Raises OSError, ValueError.
+    Warns if the chain differs from an exact one by more than DOUBTFUL. Raises OSError, ValueError.
     """
     try:
         chain = read(ElementTree.parse(path).getroot(), base, tip)
@@ -125,10 +125,10 @@ def arguments(path: str | Path, base: str | None, tip: str | None) -> dict[str, 
 
 
 def nearest(chain: Chain) -> tuple[Chain, float, float]:
-    """Return the nearest chain that can be solved exactly, and its largest difference at the tip: distance, and in rad.
+    """Return the nearest chain that can be solved exactly, and the largest distance and angle (rad) between the tips.
 
     The axes are made perpendicular in sequence. Least squares over SAMPLES positions within the limits then give
-    shoulder, bones u and f across axis 4, and tool, where Rk turns about the first k axes:
+    shoulder, bones u and f perpendicular to axis 4, and tool; Rk is the rotation about the first k axes:
 
         tip = shoulder + R3 u + R4 f + R7 tool
     """
@@ -157,7 +157,7 @@ def nearest(chain: Chain) -> tuple[Chain, float, float]:
 def read(robot: ElementTree.Element, base: str | None, tip: str | None) -> Chain:
     """Return the chain between two links, by default the only first and last link. Raises KeyError or ValueError.
 
-    A floating or planar joint leads to the robot, not along it: the default chain begins below.
+    Floating and planar joints are ignored; the default chain begins below them.
     """
     joints = [joint for joint in robot.findall("joint") if joint.attrib["type"] not in ("floating", "planar")]
     above = {_attributes(joint, "child")["link"]: joint for joint in joints}

@@ -2,8 +2,8 @@
 """Layer 3 of the reference: equations (10)-(18) of the paper as printed, and in double precision with corrections.
 
 `TEXT` has the equations as printed, misprints included. `solve` evaluates them with `CORRECTIONS`: the missing square
-in the x and y rows of (11), and three sums in an equal form that does not cancel. Where a printed line is 0/0,
-`CONVENTIONS` gives its value. d1 is the upper arm and d2 the forearm; table 3 of the paper swaps them.
+in the x and y rows of (11), and three sums, rewritten to avoid cancellation. Where a printed line is 0/0, `CONVENTIONS`
+gives its value. d1 is the upper arm and d2 the forearm; table 3 of the paper swaps them.
 
 `solve` is for reachable targets; `solve_clamped` accepts any target and returns flags, as the core does. All lengths
 have the same unit, which may be any; angles are in radians, arrays are float64 of shape (N,).

@@ -80,7 +80,7 @@ def wrist_rotation(Q_12, pi_swivel, P_w):
 
 
 def solve(x, y, z, phi, d1, d2):
-    """Return a dict of results, elbow and scalars as arrays (N,), and of the main multivectors, by the paper's names.
+    """Return a dict, keyed by the paper's names: results, elbow and scalars as arrays (N,), and the main multivectors.
 
     Targets must be reachable, wrist and elbow off the z axis, and the arm neither straight nor closed. In other poses a
     plane or line of the construction vanishes, and results may be nan.

@@ -74,7 +74,7 @@ def wrist_quaternion(qs, qe, hand):
 
 
 def tool_offset(hand, tool):
-    """Return the vectors Qh (tool e3) Qh~, (3, N), from wrist to hand point; Qh (4, N), tool lengths (N,)."""
+    """Return the vectors Qh (tool e3) Qh~, (3, N), from wrist to hand point.  hand: Qh (4, N); tool: lengths (N,)."""
     w, i, j, k = hand
     return np.array((2 * (i * k + w * j), 2 * (j * k - w * i), (w * w + k * k) - (i * i + j * j))) * tool
 
@@ -93,11 +93,10 @@ def angles(qs, th4, qw, branch=0):
 
 
 def bent(qs, th4, qw, branch, upper, fore):
-    """Return arguments of :func:`angles`, the turns of the joint axes, from the turns of the bones, for bent links.
+    """Convert rotations of bent bones to those of the joint axes; return them as arguments of :func:`angles`.
 
-    upper (4,): orientation of the upper arm in the frame of axis 3; fore (4,): orientation of the
-    frame of axis 5 in the forearm's frame. The branch ELBOW turns each bone by pi about itself, which with bent links
-    changes all joints.
+    upper (4,): orientation of the upper arm in the frame of axis 3; fore (4,): orientation of the frame of axis 5 in
+    the forearm's frame. The branch ELBOW turns each bone by pi about itself, which with bent links changes all joints.
     """
     other = branch & Branch.ELBOW != 0
     half, back = np.array((0.0, 0.0, 0.0, 1.0)), np.array((0.0, 0.0, 0.0, -1.0))
@@ -115,8 +114,8 @@ def turned(a, b, c):
 
 
 def reached(joints, d1, d2, tool, upper=UNIT, fore=UNIT):
-    """Return the hand's point (N, 3) and orientation (N, 4) at joints (7, N); tool (N, 3) is in the hand's frame.
-    upper, fore: as in :func:`bent`."""
+    """Return the hand's point (N, 3) and orientation (N, 4) at joints (7, N).  tool (N, 3): in the hand's frame. upper,
+    fore: as in :func:`bent`."""
     upper = product(turned(*joints[:3]), upper)
     straight = product(upper, turned(0 * joints[3], joints[3], 0 * joints[3]))
     hand = product(product(straight, fore), turned(*joints[4:])).T
@@ -131,7 +130,7 @@ def centred(limits):
 
 
 def excess(joints, limits):
-    """Return distances (7, ...) of joints from their limits (7, 2), rad, negative inside. Whole turns are ignored."""
+    """Return by how much joints (7, ...) exceed their limits (7, 2), rad; negative inside. Whole turns are ignored."""
     middle, half = (column.reshape(7, *[1] * (joints.ndim - 1)) for column in centred(limits))
     return np.abs(wrap(joints - middle)) - half
 
@@ -145,7 +144,7 @@ def settled(joints, limits, beyond=None):
     """Return joints (7, ...) with th1, th3 and th5, th7 moved into their limits (7, 2) where the pose allows it.
 
     If th2 (th6) is within STRAIGHT of 0 or pi, the pose depends only on the sum or difference of th1, th3 (th5, th7).
-    beyond (7, ...): what :func:`outside` returns. Joints of which none moves are returned themselves.
+    beyond (7, ...): result of :func:`outside`, if known. If no joint moves, ``joints`` itself is returned.
     """
     middle, half = centred(limits)
     result, beyond = joints, outside(joints, limits) if beyond is None else beyond
@@ -163,8 +162,8 @@ def settled(joints, limits, beyond=None):
 
 
 STRAIGHT = 1e-7
-"""Angle (rad): :func:`settled` treats th2 and th6 as 0 or pi if they are nearer than this. It is so large because th4
-of a straight arm has only half of a double's digits."""
+"""Angle (rad): :func:`settled` treats th2 and th6 as 0 or pi if they are nearer than this. The limit is large because
+th4 of a straight arm has only half of a double's digits."""
 
 SINGULAR = 1e-9  # like STRAIGHT, for paths (model.motion.swivels)
 ROUNDING = 1e-9  # allowance at a joint limit (rad)

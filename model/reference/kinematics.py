@@ -49,7 +49,7 @@ def about(axis: int, angle):
 
 
 def fixed_axes(roll, pitch, yaw):
-    """Return quaternions of turns about the fixed axes x, y and z, one after the other, by angles in rad."""
+    """Return quaternions of rotations by roll, pitch and yaw (rad) about the fixed axes x, then y, then z."""
     return multiply(multiply(about(2, yaw), about(1, pitch)), about(0, roll))
 
 

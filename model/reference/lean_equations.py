@@ -29,14 +29,14 @@ _LEAST, _MOST = 1e-280, 1e280  # range of squared lengths for which :func:`solve
 
 
 def _integers(values):
-    """Return doubles (M, N) as Python integers; all numbers of a column are in one unit."""
+    """Return doubles (M, N) as Python integers; each column has its own unit, a power of two."""
     mantissas, exponents = np.frexp(values)
     exponents = np.where(mantissas == 0, exponents.max(axis=0), exponents)
     return np.ldexp(mantissas, 53).astype(np.int64).astype(object) << (exponents - exponents.min(axis=0)).astype(object)
 
 
 def _root(square, of, sign=1):
-    """Return the root of square / of, both integers, limited to 0 .. 1, with a sign; 0 where ``of`` is 0."""
+    """Return sign times the root of square / of (integers), the ratio limited to 0 .. 1; 0 where ``of`` is 0."""
     square, of = np.where(of > 0, np.minimum(square, of), 0), np.where(of > 0, of, 1)
     return np.where(sign < 0, -1.0, 1.0) * np.sqrt(np.maximum((square / of).astype(np.float64), 0.0))
 
@@ -153,7 +153,7 @@ def _two_sum(a, b):
 
 
 def _near_limits(target, law):
-    """Return K, (A, B) limited to 0 .. 4 d1 d2, and the reach flags; sums have twice the precision of a double."""
+    """Return K (``law``), A and B limited to 0 .. 4 d1 d2, and reach flags; sums have twice a double's precision."""
     x, y, z, _, d1, d2 = target
     v = np.array((x, y, z, d1 + d2, d1 - d2))
     high = v * _SPLIT

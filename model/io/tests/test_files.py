@@ -70,7 +70,7 @@ def test_other_columns_are_kept(read):
 
 
 def test_roll_pitch_and_yaw(read):
-    """Check the hands' orientations against scipy's, and that the text of the targets is a file of the same poses."""
+    """Check orientations of hands against scipy's, and that they survive writing the targets and reading them."""
     angles = np.random.default_rng(1).uniform(-3, 3, (20, 3))
     result = read("x,y,z,Roll,pitch,YAW\n" + "".join(f"1,2,3,{','.join(map(repr, row))}\n" for row in angles.tolist()))
     np.testing.assert_allclose(matrix(result.hand), Rotation.from_euler("xyz", angles).as_matrix(), atol=1e-15)
@@ -218,7 +218,7 @@ def test_example_files_are_up_to_date(name, capsys):
 
 
 def test_flags_are_exact_at_the_limits():
-    """Check targets that squares in double precision do not distinguish; other flags are compared with a datapath's."""
+    """Check targets so near a limit that squares in double precision are equal; other tests cover other flags."""
     long, short = 2**30 + 1, 2**30 - 3
     wrists = [(long + short, 0), (long + short + 1, 0), (long + short, 1), (long - short, 0), (long - short - 1, 0)]
     words = np.array([(x, y, 0, 0, long, short) for x, y in wrists])

@@ -163,8 +163,8 @@ def near_the_axis(*polar, **options):
 
 
 def test_tolerance_by_regularity_word_length_and_request(case):
-    """Check that the tolerance applies from 0.2 rad on at W = 32 and that the user's replaces it; check the name of the
-    worst target's pose."""
+    """Check that at W = 32 the tolerance applies from 0.2 rad off singular poses, and that the user's tolerance
+    replaces it; check the text about the worst target's pose."""
     for distance, width, tolerance in ((0.19, 32, None), (0.21, 32, REGULAR), (0.21, 31, None)):
         result = near_the_axis(1.0, distance, width=width).score()
         assert result.passed and result.singular_distance_min == pytest.approx(distance)

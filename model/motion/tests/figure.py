@@ -47,7 +47,7 @@ def joints(names: str, side: str) -> tuple[str, ...]:
 def write(path, names="cmu", up="y", order="ZYX", frames=60, sides=("left", "right"), rich=False, two_legs=False):
     """Write a figure whose body sways and whose arms swing, smoothly and at random.
 
-    rich: each joint also has position channels, which move it near its OFFSET, and each upper arm has a joint inside.
+    rich: each joint also has position channels, which move it near its OFFSET, and each upper arm contains a joint.
     """
     random = np.random.default_rng(1)
 

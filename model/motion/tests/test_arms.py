@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test robots from URDF files, and the built-in robots, against products of the joints' rotations along the chain, and
-in release tests against pinocchio's forward kinematics and the poses that ssik solves within the limits."""
+"""Test robots from URDF files and built-in robots against products of the joints' rotations along the chain; in release
+tests, also against pinocchio's forward kinematics and the poses that ssik solves within the limits."""
 
 import numpy as np
 import pytest
@@ -124,7 +124,7 @@ def test_refused_chains(chain, given, message, tmp_path):
 
 
 def test_files_with_more_than_the_arm(tmp_path):
-    """A floating joint above the arm and joints inside of a simulator's element are not of its chain."""
+    """Check that a floating joint above the arm and joints inside a simulator's element are ignored."""
     path = urdf(tmp_path / "arm.urdf", IIWA)
     plain, text = Arm.from_urdf(path), path.read_text()
     loop = '<gazebo><joint name="x" type="revolute"><parent>l7</parent><child>l6</child></joint></gazebo>'
@@ -136,7 +136,7 @@ def test_files_with_more_than_the_arm(tmp_path):
 
 
 def test_orientations_in_other_forms():
-    """Rotations, matrices (3, 3) and (4, 4) give the same joints as quaternions; other matrices are refused."""
+    """Check that Rotations and matrices (3, 3) or (4, 4) give the same joints as quaternions; refuse other matrices."""
     points, q = IIWA14.forward(np.random.default_rng(8).uniform(-1.5, 1.5, (20, 7)))
     whole = np.tile(np.eye(4), (20, 1, 1))
     whole[:, :3, :3] = matrix(q)
@@ -156,7 +156,7 @@ ANGLE = bones(SERIAL, rpy=(0.0002, 0, 0))[:1] + [(O, (0.00002, 0, 0), Y), *IIWA[
 
 @pytest.mark.parametrize(("chain", "warned"), [(OFFSET, True), (ANGLE, False)], ids=["offset", "angle"])
 def test_nearly_exact_arms(chain, warned, tmp_path, recwarn):
-    """Answers reach the pose on the file's own chain, within the limits, almost straight arms included."""
+    """Check that joints reach the pose on the file's chain, within the limits, also if the arm is almost straight."""
     arm, random = Arm.from_urdf(urdf(tmp_path / "arm.urdf", chain)), np.random.default_rng(1)
     assert 0 < max(arm.misfit) < 1e-3 and any("at the tip" in str(w.message) for w in recwarn) == warned
     th = random.uniform(-2.9, 2.9, (300, 7))
@@ -175,7 +175,7 @@ def test_nearly_exact_arms(chain, warned, tmp_path, recwarn):
 
 
 def test_corrections_at_limits(tmp_path):
-    """Almost straight arms with the elbow at its limit are solved; along paths, rows with joints reach their poses."""
+    """Solve almost straight arms with the elbow at its limit; check that rows of paths with joints reach the pose."""
     limits = [(-2.9, 2.9)] * 3 + [(0.0, 1.5)] + [(-0.8, 0.8)] * 3
     arm = Arm.from_urdf(urdf(tmp_path / "arm.urdf", ANGLE, limits=limits))
     th = np.random.default_rng(1).uniform(*arm.limits.T, (1000, 7)) * (1, 1, 1, 0.02, 1, 1, 1)
@@ -237,7 +237,7 @@ BEYOND = 0.3  # rad beyond the limits of half of the poses, so that some cannot 
 
 @pytest.fixture(params=["iiwa14", *(path.stem for path in sorted(ROBOTS.folder.glob("*.urdf")))])
 def robot(request, tmp_path):
-    """Return the file of a robot, its arm, and tips: points (N, 3), orientations (N, 4), 100 in its limits first."""
+    """Return a robot's file, its arm, and tips: points (200, 3), orientations (200, 4); the first 100 are feasible."""
     path = ROBOTS.folder / f"{request.param}.urdf"
     if request.param == "iiwa14":
         path = urdf(tmp_path / "iiwa14.urdf", IIWA14_CHAIN, FLANGE, IIWA14.limits.tolist())

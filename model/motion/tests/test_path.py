@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test feasible swivel angles, and branches and swivel angles that `Arm` chooses, for poses and along paths."""
+"""Test feasible swivel angles, and the branches and swivel angles that `Arm` chooses for poses and along paths."""
 
 import itertools
 import re
@@ -20,7 +20,7 @@ ARMS = ROBOTS | {"bent": BENT, "free": Arm(0.33, 0.27, 0.1)}
 
 
 def curve(arm, kind, seed, rows=240, share=0.95):
-    """Return smooth joint positions (rows, 7) over most of each joint's range: a line or a sine."""
+    """Return joint positions (rows, 7) along a "line" or a "sine" over ``share`` of each joint's range."""
     random, (low, high) = np.random.default_rng(seed), np.clip(arm.limits.T, -np.pi, np.pi)
     middle, half, time = (low + high) / 2, share * (high - low) / 2, np.linspace(0, 1, rows)[:, None]
     one, other = random.uniform(-1, 1, (2, 7))
@@ -46,8 +46,8 @@ def check(arm, joints, points, q, atol=1e-12):
     ],
 )
 def test_lines_and_sines(name, seeds):
-    """Lines between random joints and sines over 95 % of the range are followed, with seed 1 from their first joints;
-    at most one of 116 jumps, slightly."""
+    """Follow lines between random joints and sines over 95 % of the range; with seed 1, start at their first joints. At
+    most one of 116 paths may jump, slightly."""
     arm, jumping = ARMS[name], 0
     for kind, seed in itertools.product(("line", "sine"), seeds):
         joints = curve(arm, kind, seed, 200, 1.0 if kind == "line" else 0.95)
@@ -66,7 +66,7 @@ def test_lines_and_sines(name, seeds):
 
 @pytest.mark.parametrize("tilts", [(1,), (5,), (1, 5), (3,)], ids=str)
 def test_through_singular_poses(tilts):
-    """th2, th6 or th4 pass exactly through 0 in row 100."""
+    """Follow lines on which th2, th6, both, or th4 pass exactly through 0 in row 100."""
     for seed in range(2):
         joints = curve(IIWA14, "line", seed, 201)
         for tilt in tilts:
@@ -79,7 +79,7 @@ def test_through_singular_poses(tilts):
 
 
 def test_windings():
-    """A joint with a range of more than a turn continues beyond half a turn; at its end a jump is named."""
+    """Check that a joint with a range of more than a turn continues past half a turn, and jumps at its limit."""
     low, high = np.array([-2.9] * 6 + [-6.0]), np.array([2.9] * 6 + [6.0])
     arm = Arm(0.4, 0.4, 0.1, limits=np.column_stack((low, high)))
     joints = np.tile(np.array((0.3, 0.9, 0.2, 1.1, 0.4, 0.8, 0.0)), (120, 1))
@@ -99,7 +99,7 @@ def test_windings():
 
 
 def test_joints_of_exactly_a_turn():
-    """Between the ends of two such joints, which none of them crosses, arcs of swivel angles narrower than the grid."""
+    """Follow a path on which limits of joints with a range of a turn leave swivel arcs narrower than the grid."""
     limits = np.pi * np.array([(-1, 1), (0, 1), (-1, 1), (-0.83, 0), (-1, 1), (-0.5, 0.61), (-0.86, 0.86)])
     arm = Arm(0.28, 0.26, limits=limits)
     points, q = arm.forward(curve(arm, "sine", 56, 200))
@@ -109,7 +109,7 @@ def test_joints_of_exactly_a_turn():
 
 
 def test_given_branch_and_swivel():
-    """The path keeps to given branches and swivel angles; rows that these do not permit have no joints but a reason."""
+    """Check that a path keeps given branches and swivel angles, and that rows without a solution have a reason."""
     points, q = IIWA14.forward(curve(IIWA14, "sine", 4, 60))
     whole = IIWA14.path(points, q)
     some = IIWA14.path(points, q, phi=whole.phi)
@@ -133,7 +133,7 @@ def test_given_branch_and_swivel():
 
 @pytest.mark.parametrize("name", ARMS)
 def test_poses_alone(name):
-    """All joints are within their limits; nearest to given joints are these joints themselves."""
+    """Check that joints are within their limits, and that ``near`` joints which reach the pose are returned."""
     arm, random = ARMS[name], np.random.default_rng(1)
     joints = random.uniform(*np.clip(arm.limits.T, -np.pi, np.pi), (300, 7))
     points, q = arm.forward(joints)
@@ -153,7 +153,7 @@ def test_poses_alone(name):
 
 
 def test_continuous_joints():
-    """Whatever branch each row of joints is in, the hand stays, and the joints within their limits."""
+    """Check that the hand stays and joints are within their limits, whatever the branch of each row."""
     offset = Arm(0.33, 0.27, 0.1, offsets=(0, -np.pi / 2, 0, 0, 0, 0, 0))
     for arm in (offset, IIWA14):
         joints = curve(arm, "sine", 2, 50, 0.5)
@@ -187,7 +187,7 @@ def test_bad_arguments(change, message):
 
 @pytest.mark.parametrize("name", ["iiwa14", "human", "bent"])
 def test_track(name):
-    """Each step reaches the pose within the limits, and the step named is the largest of a joint."""
+    """Check that each step reaches the pose within the limits, and that ``largest`` is its largest joint step."""
     arm = ARMS[name]
     joints = curve(arm, "line", 1, 100, 0.5)
     points, q = arm.forward(joints)
@@ -204,7 +204,7 @@ def test_track(name):
 
 @pytest.mark.parametrize("name", ["iiwa14", "human"])
 def test_track_takes_the_nearest_branch(name):
-    """From far away, no other branch with the elbow in its place has a smaller largest step within the limits."""
+    """Check from distant joints that no other branch with the same elbow has a smaller largest step within limits."""
     arm, random, found = ARMS[name], np.random.default_rng(3), 0
     far, present = random.uniform(*arm.limits.T, (2, 200, 7))
     for point, hand, now in zip(*arm.forward(far), present, strict=True):
@@ -220,7 +220,7 @@ def test_track_takes_the_nearest_branch(name):
 
 @pytest.mark.parametrize(("tilt", "third"), [(1, 2), (5, 6)])
 def test_track_in_singular_poses(tilt, third):
-    """Where th2 or th6 is 0, the turn about the common axis is shared so that no joint moves by more than it."""
+    """Check that where th2 or th6 is 0, no joint moves by more than the turn about the common axis."""
     joints = np.array((0.4, 0.7, -0.3, 1.1, 0.2, 0.6, 0.5))
     joints[tilt] = 0
     moved = joints.copy()
@@ -232,7 +232,7 @@ def test_track_in_singular_poses(tilt, third):
 
 
 def test_reasons():
-    """Poses with a reason are those without joints; what is named are joints that would need wider limits."""
+    """Check that exactly the poses without joints have a reason, and that widening the limits it names solves them."""
     arm = Arm(0.42, 0.4, 0.126, limits=[(-1.2, 1.2)] * 7)
     points, q = arm.forward(np.random.default_rng(2).uniform(-1.6, 1.6, (40, 7)))
     points[0] *= 3

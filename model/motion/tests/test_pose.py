@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test poses from Python, of wrist targets and of hand poses with their seven joints, in any frame, in double precision
-and in the core's words; test the reference axis. Forward kinematics of the joints is a product of matrices."""
+"""Test poses from Python, in any frame, in double precision and in the core's words: wrist targets, and hand poses with
+their seven joints. Test the reference axis. Forward kinematics of the joints is a product of matrices."""
 
 import re
 import warnings
@@ -107,7 +107,7 @@ def test_a_width_gives_the_words_of_the_core(datapath, width):
 
 @pytest.mark.parametrize("axis", NAMED_AXES)
 def test_a_named_axis_loses_no_bit(axis):
-    """Check that words are only permuted; components of Qs are sums of four words over 2, exact in a double."""
+    """Check that words are only permuted, and that components of Qs, half the sums of four words, are exact."""
     r = to_z(axis)
     there = (matrix(r) @ POINTS.T).T
     assert (np.sort(np.abs(there)) == np.sort(np.abs(POINTS))).all()
@@ -146,8 +146,8 @@ def test_order_and_scipy():
 
 
 def test_continuous():
-    """Check that ``continuous`` changes only signs, and that the quaternions of an arm then do not jump from row to
-    row, even if rows of two arms alternate."""
+    """Check that ``continuous`` changes only signs, and that an arm's quaternions then do not jump from row to row,
+    even if rows of two arms alternate."""
     t = np.linspace(0, 2 * np.pi, 400)
     circle = np.column_stack((0.1 * np.cos(t), 0.35 + 0.1 * np.sin(t), 0.2 * np.sin(t / 2)))
     other = np.random.default_rng(3).permutation(circle)
@@ -336,7 +336,7 @@ def test_limits_are_circular():
 
 
 def test_poses_without_an_answer():
-    """Test targets too far, too near, for a limited elbow, out of reach by rounding, with a nan, and an empty array."""
+    """Test an empty array, nan, and targets too far, too near, beyond an elbow limit, or out of reach by rounding."""
     (points, q, _), phi, free = poses(6), [0.5] * 6, FREE.copy()
     points[0] *= 10
     points[1] = 0.02 * points[1] + TOOL * matrix(q[1])[:, 2]

@@ -238,14 +238,14 @@ def test_lean_roots_are_exact_next_to_the_limits():
 
 
 def test_flags_are_exact_at_the_limits():
-    """Check targets exactly at a limit, 2^2 + 3^2 + 6^2 = 7^2, in units of 50 bits: their squares fill two doubles."""
+    """Check targets exactly at a limit, 2^2 + 3^2 + 6^2 = 7^2, scaled by 50-bit integers: squares need two doubles."""
     unit = np.random.default_rng(11).integers(2**49, 2**50, 500).astype(float)
     for d1, d2 in ((3, 4), (4, 3), (1, 8), (8, 1)):
         assert (direct(2 * unit, -3 * unit, 6 * unit, 0.3, d1 * unit, d2 * unit)["flags"] == 0).all()
 
 
 def test_words_of_the_core():
-    """Compare flags with the integer rule, and poses with each other, for random and extreme words and corners."""
+    """Compare flags with the integer rule, and both lean solvers, for random words, extreme words and corners."""
     words = np.concatenate([stimuli.mixed(2500, 32, seed=5), stimuli.extremes(500, 32, seed=5)])
     asked = from_words(words, 0, 32, "words")
     targets = [getattr(asked, field) for field in FIELDS]
@@ -320,7 +320,7 @@ def test_angles():
 
 
 def test_geometry_gives_the_equations():
-    """Compare results with their signs and scalars; the derivation proves the coefficients of (11), (12) and (15)."""
+    """Compare results, including signs, and scalars; the derivation proves the coefficients of (11), (12) and (15)."""
     solved = geometry.solve(*TARGETS)
     for bound, names in ((1e-9, "qs_w qs_i qs_j qs_k qe_w qe_i"), (1e-11, "l_sw p_e_x p_e_y p_e_z c4 c3 sign")):
         for name in names.split():
