@@ -151,7 +151,7 @@ class Platform:
         return self.driver.targets(columns, numbers.integers(0, 1 << 32, count))
 
     async def call(self, targets: np.ndarray, code: str = "none", written: int | None = None, address: int = 0) -> None:
-        """Solve targets; check the code, the number written and the error address; compare words with the model."""
+        """Solve targets; check the code, the number of results and the error address; compare words with the model."""
         self.jobs.clear()
         written = (len(targets) if code == "none" else 0) if written is None else written
         bench, core = self.bench, self.driver.core

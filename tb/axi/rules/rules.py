@@ -106,8 +106,8 @@ PAYLOADS = {  # (port, channel) -> clock in which it stalls, and payload signal 
     ("axi4", "r"): (9, {"data": 8, "resp": 2, "last": 1, "id": 1}),
 }
 ALSO = {"wlast": "write.WLAST", "rlast": "read.RLAST", "rid": "read.RID", "bid": "write.BID"}
-"""Payload signal -> burst rule that a change of it also breaks. AW has none: the monitor records its payload when first
-offered. AR has none: the trace ends before its data."""
+"""Payload signal -> burst rule that a change of the signal also breaks. None for AW, whose payload the monitor records
+when it is first offered; none for AR, because its trace ends before the read data."""
 
 
 def of_channel(port: str, name: str) -> list[Break]:
