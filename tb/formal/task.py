@@ -62,7 +62,7 @@ class Question(NamedTuple):
 
 
 def answer(question: Question) -> tuple[float, str]:
-    """Ask a question; return the seconds for its claim and the problem, an empty text if the claim is proved."""
+    """Ask a question; return the seconds for its claim, and the problem (an empty text if the claim is proved)."""
     claim = question.ask()
     problem = "" if claim.said == "unsat" else {"sat": "counterexample"}.get(claim.said, claim.said)
     if not problem and question.meet and (met := question.meet().said) != "sat":
