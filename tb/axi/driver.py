@@ -27,9 +27,9 @@ PATIENCE = 4000  # maximum number of clocks until an interrupt
 
 
 class Platform:
-    """Buffers and callbacks of the driver: polling and coherent memory, or interrupts and a non-coherent cache.
+    """Buffers and callbacks of the driver: polling with coherent memory, or interrupts with a non-coherent cache.
 
-    A cache may write dirty lines of the result buffer back at any time; this model does so at the end of a job.
+    A real cache may write back dirty lines of the result buffer at any time; this model does so at the end of a job.
     """
 
     def __init__(self, bench: Bench, interrupt: bool, polls: int = 2000) -> None:
@@ -239,7 +239,7 @@ async def bus_error(bench, on, answer):
 
 @bench_test()
 async def busy(bench):
-    """During another host's job, even one that just started, a call returns busy and leaves the job undisturbed."""
+    """A call during another host's job, even if the job has just started, returns busy and does not disturb the job."""
     platform = await ready(bench, interrupt=True)
     bench.stall("r", "w")
     other = (0x10000, 0x10000 + 8 * BYTES)

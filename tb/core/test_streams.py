@@ -138,8 +138,8 @@ async def full(dut):
 
 @timed_test()
 async def results_wait(dut):
-    """Check that a waiting result in a folded core delays the next result only by the clocks it waits after the next
-    one's first write is due; with branch choice, by none. The other datapaths have a FIFO and are not tested."""
+    """Check that a result that waits in a folded core delays the next result only by the clocks by which it outlasts
+    the next result's first write; with branch choice, by none. Other datapaths have a FIFO and are not tested."""
     async with started(dut) as bench:
         if bench.period == 1:
             return

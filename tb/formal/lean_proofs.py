@@ -262,7 +262,7 @@ class Rounded(Questions):
     """
 
     def names(self) -> list[str]:
-        """Return the rounded nodes to prove, without CORDICs: model/dataflow/angles.py bounds their errors."""
+        """Return the rounded nodes to prove. CORDICs are left out: model/dataflow/angles.py bounds their errors."""
         nodes = self.exact.nodes
         names = [name for name in (*self.proved, *BY_WORDS) if name in nodes and nodes[name].kind != "vector"]
         return [name for name in names if nodes[name].frac and self.exact.errors[name]]

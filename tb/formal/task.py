@@ -43,7 +43,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Task:
-    """Proof to run; ``digest`` covers everything that it proves and assumes, but not the code that runs it."""
+    """Proof to run; ``digest`` covers all its claims and assumptions, but not the code that runs the proof."""
 
     name: str
     what: str

@@ -38,7 +38,7 @@ CORE = re.compile(r"^  (\S+  )\\(g_axis|g_arm)\.(\w+)(  \(\n.*?^  \);\n)", re.M 
 
 
 def _ends(th: np.ndarray, width: int, long: bool) -> tuple[int, int]:
-    """Return (low, high), both from the angles ``th``; with ``long``, as far apart as 15/16 of a turn permits."""
+    """Return (low, high), both from the angles ``th``; with ``long``, high - low is the largest below 15/16 turn."""
     if not long:
         return int(th[len(th) // 3]), int(th[2 * len(th) // 3])
     low = int(th[len(th) // 3])
@@ -50,7 +50,7 @@ def _ends(th: np.ndarray, width: int, long: bool) -> tuple[int, int]:
 class NodeBench:
     """Verilog bench that compares every node of a netlist of ``ik_axis`` or ``ik_arm`` with the model's.
 
-    It sends targets without stalls, with stalls, until the FIFO is full, and after a reset, and stops at the first
+    It sends targets without stalls, with stalls, with a full FIFO, and after a reset, and stops at the first
     difference. Under Icarus it takes a few seconds, as long as cocotb takes to start. A plusarg selects a mutant.
     `targets` is the number of mixed targets; `corners` adds corner targets.
     """

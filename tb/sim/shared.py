@@ -144,7 +144,7 @@ def marked(vcd: Path | None, test: str, scope: str, time: float) -> str:
 
 
 def moment(message: str, start: float, stop: float) -> float:
-    """Return the time in ns to which a test's message refers: its first "clock N" counts from the test's start."""
+    """Return the time in ns to which a message refers: "clock N" after ``start``, "N ns", or ``stop`` if neither."""
     if found := re.search(r"\b(?:clock (\d+)|(\d+) ns)\b", message):
         return start + 10 * int(found[1]) if found[1] else int(found[2])
     return stop

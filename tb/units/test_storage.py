@@ -143,7 +143,7 @@ def memory(D: int, AD: int, DOWN: int, RW: int) -> Tests:
     def expected(taken: list[Ports], now: Ports) -> Ports:
         for at in taken[len(reads) :]:
             words = ((port, content[at[f"{port}_at"]]) for port in "abr")
-            known = {port: word for port, word in words if word is not None}  # nothing is promised of the others
+            known = {port: word for port, word in words if word is not None}  # the others are undefined
             shifts = {"a": lambda w: w >> D - AD, "b": int, "r": lambda w: w >> D - 1 - RW & (1 << RW) - 1}
             reads.append({port: shifts[port](word) for port, word in known.items()})
             if at["w_en"]:

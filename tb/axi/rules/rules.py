@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """cocotb tests for ``test_rules.py``: traces for the monitors.
 
-There are legal traces, and for each AXI rule at least one trace that breaks only this rule. A trace is a dict
+There are legal traces, and for each AXI rule at least one trace that breaks it. A trace is a dict
 clock -> signal -> value; all other signals are 0. Reset is active in clocks 0 and 1. A trace that breaks a rule is
-usually laid over a legal trace, which then ends in the last clock of the overlay.
+usually laid over a legal trace, which is cut after the last clock of the overlay.
 """
 
 import re
