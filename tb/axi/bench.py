@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``ik_axi``: clock, register access, memory with injected faults, monitor of the memory port, checks."""
+"""Bench of ``ik_axi``: clock, register access, memory with faults, monitor of the memory port, checks of results."""
 
 import functools
 import logging
@@ -318,7 +318,7 @@ class Bench:
         raise AssertionError(f"busy for {most} clocks; {self.monitor.errors[:1]}")
 
     async def solve(self, source: int, destination: int, count: int, first: int = 0) -> None:
-        """Run a job that must succeed on targets from index ``first`` of the pool; compare results with the model."""
+        """Run a job on ``count`` targets from index ``first`` of the pool. Check its success and its results."""
         self.place(source, first, count)
         await self.start(source, destination, count)
         status = await self.ended()
@@ -369,7 +369,7 @@ async def started(dut, seed: int = 1, **options) -> Bench:
 
 
 def bench_test(**options) -> Callable:
-    """Return a decorator for cocotb tests of a bench: start it with ``options``, run the test, check the bench."""
+    """Return a decorator for cocotb tests: start a bench with ``options``, run the test, check the bench."""
 
     def decorate(function):
         @timed_test()

@@ -224,7 +224,7 @@ async def solves(bench, interrupt, stalled):
 @cocotb.parametrize(answer=["slverr", "decerr"])
 @bench_test()
 async def bus_error(bench, on, answer):
-    """A bus error in the second job of a call: the call returns its code and the results written before the error."""
+    """After a bus error in its second job, a call returns the error's code and the results written before the error."""
     platform = await ready(bench, interrupt=True)
     for bad in (0, RECORDS - 2):
         area = platform.source if on == "read" else platform.destination

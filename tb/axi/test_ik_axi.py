@@ -138,7 +138,7 @@ if ARM and os.environ.get("IK_AXI_CORE") != "echo":  # COCOTB_TEST_FILTER runs s
 @cocotb.parametrize(blocked=["r", "aw", "w", "b"])
 @bench_test()
 async def blocked_channel(bench, blocked):
-    """Block one channel: requests never exceed FIFO slots or burst limit. After release, all results are right."""
+    """Block one channel: requests never exceed the FIFO slots or the burst limit. Release it: all results are right."""
     count = bench.places + 12 * bench.per_burst
     source, destination = 0x40000, 0x80000
     bench.place(source, 0, count)
@@ -264,6 +264,6 @@ def test_with_the_core(parameters):
 @pytest.mark.cost(30)
 @pytest.mark.parametrize("parameters", FOLDED, ids=named)
 def test_with_a_folded_core(parameters):
-    """Run resets and errors as well on the real folded datapaths, because targets wait in front of them."""
+    """Run tests, also of resets and errors, with the real folded datapaths: targets wait in front of them."""
     tests = f"{FEW}|blocked_channel|latency=2$|soft_reset/|reset_during|bus_errors|after_a_reset"
     run(MODULES, parameters, 8, FEW if ICARUS else tests)

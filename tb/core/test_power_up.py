@@ -59,7 +59,7 @@ STREAMED = () if ICARUS else (3, 6, 12)
 EVERY = "every_flag.*idle=False/stall=False"
 STREAMS = f"power_up|one_result|ready_before|after=few|idle=bursts/stall=bursts|{EVERY}"
 TOPS = [pytest.param("ik_axi", {"W": 18, "DATA_W": 128}, "power_up|one_record|after_a_reset", id="memory")]
-"""Toplevels with the parameters of other tests, whose builds are reused, and the tests to run."""
+"""(toplevel, parameters, tests to run). Other tests have the same parameters, and their builds are reused."""
 for name, (path, width, tag) in SETS.items():
     if ICARUS or path != "paper":
         parameters = {"W": width, "TAG_W": tag, **MODELS[path].parameters}

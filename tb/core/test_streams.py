@@ -138,8 +138,8 @@ async def full(dut):
 
 @timed_test()
 async def results_wait(dut):
-    """Check that a result that waits in a folded core delays the next result only by the clocks by which it outlasts
-    the next result's first write; with branch choice, by none. Other datapaths have a FIFO and are not tested."""
+    """Check that a waiting result of a folded core delays the next result only by the part of the wait that follows the
+    due clock of that result's first write; with branch choice, not at all. The other datapaths have a FIFO."""
     async with started(dut) as bench:
         if bench.period == 1:
             return
@@ -294,7 +294,7 @@ in the fetch of steps, whose reset test_power_up covers."""
 
 
 def around(key: str) -> pytest.MarkDecorator:
-    """Return the mark for the modules around the datapath; it includes a folded datapath, because that one stalls.
+    """Return the mark for the modules around the datapath and, since it stalls, for a folded datapath itself.
 
     test_every_node.py has the marks for the other datapaths.
     """

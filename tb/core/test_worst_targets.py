@@ -71,7 +71,7 @@ def test_the_list_is_sorted_and_bounded():
 
 @pytest.mark.parametrize(("datapath", "width"), GROUPS)
 def test_errors_in_the_model(datapath, width):
-    """Check that recorded errors equal the model's, and that norms and hand errors (not paper's) are within tolerance.
+    """Check that recorded errors equal the model's, and that norms and, except in paper, hand errors are in tolerance.
 
     Paper's listed targets are near two singular poses at once, where the predicted error is no bound.
     """

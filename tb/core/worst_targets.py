@@ -47,7 +47,7 @@ KEPT = 10  # targets kept for each measure of hardness, per datapath and word le
 CHUNK = 20000  # targets per chunk
 
 CANDIDATES = 1000
-"""Number of targets, with a chunk's largest hand errors, to rank by hand error / tolerance (paper: predicted error)."""
+"""Number of a chunk's targets, with the largest hand errors, ranked by error / tolerance (paper: predicted error)."""
 
 
 def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.ndarray:
@@ -121,7 +121,7 @@ def _hardest(targets: list[Hard]) -> list[Hard]:
 
 @dataclass(frozen=True)
 class Failure:
-    """Failed check: lines for the user, and rows of the failing targets, in order or (errors too large) worst first."""
+    """Failed check: lines for the user, and rows of the failing targets, first to last, or worst first for errors."""
 
     lines: list[str]
     rows: list[int]

@@ -98,7 +98,7 @@ class Exact:
             raise
 
     def _take_word(self, node: Node) -> None:
-        """Add a node's word as a number in the word's range that has no error."""
+        """Add a node's word as an error-free number in the word's range."""
         error, within, fmt = self.errors[node.name], node.within, node.format
         ends = fmt.low * fmt.ulp, fmt.high * fmt.ulp
         if self.equations[node.name]:

@@ -89,7 +89,7 @@ END = "\nendmodule\n"
 
 
 def with_rules(files: list[Path], folder: Path) -> list[Path]:
-    """Return the files, with copies in ``folder`` for those with AXI rules, then ik_rules.v. Keep unchanged copies."""
+    """Return the files, those with AXI rules as copies in ``folder`` (kept if unchanged), and then ik_rules.v."""
     return [*(_bound(path, folder) for path in files), RULES / "ik_rules.v"]
 
 

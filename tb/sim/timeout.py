@@ -13,7 +13,7 @@ from tb.sim.env import ROOT
 
 
 def timed_test(milliseconds: float = 10, name: str | None = None) -> Callable:
-    """Return a decorator like :func:`cocotb.test` that fails a test after a limit in simulated milliseconds.
+    """Return a decorator like :func:`cocotb.test` that fails a test after ``milliseconds`` of simulated time.
 
     Write ``cocotb.parametrize`` above this decorator.
     """

@@ -159,7 +159,7 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
         return [(a // a_low * a_low, b // b_low * b_low) for a in corners(A) for b in corners(B)]
 
     def halves_of_a_place():
-        """Return operands whose product is half an LSB, or a product of low parts (which is omitted or estimated)."""
+        """Return operands whose product is half an LSB or consists of low parts, which are omitted or estimated."""
         a, b = 1 << SH // 2, 1 << SH - 1 - SH // 2
         pairs = [(a, b), (-a, b), (a - 1, b), (a_low, b_low // 2), (a_low // 2, -b_low), (a_low - 1, b_low - 1)]
         return [(a, b) for a, b in [*pairs, (-1, b_low - 1)] if a in A and b in B]

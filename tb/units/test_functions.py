@@ -49,7 +49,7 @@ def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
         return [(d, count) for bit, count in bits for d in (bit, bit - 1, -bit, -bit - 1) if d in words]
 
     def normalized_words():
-        """Return short words of either sign, with counts that shift the highest bit to next to q's sign, +- 1 place."""
+        """Return short words of either sign, with counts that shift the highest bit next to q's sign or one off."""
         short = [random.getrandbits(random.randint(1, IW - 1)) for _ in range(500)]
         near = [(d, top - 1 - d.bit_length() + random.choice((-1, 0, 0, 1))) for d in short]
         return [(random.choice((d, ~d)), min(max(count, 0), COUNTS[-1])) for d, count in near]
@@ -212,7 +212,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
 
 
 def of_datapath(*widths: int, **tile: int) -> list[dict[str, int]]:
-    """Return the parameters W and F, and ``tile``, that ``ik_trig`` has in the datapath of each width."""
+    """Return the parameters W and F of ``ik_trig`` in the datapath of each width; all sets include ``tile``."""
     return sets_of("W F", *((w, min(inner_frac(w), SINE_FRACS[-1])) for w in widths), **tile)
 
 

@@ -215,7 +215,7 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
 async def with_go(
     dut, vectors: Callable[[], Iterable[Ports]], clocks: int, expected: Callable[[list[Ports], Ports], Ports]
 ) -> None:
-    """Drive the vectors in order with ``go`` = 1. In 3 of 10 clocks, drive any vector with ``go`` = 0, without effect.
+    """Drive the vectors in order with ``go`` = 1. In 3 of 10 clocks, drive any with ``go`` = 0: it must have no effect.
 
     ``expected(taken, now)`` returns the outputs that are defined. ``taken`` has the inputs of all clocks with ``go``,
     newest last; ``now`` has the present inputs. Outputs are compared once ``taken`` has ``clocks`` entries.
