@@ -58,7 +58,7 @@ CASES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "clamped": ("(and clamp (not at_shoulder))", CLAMPED),
     "at the shoulder": ("(and clamp at_shoulder)", CLAMPED | AT_SHOULDER),
 }
-"""Cases of the target. If it is clamped, Qs and Qe are still outputs; the triangle's other words are unused."""
+"""Cases of the target. If the target is clamped, Qs and Qe are still outputs; the triangle's other words are unused."""
 
 REACHABLE = next(iter(CASES))
 

@@ -44,7 +44,7 @@ def _operator(name: str) -> Callable[["Term", object], "Term"]:
 
 @dataclass(frozen=True)
 class Term:
-    """Model integer as a z3 bit vector. Every comparison returns ``lower``; a product returns the next register."""
+    """Model integer as a z3 bit vector. Comparisons return ``lower``; a product returns the next product register."""
 
     text: str
     lower: bool = False
