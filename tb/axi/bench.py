@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``ik_axi``: clock, register access, a memory with injected faults, a monitor of its port, result checks."""
+"""Bench of ``ik_axi``: clock, register access, memory with faults, monitor of the memory port, checks of results."""
 
 import functools
 import logging
@@ -42,7 +42,7 @@ CHANNELS = ("ar", "r", "aw", "w", "b", "lite")
 
 
 class Memory(SparseMemory):
-    """Sparse memory. It records each access outside the source and destination areas in `errors`."""
+    """Sparse memory. `errors` has a message for each access outside the source and destination areas."""
 
     def __init__(self) -> None:
         super().__init__(1 << 64)
@@ -51,7 +51,7 @@ class Memory(SparseMemory):
         self.errors: list[str] = []
 
     def access(self, kind: str, area: tuple[int, int], address: int, length: int) -> AxiResp | None:
-        """Record an error if an access leaves ``area``. Return the first fault injected at its addresses, or None."""
+        """Record an error if an access leaves ``area``. Return the first fault in the accessed bytes, or None."""
         if not (area[0] <= address and address + length <= area[1]):
             now = f"{get_sim_time('ns'):.0f} ns"
             self.errors.append(f"{kind} of {length} bytes at {address:#x}, outside {area[0]:#x} to {area[1]:#x}, {now}")
@@ -59,7 +59,7 @@ class Memory(SparseMemory):
 
 
 class Responder:
-    """Mixin for both ports of the memory: delay responses by a latency, in order and pipelined; insert errors."""
+    """Mixin for `Reader` and `Writer`: delay each response by ``latency`` clocks, in order; insert injected faults."""
 
     letter: str  # name of the response channel
 
@@ -111,9 +111,9 @@ class Writer(Responder, AxiSlaveWrite):
 
 
 class Monitor:
-    """Monitor of the memory port at every falling edge: checks beyond the AXI rules, which tb/axi/rules checks.
+    """Monitor of the memory port, sampled at every falling edge. It checks what tb/axi/rules does not.
 
-    `Bench.check` fails if `errors` is not empty. A reset clears the state of open transactions, and nothing else.
+    `Bench.check` fails if `errors` is not empty. A reset clears only the state of open transactions.
     """
 
     def __init__(self, dut, record_beats: int) -> None:
@@ -203,7 +203,7 @@ class Monitor:
 
 
 def random_words(count: int, seed: int) -> np.ndarray:
-    """Return 32-bit words of targets of all kinds, shape (N, 6), or of hand poses, shape (N, 11), if ARM is True."""
+    """Return 32-bit words of ``count`` wrist targets of all kinds, shape (N, 6); if ARM, of hand poses, (N, 11)."""
     words = arm_targets(count, 32, seed)[:, :11] if ARM else mixed(count, 32, seed)
     numbers = np.random.default_rng(seed)
     words[::7, :3] += numbers.integers(-(1 << 14), 1 << 14, (len(words[::7]), 3))  # low bits, rounded if W < 32
@@ -212,7 +212,7 @@ def random_words(count: int, seed: int) -> np.ndarray:
 
 
 class Bench:
-    """Bench of one ``ik_axi``. It drives the clock, so a test creates only one. Jobs take targets from its pool."""
+    """Bench of one ``ik_axi``. It drives the clock, so a test creates only one bench. Jobs use a pool of targets."""
 
     def __init__(self, dut, seed: int = 1, latency: int = 0, words: np.ndarray | None = None) -> None:
         self.dut = dut
@@ -295,7 +295,7 @@ class Bench:
         return await self.read(f"{name}_LO") | await self.read(f"{name}_HI") << 32
 
     async def start(self, source: int, destination: int, count: int, accepted: bool = True) -> None:
-        """Write a job's parameters in random order, then start it. If ``accepted``, permit access to its areas only."""
+        """Write a job's parameters in random order and start it. With ``accepted``, permit access to its areas only."""
         values = {"COUNT": count}
         for name, value in (("SOURCE", source), ("DESTINATION", destination)):
             values |= {f"{name}_LO": value & 0xFFFFFFFF, f"{name}_HI": value >> 32}
@@ -318,7 +318,7 @@ class Bench:
         raise AssertionError(f"busy for {most} clocks; {self.monitor.errors[:1]}")
 
     async def solve(self, source: int, destination: int, count: int, first: int = 0) -> None:
-        """Run a job that must succeed, and compare its results with the model's."""
+        """Run a job on ``count`` targets from index ``first`` of the pool. Check its success and its results."""
         self.place(source, first, count)
         await self.start(source, destination, count)
         status = await self.ended()
@@ -328,7 +328,7 @@ class Bench:
         self.compare(destination, first, count)
 
     def compare(self, destination: int, first: int, count: int) -> None:
-        """Compare ``count`` results in memory with the model's results, from index ``first`` of the pool."""
+        """Compare ``count`` results in memory with the model's for the targets from index ``first`` of the pool."""
         part = np.arange(first, first + count) % self.pool
         wanted = LAYOUT.written(self.results[part], self.flags[part], self.tags[part], self.width)
         got = self.memory.read(destination, count * BYTES)
@@ -369,7 +369,7 @@ async def started(dut, seed: int = 1, **options) -> Bench:
 
 
 def bench_test(**options) -> Callable:
-    """Return a decorator that makes a cocotb test: start a bench with ``options``, run the test, check the bench."""
+    """Return a decorator for cocotb tests: start a bench with ``options``, run the test, check the bench."""
 
     def decorate(function):
         @timed_test()

@@ -33,7 +33,7 @@ REALS = {"double": np.float64, "float": np.float32}
 
 
 def compiled(folder: Path, *options: str, text: str = "") -> Path:
-    """Compile the driver, and the C source ``text`` with it, to a shared library and return its path."""
+    """Compile the driver, and C source ``text`` if given, into one shared library in ``folder``; return its path."""
     library, sources = folder / "ik.so", [SOURCE / "ik.c", SOURCE / "ik_words.c"]
     if text:
         sources.append(folder / "text.c")
@@ -72,9 +72,9 @@ class Uio(ctypes.Structure):
 
 
 def uio_device(folder: Path, page: int, size: int, offset: int, arm: bool = False) -> tuple[bytes, bytes]:
-    """Write a plain file as UIO device, and the sysfs files of its maps. Return (device file, folder of the maps).
+    """Write a plain file that replaces a UIO device, and its sysfs files. Return (device file, folder of its maps).
 
-    Each map is one page of the device file: map 0 has the registers, all 0 except CONFIG.arm, and map 1 the buffer.
+    Map 0 is a page of registers, all 0 except CONFIG.arm. Map 1 is the buffer; ``page`` is its physical address.
     """
     registers = np.zeros(2 * os.sysconf("SC_PAGESIZE") // 4, "<u4")
     registers[OFFSETS["CONFIG"] // 4] = arm << FIELDS_OF["CONFIG"]["arm"].low
@@ -89,8 +89,8 @@ def uio_device(folder: Path, page: int, size: int, offset: int, arm: bool = Fals
 class Driver:
     """C driver of one core. ``records`` is the capacity of each buffer; if ``arm``, targets are hand poses.
 
-    ``platform`` has ``areas``, the source and destination buffers, each as (CPU pointer, bus address), and the
-    callbacks read and write, and if ``interrupt`` also wait, flush and invalidate.
+    ``platform.areas`` are the source and the destination buffer, each as (CPU pointer, bus address). ``platform`` has
+    the callbacks read and write; if ``interrupt``, it also has wait, flush and invalidate.
     """
 
     def __init__(
@@ -149,7 +149,7 @@ class Driver:
 
     def solve(self, targets: np.ndarray) -> tuple[str, np.ndarray]:
         """Call ik_solve or ik_solve_arm. Return the code's name and the results that the driver reports as written.
-        Check that it has not changed any other result."""
+        Check that the driver has changed no other result."""
         results = np.full(len(targets) * self.result_type.itemsize, 0xA5, np.uint8)
         name = "ik_solve_arm" if self.arm else "ik_solve"
         code = self.call(name, targets.ctypes, results.ctypes, ctypes.c_size_t(len(targets)))

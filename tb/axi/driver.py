@@ -27,9 +27,9 @@ PATIENCE = 4000  # maximum number of clocks until an interrupt
 
 
 class Platform:
-    """Buffers and callbacks of the driver: polling and coherent memory, or interrupts and a non-coherent cache.
+    """Buffers and callbacks of the driver: polling with coherent memory, or interrupts with a non-coherent cache.
 
-    A cache may write dirty lines of the result buffer back at any time; this model does so at the end of a job.
+    A real cache may write back dirty lines of the result buffer at any time; this model does so at the end of a job.
     """
 
     def __init__(self, bench: Bench, interrupt: bool, polls: int = 2000) -> None:
@@ -151,7 +151,7 @@ class Platform:
         return self.driver.targets(columns, numbers.integers(0, 1 << 32, count))
 
     async def call(self, targets: np.ndarray, code: str = "none", written: int | None = None, address: int = 0) -> None:
-        """Solve targets; check the code, the number written and the error address; compare words with the model."""
+        """Solve targets; check the code, the number of results and the error address; compare words with the model."""
         self.jobs.clear()
         written = (len(targets) if code == "none" else 0) if written is None else written
         bench, core = self.bench, self.driver.core
@@ -224,7 +224,7 @@ async def solves(bench, interrupt, stalled):
 @cocotb.parametrize(answer=["slverr", "decerr"])
 @bench_test()
 async def bus_error(bench, on, answer):
-    """A bus error in the second job of a call: the call returns its code and the results written before the error."""
+    """After a bus error in its second job, a call returns the error's code and the results written before the error."""
     platform = await ready(bench, interrupt=True)
     for bad in (0, RECORDS - 2):
         area = platform.source if on == "read" else platform.destination
@@ -239,7 +239,7 @@ async def bus_error(bench, on, answer):
 
 @bench_test()
 async def busy(bench):
-    """During another host's job, even one that just started, a call returns busy and leaves the job undisturbed."""
+    """A call during another host's job, even if the job has just started, returns busy and does not disturb the job."""
     platform = await ready(bench, interrupt=True)
     bench.stall("r", "w")
     other = (0x10000, 0x10000 + 8 * BYTES)

@@ -75,9 +75,9 @@ async def no_records(bench):
 
 @bench_test(seed=5, latency=9)
 async def bus_errors(bench):
-    """The records before a failing beat of R, or before a failing burst of W, are written; ERROR is its address.
+    """Results before a failing R beat or W burst are written; ERROR is the address of that beat or burst.
 
-    Read and write errors alternate, as do SLVERR and DECERR. After some errors, the next failing job starts directly.
+    Read and write errors alternate, as do SLVERR and DECERR. A good job follows two of three errors.
     """
     numbers, beat_bytes = bench.random, bench.data_width // 8
     for k in range(4 * ROUNDS):
@@ -114,8 +114,7 @@ async def bus_errors(bench):
 
 @bench_test(seed=7)
 async def errors_on_both(bench):
-    """One of two errors, on a read and on a write of the same job, is reported; the first WRITTEN results are in
-    memory."""
+    """A job with a read error and a write error reports one of them; the first WRITTEN results are in memory."""
     numbers = bench.random
     for k in range(ROUNDS):
         count = numbers.randint(20, 90)

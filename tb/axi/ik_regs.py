@@ -10,7 +10,7 @@ from tb.sim.env import ROOT
 
 
 class Field(NamedTuple):
-    """Register field: bits high to low. :func:`access` lists the values of ``access``."""
+    """Register field in bits ``low`` to ``high``. :func:`access` lists the values of ``access``."""
 
     high: int
     low: int

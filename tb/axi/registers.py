@@ -75,7 +75,7 @@ async def every_field(bench):
 
 @bench_test()
 async def pulses(bench):
-    """Clear IRQ_STATUS.done and .error, each alone, after a job that sets it. CONTROL reads as 0 and ignores zeros."""
+    """A job sets IRQ_STATUS.done or .error; only a 1 in the same bit clears it. CONTROL reads as 0, ignores zeros."""
     await bench.write("CONTROL", 0)
     await bench.write("CONTROL", ALL & ~masks("CONTROL", "w1"))
     assert await bench.read("CONTROL") == 0 and await bench.read("STATUS") == 0
@@ -121,7 +121,7 @@ async def strobes(bench):
 
 @bench_test()
 async def queued_accesses(bench):
-    """Queue writes, and then reads, while no answer is taken: each waits for the one before, and none is lost."""
+    """Queue writes, then reads, while no response is accepted: accesses wait for the previous ones; none is lost."""
     whole = [register for register in bench.registers if masks(register, "rw") == ALL]
     words = {register: bench.random.getrandbits(32) for register in whole}
     bench.lite.write_if.b_channel.pause = bench.lite.read_if.r_channel.pause = True

@@ -80,7 +80,7 @@ def random_targets(random: np.random.Generator, count: int, decades: int) -> dic
 
 
 def corners() -> list[dict[str, np.ndarray]]:
-    """Return sets of targets: ties, both ends of the format, the largest and smallest double, whole and half turns."""
+    """Return sets of targets: rounding ties, ends of the format, largest and smallest double, whole and half turns."""
     ulp = 2.0**-30
     fractions = np.array([0.5, 1.5, 2.5, 0.5 - 2**-20, 0.5 + 2**-20, 1 - 2**-22]) * ulp
     lengths = np.concatenate([fractions, -fractions, [0, -0.0, -2, 2 - ulp, 2 - ulp / 2, 2 - ulp / 4, 1, -1, 1e-310]])
@@ -136,8 +136,8 @@ def library(tmp_path_factory):
 )
 @pytest.mark.parametrize("real", ["double", "float"])
 def test_compiles_freestanding_without_warnings(compiler, real, tmp_path):
-    """The driver compiles freestanding and references no other function except memcpy and memset. ik_words.c compiles
-    without floating-point registers, and does not call the compiler's functions for floating point either."""
+    """The driver compiles freestanding and references no external function except memcpy and memset. ik_words.c
+    compiles without floating-point registers and does not call the compiler's floating-point functions."""
     parts = {"ik.c": [f"-DIK_REAL={real}"], "ik_words.c": ["-mgeneral-regs-only"]}
     for name, options in parts.items():
         command = [compiler, *FLAGS, "-ffreestanding", "-c", *options, "-o", tmp_path / f"{name}.o", SOURCE / name]
@@ -156,7 +156,7 @@ def test_compiles_freestanding_without_warnings(compiler, real, tmp_path):
 
 @pytest.mark.parametrize("real", ["double", "float"])
 def test_numbers(real, tmp_path, capfd):
-    """Solve 120 sets of 1000 random targets, and for double the corners, without undefined behaviour."""
+    """Solve 120 sets of 1000 random targets and, with double, the corners; check for undefined behaviour."""
     core = RegisterModel()
     library = compiled(tmp_path, f"-DIK_REAL={real}", "-fsanitize=undefined")
     driver = Driver(library, core, COUNT, real=real, polls=3)
@@ -260,7 +260,7 @@ def test_start_up(library):
 
 @pytest.mark.parametrize("arm", [False, True])
 def test_words_in_place(library, arm):
-    """A call in words leaves the records as they are, starts one job, and refuses what the buffers do not hold, a busy
+    """A call in words does not change the records and starts one job. It refuses zero or too many records, a busy
     core, the other kind of core and a core without ik_init."""
     core, other = RegisterModel(arm=arm), RegisterModel(arm=not arm)
     driver, wrong = (Driver(library, one, COUNT >> arm, arm=arm) for one in (core, other))
@@ -353,7 +353,7 @@ ENDS = {"arrives": None, "silent": 0, "gone": errno.EIO, "signal": errno.EINTR}
 
 @pytest.mark.parametrize("error", ENDS.values(), ids=ENDS)
 def test_uio_wait_ends(library, tmp_path, error):
-    """A wait ends at an interrupt, which it unmasks, at its time limit, when the device is gone, and at an abort."""
+    """A wait ends on an interrupt (and unmasks it), on timeout, when the device disappears, and on an abort."""
     core, uio = RegisterModel(), Uio()
     if error is not None:
         core.run = lambda count: None  # no job ends

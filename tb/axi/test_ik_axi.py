@@ -23,7 +23,7 @@ from tb.sim.shared import passes
 from tb.sim.timeout import timed_test
 
 JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))
-"""Random jobs: half without pauses, half with pauses on all channels; JOBS // 20 more for each memory channel alone."""
+"""Random jobs: half without pauses, half with pauses on all channels. JOBS // 20 more pause one memory channel each."""
 
 BASE = 0x40000 - 512  # base address of the areas; the smallest tested instance has an address space of 1 MiB
 
@@ -33,7 +33,7 @@ LATENCIES = tuple(QUICKEST + more for more in (0, 16, 32, 64, 128))
 """Memory latencies in clocks, from AR accepted to the first R beat. B has the same additional delay as R."""
 
 BATCH, LONG = 100, 600
-"""Targets of the timed jobs. The trajectory `reach` has 100 targets; the long job repeats it."""
+"""Numbers of targets of the timed jobs. The trajectory `reach` has 100 targets; the long job repeats it."""
 
 
 def bursts(address: int, count: int, bench: Bench) -> list[tuple[int, int]]:
@@ -138,7 +138,7 @@ if ARM and os.environ.get("IK_AXI_CORE") != "echo":  # COCOTB_TEST_FILTER runs s
 @cocotb.parametrize(blocked=["r", "aw", "w", "b"])
 @bench_test()
 async def blocked_channel(bench, blocked):
-    """Block one channel: requests stay within FIFO slots and burst limit. After release, all results are right."""
+    """Block one channel: requests never exceed the FIFO slots or the burst limit. Release it: all results are right."""
     count = bench.places + 12 * bench.per_burst
     source, destination = 0x40000, 0x80000
     bench.place(source, 0, count)
@@ -188,8 +188,8 @@ async def counters(bench):
 @cocotb.parametrize(latency=LATENCIES)
 @timed_test()
 async def rates(dut, latency):
-    """Without added latency, require 95 % use of the read bus or of a folded core. Append a row to the file named by
-    IK_AXI_RATES."""
+    """Check that without added latency, the read bus or a folded core is busy 95 % of the time. Append a row to the
+    file named by IK_AXI_RATES."""
     words = None if ARM else to_words(make("reach"), 32)[0]
     bench = await started(dut, latency=latency - QUICKEST, words=words)
     assert ARM or bench.pool == BATCH
@@ -217,7 +217,7 @@ MODULES = "tb.axi.test_ik_axi,tb.axi.faults,tb.axi.registers"
 FEW = "one_record|limits|stalled=(none|all)"
 ICARUS = simulator() == "icarus"
 MANY_RECORDS = "pages|rates|stalled=(ar|r|aw|w|b)$"
-"""Tests with many records. Icarus leaves them out, as Verilator is ten times faster; in the others, Icarus covers X."""
+"""Tests with many records. Icarus skips them: Verilator is ten times faster, and the other tests cover X."""
 SAME = "every_field|pulses|strobes|unmapped_address|rates/latency=(18|66|130)"
 """Tests that do not depend on parameters: only one instance for wrist targets and one for hand poses run them."""
 
@@ -264,6 +264,6 @@ def test_with_the_core(parameters):
 @pytest.mark.cost(30)
 @pytest.mark.parametrize("parameters", FOLDED, ids=named)
 def test_with_a_folded_core(parameters):
-    """Run also resets and errors on the real folded datapaths, in front of which targets wait."""
+    """Run tests, also of resets and errors, with the real folded datapaths: targets wait in front of them."""
     tests = f"{FEW}|blocked_channel|latency=2$|soft_reset/|reset_during|bus_errors|after_a_reset"
     run(MODULES, parameters, 8, FEW if ICARUS else tests)

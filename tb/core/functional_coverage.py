@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Functional coverage at the ports of ``ik_axis`` (flag x datapath x singular region x stall pattern) and of ``ik_arm``
-(property of a pose, or of the choice of its branch, x datapath x stall pattern).
+(property of a pose or of its branch choice x datapath x stall pattern).
 
 :class:`tb.core.pipeline.Monitor` samples each result; the bench writes the samples after it has checked the results.
 """
@@ -57,7 +57,7 @@ def bin_of(kind: Kind, datapath: str, stall: str) -> Point:
 
 WRISTS = [kind for kind in itertools.product(("-", *CORE_FLAGS), REGIONS) if kind not in IMPOSSIBLE]
 KINDS = {"lean": WRISTS, "arm": [(pose,) for pose in POSES], "choose": [(choice,) for choice in CHOICES]}
-"""Kinds by the datapath that has examples of them; :func:`source` names it."""
+"""Datapath that has example targets (:func:`source`) -> their kinds."""
 
 
 def source(datapath: str) -> str:
@@ -75,8 +75,8 @@ BINS += [bin_of(LATE, datapath, "any") for datapath in ("arm", "fold_arm")]
 
 
 def kinds_of(target: Sequence[int], results: Sequence[int], flags: int, width: int) -> list[Kind]:
-    """Return the kinds of a wrist target, or of a pose with its branch, from the target's results and flags. A pose
-    with reference joints has the kinds of the choice."""
+    """Return the kinds of a wrist target, or of a pose with its branch, given the target's results and flags. If a pose
+    has reference joints, its kinds are the properties of the branch choice."""
     if len(target) == len(FIELDS):
         return list(itertools.product(names(flags).split("+"), regions(target)))
     if len(target) > len(ARM.inputs) + 1:
@@ -110,7 +110,7 @@ def regions(target: Sequence[int]) -> list[str]:
 
 @functools.cache
 def examples(width: int, datapath: str) -> dict[Kind, tuple[int, ...]]:
-    """Return an example of each kind that occurs: words of a target of ``datapath``. A few cover all kinds."""
+    """Return kind -> words of an example target of ``datapath``, for each kind that occurs. Few targets cover all."""
     k, targets = 1 << width - 5, mixed(4000, width, 8)
     if datapath == "lean":
         targets = np.array([*targets, (k - 2, 0, 0, 9, k, 1), (k + 2, 0, 0, 9, k, 1)])
@@ -125,7 +125,7 @@ def examples(width: int, datapath: str) -> dict[Kind, tuple[int, ...]]:
 
 
 def every_kind(width: int, datapath: str = "lean", stall: str = "") -> np.ndarray:
-    """Return targets of ``datapath`` (N, words) of all kinds. With a stall pattern, return only those whose bin has no
+    """Return targets of ``datapath`` (N, words) of all kinds; with a stall pattern, only of the kinds whose bin has no
     sample."""
     path = MODELS[datapath]
     name = path.name if path.side else path.rtl

@@ -73,10 +73,10 @@ class Scoreboard:
 
 
 class Driver:
-    """Driver that sends targets with incrementing tags, and announces the model's answers.
+    """Driver that sends targets with incrementing tags, and computes the model's answers.
 
-    ``bench`` is a :class:`Pipeline`. ``words`` holds the announced targets in order, and ``expected``
-    the words, tag and flags of their results; the scoreboard gets their nodes.
+    ``bench`` is a :class:`Pipeline`. ``words`` holds all queued targets in order, and ``expected`` the words, tag and
+    flags of each result. The scoreboard gets the model's node values.
     """
 
     def __init__(self, bench, scoreboard: Scoreboard) -> None:
@@ -88,7 +88,7 @@ class Driver:
         self.expected: list[tuple[tuple[int, ...], int, int]] = []
 
     def send(self, words: np.ndarray) -> None:
-        """Queue targets: wrist targets (N, 6), or poses with their branch (N, 12). Padding above words is random."""
+        """Queue targets, with rows as in :mod:`tb.sim.job`. The padding bits above each word are random."""
         bench, count = self.bench, len(self.bench.path.inputs)
         model = answer(words, bench.width, bench.datapath, bench.limits)
         self.words = np.concatenate([self.words, words])
@@ -104,14 +104,14 @@ class Driver:
             self.source.send_nowait(AxiStreamFrame([beat], tuser=branch << bench.tag_width | tag))
 
     def forget(self, kept: int) -> None:
-        """Forget all announced targets except the first ``kept``."""
+        """Forget all queued targets except the first ``kept``."""
         self.words = self.words[:kept]
         del self.expected[kept:]
         for values in self.scoreboard.expected.values():
             del values[kept:]
 
     async def unknown_while_idle(self) -> None:
-        """Drive X on the input data while tvalid is low, until the driver's next beat. Start this as a task."""
+        """Drive X on the input data whenever tvalid is low. The driver's next beat replaces X. Start this as a task."""
         dut = self.bench.dut
         while True:
             await FallingEdge(dut.clk)
@@ -323,8 +323,8 @@ class Pipeline:
 async def run_targets(dut):
     """Run jobs of targets without stalls, with a reset before each job, for :func:`tb.sim.simulate.simulate`.
 
-    IK_FOLDER names a folder. Its file ``jobs`` is a pickle of each job's target words and the joints' limits. This
-    writes the files ``runs``, a pickled list of :class:`Run`, and ``progress``, the number of results so far.
+    IK_FOLDER names a folder. Its file ``jobs`` is a pickle of (list of each job's target words, joints' limits). The
+    test writes the files ``runs``, a pickled list of :class:`Run`, and ``progress``, the number of results so far.
     """
     folder = Path(os.environ["IK_FOLDER"])
     jobs, limits = pickle.loads((folder / "jobs").read_bytes())

@@ -92,7 +92,7 @@ LEGAL = [  # top, parameter sets
     ("ik_fold_arm", [{"W": 32, "TAG_W": 1}]),
 ]
 READ = () if simulator() == "icarus" else pytest.mark.slow
-"""Mark of the LEGAL sets: slow with Verilator, which reads nearly the same sets in `make lint` and builds others."""
+"""Mark of the LEGAL sets: slow with Verilator, because `make lint` reads nearly the same sets."""
 
 
 def elaborated(top: str, parameters: dict[str, int]) -> tuple[int, set[str]]:
@@ -139,9 +139,9 @@ PARTS = ("ik_axis", "ik_axi", "ik_arm", "ik_credit_fifo", "ik_lean", "ik_lean_ar
 
 
 def test_fifo_has_a_slot_for_each_clock_and_not_twice_as_many(tmp_path):
-    """Check that the FIFO has at least T_OUT + 3 slots, fewer than twice that, and that ``ik_axi`` has equal constants.
+    """Check that the FIFO has at least T_OUT + 3 slots, but less than twice as many; ``ik_axi`` has equal constants.
 
-    A slot is reserved for T_OUT clocks, two in the FIFO and one of departure. With fewer slots the stream has gaps.
+    A slot is reserved for T_OUT clocks, two in the FIFO and one in which the result leaves; fewer slots cause gaps.
     The latency of a folded core in ``ik_axi`` must be the model's.
     """
     lines, displays = ["module top;"], []

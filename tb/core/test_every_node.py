@@ -37,8 +37,8 @@ else:
 
 
 def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) -> Run:
-    """Run targets, with Verilator natively, and check every node, result and flag. Joints have random limits, but not
-    where the core chooses a branch: few would be inside them."""
+    """Run targets (with Verilator, natively) and check every node, result and flag. Joint limits are random, except
+    where the core chooses a branch: few branches would be inside random limits."""
     options = {"simulator": simulator(), "datapath": datapath, "width": width, "cores": cores}
     ends = np.random.default_rng(6).integers(-(1 << width - 1), 1 << width - 1, (7, 2))
     limits = list(map(tuple, ends.tolist())) if MODELS[datapath].side and not MODELS[datapath].chooses else None

@@ -2,7 +2,7 @@
 """Test power-up: outputs are defined before the first clock, and nothing depends on the initial state.
 
 Icarus starts registers as X; there, test_nothing_depends_on_the_start only checks the ports. Verilator starts
-registers, memories and X at random; there, several seeds also run streams and jobs.  A netlist starts in both ways.
+registers, memories and X at random; there, several seeds also run streams and jobs.  Both also test a netlist.
 """
 
 import re
@@ -59,7 +59,7 @@ STREAMED = () if ICARUS else (3, 6, 12)
 EVERY = "every_flag.*idle=False/stall=False"
 STREAMS = f"power_up|one_result|ready_before|after=few|idle=bursts/stall=bursts|{EVERY}"
 TOPS = [pytest.param("ik_axi", {"W": 18, "DATA_W": 128}, "power_up|one_record|after_a_reset", id="memory")]
-"""Parameters of other tests, whose builds are reused."""
+"""(toplevel, parameters, tests to run). Other tests have the same parameters, and their builds are reused."""
 for name, (path, width, tag) in SETS.items():
     if ICARUS or path != "paper":
         parameters = {"W": width, "TAG_W": tag, **MODELS[path].parameters}
@@ -70,7 +70,7 @@ LONG = "paper-23", "arm-18", "fold_arm-24", "fold_arm16-18"
 """Sets that simulate longest; only `make test-all` tests them without initial values."""
 BUG = Bug("no initial valid", "rtl/lib/ik_fifo.v", "  initial m_valid = 1'b0;\n", "", "power_up")
 INITIAL = re.compile(r"^ *initial (?:\{[^}]*\}|\w+) = .*;\n", re.MULTILINE)
-"""Initial value of registers; a memory is initialized by a loop or in a block instead."""
+"""Pattern of an initial value of registers; memories, which a loop or a block initializes, do not match."""
 BARE = f"one_result|after=few|one_record|after_a_reset|{EVERY.replace('False', 'True')}"
 MODULES = dict.fromkeys(("ik_axis", "ik_arm"), "tb.core.test_streams")
 MODULES["ik_axi"] = "tb.axi.test_ik_axi,tb.axi.registers"
@@ -109,7 +109,7 @@ def test_a_register_without_an_initial_value_is_detected(tmp_path):
     [pytest.param(*one.values[:2], id=one.id, marks=[pytest.mark.slow] if one.id in LONG else []) for one in TOPS],
 )
 def test_a_reset_of_one_clock_replaces_initial_values(top, parameters, tmp_path):
-    """Test the RTL with IK_NO_INITIAL and tables of nets, without initial values of registers: all is X until reset."""
+    """Test RTL without initial values (with IK_NO_INITIAL, and tables as nets): every register is X until reset."""
     for path in (*sources(copy_rtl(tmp_path)), *headers(tmp_path)):
         text = nets(INITIAL.sub("", path.read_text()))
         assert not re.search(r"\n +initial (?!begin|for)", text), path
@@ -126,7 +126,7 @@ def test_a_reset_of_one_clock_replaces_initial_values(top, parameters, tmp_path)
 @pytest.mark.needs("fpga")
 @pytest.mark.parametrize("name", ["fold16", "fold_arm16"])
 def test_a_netlist_needs_no_initial_values(name, tmp_path):
-    """Test gates in place of the core, made with IK_NO_INITIAL and without initial values, and a reset of one clock."""
+    """Test a synthesized core, built with IK_NO_INITIAL and without initial values, after a reset of one clock."""
     path = MODELS[name]
     parameters = {"W": 18, "TAG_W": 3, **path.parameters}
     core = copy_rtl(tmp_path) / "rtl" / "fold" / f"{path.entity}.v"

@@ -29,8 +29,8 @@ from tb.sim.timeout import timed_test
 
 @asynccontextmanager
 async def started(dut, nodes: bool = False) -> AsyncIterator[Pipeline]:
-    """Yield the bench after reset; at the end check all that it compared. With ``nodes`` it compares every
-    node, not only the results."""
+    """Yield the bench after reset; at the end, check it. With ``nodes`` the bench compares every node, not only the
+    results."""
     bench = Pipeline(dut, nodes)
     if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator has no X
         cocotb.start_soon(bench.driver.unknown_while_idle())
@@ -47,9 +47,9 @@ def datapath_latency(bench: Pipeline) -> int:
 def places(bench: Pipeline) -> int:
     """Return the number of targets that are admitted while m_axis_tready is low.
 
-    A pipeline has a FIFO whose depth is its latency plus 3, rounded up to a power of two. In the folded core a result
-    waits at the output, and the next target stalls before its first result. A third target may be loaded before then.
-    Behind it, the choice of a branch holds one more.
+    A pipeline has a FIFO whose depth is the pipeline's latency plus 3, rounded up to a power of two. In a folded core,
+    one result waits at the output, and the next target stalls before its own result; a third target may be loaded
+    before the stall. A core that chooses the branch holds one more result.
     """
     if bench.period == 1:
         return 1 << int(np.ceil(np.log2(datapath_latency(bench) + 3)))
@@ -60,8 +60,8 @@ def places(bench: Pipeline) -> int:
 
 @timed_test()
 async def one_result_per_clock(dut):
-    """Check that unstalled results leave in consecutive clocks (folded core: one per period), all with the specified
-    latency, and that DIGIT selects the kind of each divider and root."""
+    """Check that without stalls, results leave in consecutive clocks (folded core: one per period) with the specified
+    latency. Check that DIGIT selects the kind of each divider and root."""
     async with started(dut, nodes=True) as bench:
         bench.driver.send(bench.mixed(200 if bench.period == 1 else 20, seed=1))
         await bench.finish()
@@ -138,8 +138,8 @@ async def full(dut):
 
 @timed_test()
 async def results_wait(dut):
-    """Check that a waiting result of a folded core delays the next one only by the clocks that it waits beyond the
-    first write of that one, or behind the choice of a branch by none. The other datapaths have a FIFO."""
+    """Check that a waiting result of a folded core delays the next result only by the part of the wait that follows the
+    due clock of that result's first write; with branch choice, not at all. The other datapaths have a FIFO."""
     async with started(dut) as bench:
         if bench.period == 1:
             return
@@ -210,8 +210,8 @@ async def reset_in_any_clock(dut):
 
 @timed_test()
 async def admitted_after_a_reset(dut):
-    """Check that a target that waits at the end of a reset is admitted after a fixed number of clocks, whatever clock
-    of a lap the reset of one or two clocks falls into."""
+    """Check that a target waiting at the end of a reset is admitted after a fixed number of clocks, whichever clock of
+    a lap a reset of one or two clocks hits."""
     async with started(dut) as bench:
         after = {}  # clocks from the end of a reset to the admission -> reset in which they were counted
         for clocks in range(2 * bench.period + 8):
@@ -289,14 +289,14 @@ def shared(key: str) -> Shared:
 LARGE = ("paper-23", "arm-18", "choose-18", "fold_arm-24", "fold_choose-24") if simulator() == "icarus" else ()
 FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out", "results_wait")
 PARTS = dict.fromkeys((*LARGE, "fold_arm16-18"), FEW) | dict.fromkeys(BYTES, ("idle=bursts/stall=bursts", "after=out"))
-"""Set -> parts of the names of its tests; other sets run all. fold_arm16 differs from fold_arm only by its fetch of
-steps, which test_power_up resets."""
+"""Set -> parts of the names of the tests that it runs; other sets run all tests. fold_arm16 differs from fold_arm only
+in the fetch of steps, whose reset test_power_up covers."""
 
 
 def around(key: str) -> pytest.MarkDecorator:
-    """Return the marker of the modules around the datapath, and of a folded datapath, which stalls, itself.
+    """Return the mark for the modules around the datapath and, since it stalls, for a folded datapath itself.
 
-    test_every_node.py has the markers of the other datapaths.
+    test_every_node.py has the marks for the other datapaths.
     """
     path = MODELS[(SETS | BYTES)[key][0]]
     others = {other.entity for other in MODELS.values() if not path.times or other.entity != path.entity}
@@ -314,6 +314,6 @@ def cases() -> Iterator:
 
 @pytest.mark.parametrize(("simulation", "name"), list(cases()))
 def test_streams(request, simulation, name):
-    """Run a test. With whole bytes, the padding of targets, which is random here, is ignored, and results are
-    sign-extended."""
+    """Run a test. The sets in `BYTES` also check that random padding bits of targets have no effect and that results
+    are sign-extended."""
     simulation.check(request, name)

@@ -23,7 +23,7 @@ GROUPS = worst_targets.groups(ROWS)
 
 
 def test_special_words_are_all_that_there_are(width=16):
-    """Check that chunks without a seed contain each of the 12^6 targets made of special words once."""
+    """Check that chunks without a seed contain each of the 12^6 targets made of special words exactly once."""
     words = np.concatenate([chunk(n, width, None) for n in range(-(-SPECIAL // 20000))])
     numbers = np.searchsorted(sorted(special(width)), words)
     assert (np.sort(special(width))[numbers] == words).all() and len(set(special(width))) == 12
@@ -71,9 +71,9 @@ def test_the_list_is_sorted_and_bounded():
 
 @pytest.mark.parametrize(("datapath", "width"), GROUPS)
 def test_errors_in_the_model(datapath, width):
-    """Check that recorded errors equal the model's, and that norms and hand errors (not paper's) are within tolerance.
+    """Check that recorded errors equal the model's, and that norms and, except in paper, hand errors are in tolerance.
 
-    Two singular poses meet at the listed targets of paper, and there the predicted error is no bound.
+    Paper's listed targets are near two singular poses at once, where the predicted error is no bound.
     """
     rows = GROUPS[datapath, width]
     words = worst_targets.array(rows)

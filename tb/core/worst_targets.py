@@ -47,7 +47,7 @@ KEPT = 10  # targets kept for each measure of hardness, per datapath and word le
 CHUNK = 20000  # targets per chunk
 
 CANDIDATES = 1000
-"""Number of a chunk's largest hand errors that are divided by their tolerance (paper: predicted error) and ranked."""
+"""Number of a chunk's targets, with the largest hand errors, ranked by error / tolerance (paper: predicted error)."""
 
 
 def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.ndarray:
@@ -121,7 +121,7 @@ def _hardest(targets: list[Hard]) -> list[Hard]:
 
 @dataclass(frozen=True)
 class Failure:
-    """Failed check: lines for the user, and the rows of the targets that fail, the first or the worst target first."""
+    """Failed check: lines for the user, and rows of the failing targets, first to last, or worst first for errors."""
 
     lines: list[str]
     rows: list[int]
@@ -217,7 +217,7 @@ _TARGET = re.compile(r"(?<= of target )\d+")
 
 
 def _bits_failure(run: Run, differing: list[int], numbers: Sequence[int]) -> Failure:
-    """Return the failure for differing bits. Its lines number targets by their sequence, not by the run."""
+    """Return the failure for differing bits. Its lines use the targets' ``numbers``, not their positions in the run."""
     lines = [f"{run.bit_mismatches} bits differ from the bit-true model, results of {len(differing)} targets"]
     first = run.first_mismatch or ""
     named = [int(n) for n in _TARGET.findall(first)[:1]]
@@ -239,7 +239,7 @@ class Row:
 def errors(
     words: np.ndarray, results: np.ndarray, width: int, flags: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return hand error / reach (N,), nan out of reach, and the larger abs(norm^2 - 1) (N,) of the quaternions.
+    """Return hand error / reach (N,), nan out of reach, and the larger abs(norm^2 - 1) of both quaternions (N,).
 
     The whole arm needs ``flags``; the larger of :func:`tolerances.pose_errors` then replaces hand error / reach.
     """
@@ -255,10 +255,10 @@ def errors(
 
 
 def arm_errors(words: np.ndarray, run: fixed.Answer, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return errors of poses and their tolerances, (2, N): of the hand's point / reach and of its orientation (rad).
+    """Return errors of poses and their tolerances, each (2, N): hand's point / reach, then hand's orientation (rad).
 
-    An error is 0 where :func:`tolerances.pose_errors` excludes the pose, and for a reach below 1 in the format, where
-    rounding the wrist to words causes an error that is large only compared with the reach."""
+    An error is 0 where :func:`tolerances.pose_errors` excludes the pose, and where the reach is below 1 in the format:
+    there, the error from rounding the wrist to words is large only compared with the reach."""
     reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
     permitted = np.array([np.broadcast_to(most, reach.shape) for most in tolerances.arm(words, width)])
     permitted[0] /= np.maximum(reach, 1)
@@ -278,7 +278,7 @@ def array(rows: Iterable[Row]) -> np.ndarray:
 
 
 def groups(rows: Iterable[Row]) -> dict[tuple[str, int], list[Row]]:
-    """Group rows by (datapath, width), in the order of these."""
+    """Group rows by (datapath, width), sorted by this key."""
     grouped: dict[tuple[str, int], list[Row]] = {}
     for row in rows:
         grouped.setdefault((row.datapath, row.width), []).append(row)

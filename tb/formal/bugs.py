@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Seeded bugs: a proof must fail on the bug seeded for it.
 
-A key is the name of a proof or its first words; the longest key that fits applies. ``Bug.fails`` is the property or
-question that must have a counterexample; proofs about gates ignore it.
+A key is a proof's name or the start of one; the longest matching key applies. ``Bug.fails`` is the property or question
+that must have a counterexample; proofs about gates ignore ``Bug.fails``.
 """
 
 from tb.sim.seeded_bugs import Bug

@@ -2,9 +2,9 @@
 """Proof by z3 over the integers that divider and root return the floor, given the properties in ik_div_digit.vh and
 ik_root_digit.vh.
 
-These files prove a linear relation for each row, on bit vectors: P + R (divider) or S + R (root) equals the operand's
-bits so far, modulo a power of two. The questions here prove P = Q d and S = Q^2, so Q is the floor after the last row.
-The row equations are read from the .vh files (:func:`integer`): a change there changes the questions. Widths appear
+Q has the result's bits so far, R is the remainder, d the divisor. These files prove on bit vectors, for each row, that
+P + R (divider) or S + R (root) equals the operand's bits so far, modulo a power of two. The questions here prove that
+P = Q d and S = Q^2, so Q is the floor after the last row. The .vh files supply the row equations. Widths appear
 only in D = 2^(DW-1), X = 2^XW >= 2 D and B = 2^ROWS (at least 8 for roots), so the proof holds at all widths.
 """
 
@@ -125,7 +125,7 @@ def _root(text: str) -> Iterator[Question]:
 
 
 def floors(bug: Bug | None = None) -> Iterator[Question]:
-    """Yield all questions about both property files; a bug is seeded in one of them."""
+    """Yield all questions about both property files. If ``bug`` is given, seed it in its file."""
     for file, questions in ((DIV, _divider), (ROOT_DIGIT, _root)):
         text = (ROOT / file).read_text()
         yield from questions(bug.seeded(text) if bug and bug.file == file else text)

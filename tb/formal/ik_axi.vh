@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Appended to ik_axi. The engines' assumptions about each other hold, so their separate proofs apply to the whole. A
-// job is never stuck; docs/verification.md derives from this that it ends if the memory responds.
+// job is never stuck; docs/verification.md derives from this that a job ends if the memory responds.
 //
 // Assumptions about the memory: it sends data only if they were requested (f_data of ik_axi_read.vh), and a response
 // only for a burst of which it has accepted the address and all data (f_answered). f_length restricts nothing: it sets
@@ -10,7 +10,7 @@
 (* hierconn *) wire [9:0] \u_records.g_axis.u_axis.inside ;
 (* hierconn *) wire \u_records.g_axis.u_axis.s_axis_tready ;
 `ifdef IK_FOLD
-// targets in front of a folded core: in memory, and with the output register
+// targets that wait in front of a folded core: in memory, and with the output register
 (* hierconn *) wire [LOG2_PLACES:0] \u_records.g_wait.u_targets.wr_ptr ;
 (* hierconn *) wire [LOG2_PLACES:0] \u_records.g_wait.u_targets.rd_ptr ;
 (* hierconn *) wire \u_records.core_valid ;

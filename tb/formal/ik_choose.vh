@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_choose, whose other instances but its delays are left out: the steps of the joints are arbitrary.
+// Appended to ik_choose, which keeps only its delays: all other instances are left out, so joint steps are arbitrary.
 // The branch chosen has the least step of all eight, and a branch counts as inside if no step of its joints is outside.
 
 localparam integer S = STEP + 1;

@@ -1,9 +1,9 @@
 // Abstract core that replaces ik_axis: counts targets inside, offers results at any time; results are arbitrary.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Has only properties of ik_axis that ik_axis.vh, and of a folded core ik_fold.vh, prove: the number of slots, ready
+// Has only those properties of ik_axis that ik_axis.vh (folded core: ik_fold.vh) proves: the number of slots, ready
 // while a slot is free (folded: at any time), no result offered while empty, m_axis_tvalid high until a result is
-// accepted. That a job ends (docs/verification.md) also follows from offered_in_time of ik_axis.vh: with a target
+// accepted. The proof that a job ends (docs/verification.md) also uses offered_in_time of ik_axis.vh: with a target
 // inside, a result is offered within T+1 clocks.
 // Latency: any.
 `default_nettype none

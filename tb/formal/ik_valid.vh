@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Appended to ik_lean, ik_paper or ik_lean_arm, whose other instances are left out: valid and tag have the latency of
-// the abstract pipeline, ik_core.v. The tag of ik_lean_arm passes rings; tests/test_exits.py follows it in the netlist.
+// Appended to ik_lean, ik_paper or ik_lean_arm without most of its instances: valid and tag have the latency of the
+// abstract pipeline, ik_core.v. The tag of ik_lean_arm passes rings; tests/test_exits.py follows it in the netlist.
 // No assumptions.
 
 `ifdef IK_ARM

@@ -148,7 +148,7 @@ class Design:
         return [(name, int(clock)) for clock, name in reached], "" if len(reached) == wanted > 0 else problem
 
     def trace(self) -> Path:
-        """Write a waveform of a clock after which a property fails, if one is found within LIMIT; return its path."""
+        """Write a counterexample as a waveform, unless none is found within LIMIT; return the path of the waveform."""
         path = self.place / "counterexample.vcd"
         formula = (self.place / "formula.smt2").relative_to(ROOT)
         call([*SMTBMC, "--timeout", LIMIT, "-i", "-t", 1, "--dump-vcd", path.relative_to(ROOT), formula])
@@ -194,8 +194,8 @@ class Steps(Unrolled):
         return self.ask(0, [f"|{self.top}_i@0|"], f"|{self.top}_a@0|", LIMIT)
 
     def step(self, name: str, proof: Proof, after: bool = True) -> Answer:
-        """Ask whether a property holds in the next clock if the properties that it uses hold in this one. With
-        ``after``, a property in ``proof.after`` is instead checked in the clock of the properties that imply it."""
+        """Ask whether a property holds in the next clock if the properties that it uses hold in this clock. With
+        ``after``, check a property in ``proof.after`` in the same clock as the properties that imply it."""
         kind = self.kind(name)
         same, uses = proof.after.get(kind, "") if after else "", proof.uses.get(kind, "")
         facts = [self.holds(n, 0) for wanted in (same or uses).split() for n in self.named(wanted, name)]
@@ -205,7 +205,7 @@ class Steps(Unrolled):
 
 
 def survives(proof: Proof, bug: Bug) -> str:
-    """Seed a bug; return an empty text if the proof fails on it, else what happens instead."""
+    """Seed a bug; return an empty text if the proof fails on the bug, else a line about what happens instead."""
     try:
         design = Design(proof, BUILD / proof.name / "bug", bug)
         if proof.gates:

@@ -58,7 +58,7 @@ CASES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "clamped": ("(and clamp (not at_shoulder))", CLAMPED),
     "at the shoulder": ("(and clamp at_shoulder)", CLAMPED | AT_SHOULDER),
 }
-"""Cases of the target. If it is clamped, Qs and Qe are still outputs; the triangle's other words are unused."""
+"""Cases of the target. If the target is clamped, Qs and Qe are still outputs; the triangle's other words are unused."""
 
 REACHABLE = next(iter(CASES))
 
@@ -98,7 +98,7 @@ class Exact:
             raise
 
     def _take_word(self, node: Node) -> None:
-        """Add a node's word as a number without an error, in the range of the word."""
+        """Add a node's word as an error-free number in the word's range."""
         error, within, fmt = self.errors[node.name], node.within, node.format
         ends = fmt.low * fmt.ulp, fmt.high * fmt.ulp
         if self.equations[node.name]:
@@ -109,19 +109,19 @@ class Exact:
     # ---- called by operations --------------------------------------------------------------------------------------
 
     def name(self, node: Node) -> str:
-        """Return the name that an operand has in the formulas being written: of its exact value, or of its word."""
+        """Return the name of an operand's exact value or word, whichever the formulas being written use."""
         return self.operand(self._node, node)
 
     @staticmethod
     def operand(node: Node, operand: Node) -> str:
-        """Return the name that an operand has in a node's formulas."""
+        """Return the name of an operand's exact value or word, whichever the formulas of ``node`` use."""
         return f"{operand.name}_w" if operand.name in node.as_words else operand.name
 
     def operands(self, name: str) -> list[str]:
         return [self.operand(self.nodes[name], operand) for operand in self.nodes[name].operands]
 
     def compared(self, relation: Compared) -> str:
-        """Return a comparison as a formula. Raises FreeError for rounded words, except about a sign, which is free."""
+        """Return a comparison as a formula. Raises FreeError for rounded words, except if only their sign matters."""
         left, right = relation.parts
         rounded = [node for node in relation.operands if self.errors[self.name(node)]]
         if not rounded:
@@ -137,7 +137,7 @@ class Exact:
     # ---- facts -----------------------------------------------------------------------------------------------------
 
     def on_words(self, mask: Node) -> str:
-        """Return the fact that a mask is its comparison, applied to the words of its operands."""
+        """Return the fact that a mask equals its comparison, applied to the operands' words."""
         left, right = (part.formula(self) if isinstance(part, Constant) else f"{part.name}_w" for part in mask.op.parts)
         return f"(= {mask.name} ({mask.op.relation} {left} {right}))"
 
@@ -154,7 +154,7 @@ class Exact:
         return between(within.low, name, within.high, within.below)
 
     def known(self, name: str) -> str:
-        """Return the fact that a proved :meth:`claim` provides: as an integer, a count above -1 is at least 0."""
+        """Return the fact that a proved :meth:`claim` provides. A count is an integer: above -1 means at least 0."""
         return self.claim(name) if self.nodes[name].frac else between(1.0, name, 2.0 ** self.nodes[name].within.high)
 
     def places(self, name: str) -> str:
@@ -258,11 +258,11 @@ class Rounded(Questions):
 
     A node's word is its operation applied to the words of its operands, plus rounding (:meth:`rounding`). An
     operand's exact value lies in its range (:class:`Rules`); its word differs from that value by at most its error. The
-    node's error of :mod:`model.bounds.ranges` must follow. ``n_w`` is n's word, ``n_f`` its unrounded word.
+    error that :mod:`model.bounds.ranges` states must follow. ``n_w`` is n's word, ``n_f`` n's unrounded word.
     """
 
     def names(self) -> list[str]:
-        """Return the rounded nodes to prove, without CORDICs: model/dataflow/angles.py bounds their errors."""
+        """Return the rounded nodes to prove. CORDICs are left out: model/dataflow/angles.py bounds their errors."""
         nodes = self.exact.nodes
         names = [name for name in (*self.proved, *BY_WORDS) if name in nodes and nodes[name].kind != "vector"]
         return [name for name in names if nodes[name].frac and self.exact.errors[name]]

@@ -83,7 +83,7 @@ def handshake(datapath: str) -> Proof:
 
 
 def valid(datapath: str) -> Proof:
-    """Return the proof of the latency of valid in the real datapath, and of the tag's latency except in the arm."""
+    """Return the proof of valid's latency in the real datapath and, except in the arm, of the tag's latency."""
     top, others = ("ik_lean_arm", "ik_lean") if datapath == "arm" else (f"ik_{datapath}", "ik_delay")
     return Proof(f"valid_{datapath}", top, {}, others, {top: "ik_valid"}, CORE[datapath], part=True)
 
@@ -101,7 +101,7 @@ def engine(name: str, others: str = "", size: int = 5) -> Proof:
 
 
 def whole(name: str, sets: dict[str, int], others: str, defines: str = "") -> Proof:
-    """Return the proof of what the engines of ``ik_axi`` assume of each other; ik_stream.v replaces the core."""
+    """Return the proof of what the engines of ``ik_axi`` assume about each other; ik_stream.v replaces the core."""
     properties = {f"ik_axi{engine}": f"ik_axi{engine}" for engine in ("", "_job", "_read", "_write")}
     claims = "chformal -assume2assert t:$assume c:u_read.f_data %d c:f_answered %d c:f_length %d"
     return Proof(f"axi_whole_{name}", "ik_axi", {"DATA_W": 64} | sets, f"{others} {ENGINES}", properties, defines,
@@ -110,8 +110,8 @@ def whole(name: str, sets: dict[str, int], others: str, defines: str = "") -> Pr
 
 
 def gates(name: str, sets: dict[str, int], others: str, defines: str = "") -> Proof:
-    """Return the proof that no gates lead from an input of a bus of ``ik_axi`` to an output. ``rst`` is left out: it
-    drives ready of the registers."""
+    """Return the proof that no combinational path leads from a bus input of ``ik_axi`` to an output. ``rst`` is left
+    out: it drives ready of the register port."""
     gates = ("i:s_axi_* i:m_axi_*", "o:*", 22, 31)
     rest = {"defines": defines, "part": not defines, "gates": gates}
     return Proof(f"axi_gates_{name}", "ik_axi", {"DATA_W": 64} | sets, f"{others} {ENGINES}", **rest)

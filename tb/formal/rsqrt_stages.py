@@ -32,10 +32,10 @@ QUADRATIC = "rtl/lib/ik_quadratic.v"
 TABLE = "rtl/include/ik_rsqrt_table.vh"
 
 HELD = re.compile(r"\(= \(bvand \(select \(\|\S+\| state\) #b([01]+)\) #b1+\) #b([01]+)\)")
-"""Address and initial value of a table word in Yosys' formula."""
+"""Pattern of a table word in Yosys' formula: address and initial value."""
 
 MULTIPLIED = re.compile(r"^\(define-fun (\|\S+\|) \(\(state (\|\S+\|)\)\) (\(_ BitVec \d+\)) \(bvmul .*$", re.M)
-"""Product in Yosys' formula, replaced with an arbitrary word except in questions about products."""
+"""Pattern of a product in Yosys' formula. Except in questions about products, an arbitrary word replaces it."""
 
 
 def _operator(name: str) -> Callable[["Term", object], "Term"]:
@@ -44,7 +44,7 @@ def _operator(name: str) -> Callable[["Term", object], "Term"]:
 
 @dataclass(frozen=True)
 class Term:
-    """Model integer as a z3 bit vector. Every comparison returns ``lower``; a product returns the next register."""
+    """Model integer as a z3 bit vector. Comparisons return ``lower``; a product returns the next product register."""
 
     text: str
     lower: bool = False
@@ -77,8 +77,8 @@ def _number(value: int, width: int) -> str:
 
 
 def model(form: Form, frac: int, row, m):
-    """Return row number, u and undoubled result of the model for a mantissa ``m`` >= 1/4, as numbers or terms. ``row``
-    holds the coefficients c0, with the rounding constant, c1 and c2."""
+    """Return row number, offset u in the row and undoubled result of the model for a mantissa ``m`` >= 1/4, as numbers
+    or terms. ``row`` holds three coefficients: c0 plus the rounding constant, c1 and c2."""
     number, u = place(form, m, frac)
     y = polynomial(form, row, u, rises=False, bends_up=False)
     return number, u, y >> form.sum_frac - frac
@@ -180,7 +180,7 @@ class Stages:
             yield Question(f"{name}{label}", says, partial(self._cases, claim), partial(self._cases, None))
 
     def _fit(self) -> Answer:
-        """Check that each product fits for all factors of their widths; the first (c2 or part of a slope) is >= 0."""
+        """Check that each product fits for all factors of their widths with a first factor (c2 or slope part) >= 0."""
         widths = self.unrolled.widths
         for product in self.products:
             a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)
@@ -202,7 +202,7 @@ class Stages:
         return (*model(form, self.frac, (c0, *others), Term(text, lower, (registers, factors))), factors)
 
     def _cases(self, claim) -> Answer:
-        """Check a claim for mantissas below 1/4, in [1/4, 1/2) and above; without it, check that they exist."""
+        """Check a claim for mantissas below 1/4, in [1/4, 1/2) and above; if None, check that each range has some."""
         m, seconds = self.unrolled.at("m_next", 0), 0.0
         half, quarter = (_number(1 << self.frac + bits, self.frac + 3) for bits in (2, 1))
         for lower, below in ((True, True), (True, False), (False, False)):
@@ -254,12 +254,12 @@ class Stages:
 
 
 def forms() -> list[tuple[int, int]]:
-    """Return (fraction bits, tile size) for every word length, and for the small tables."""
+    """Return (fraction bits, tile size) for every word length, and with tile size 16 for word lengths up to 24."""
     full = {(root_frac(width), TILE) for width in WIDTHS}
     return sorted(full | {(root_frac(width), 16) for width in WIDTHS if width <= 24}, reverse=True)
 
 
 def stages(bug: Bug | None = None) -> Iterator[Question]:
-    """Yield all questions; with a bug, only the questions at W = 32."""
+    """Yield all questions; if ``bug`` is given, seed it and yield only the questions at W = 32."""
     for frac, tile in [(FULL, TILE)] if bug else forms():
         yield from Stages(frac, tile, bug).questions()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""SMT-LIB formulas: translated from Python expressions, and with declarations of their names."""
+"""SMT-LIB formulas, with declarations of all names, and a translator from Python expressions."""
 
 import ast
 import re
@@ -22,8 +22,8 @@ def formula(facts: Sequence[str], goal: str, sort: Callable[[str], str] = lambda
 def smt(
     tree: str | ast.AST, constant: Callable[[Fraction], str] = number, name: Callable[[str], str] = lambda text: text
 ) -> str:
-    """Return a Python expression in SMT-LIB: arithmetic, comparisons, logic, ``implies(a, b)``. ``constant``
-    formats numbers, ``name`` names. Raises SyntaxError, or KeyError for an unsupported comparison."""
+    """Return a Python expression in SMT-LIB: arithmetic, comparisons, logic, ``implies(a, b)``. ``constant`` formats
+    numbers, ``name`` formats names. Raises SyntaxError, or KeyError for an unsupported comparison."""
 
     def term(tree: ast.AST) -> str:
         match tree:

@@ -43,7 +43,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Task:
-    """Proof to run; ``digest`` covers everything that it proves and assumes, but not the code that runs it."""
+    """Proof to run; ``digest`` covers all its claims and assumptions, but not the code that runs the proof."""
 
     name: str
     what: str
@@ -62,7 +62,7 @@ class Question(NamedTuple):
 
 
 def answer(question: Question) -> tuple[float, str]:
-    """Ask a question; return the seconds for its claim and the problem, an empty text if the claim is proved."""
+    """Ask a question; return the seconds for its claim, and the problem (an empty text if the claim is proved)."""
     claim = question.ask()
     problem = "" if claim.said == "unsat" else {"sat": "counterexample"}.get(claim.said, claim.said)
     if not problem and question.meet and (met := question.meet().said) != "sat":

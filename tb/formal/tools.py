@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Calls of Yosys and z3, from the environment that `make formal` sets up; :func:`stop` ends all of them.
+"""Calls of Yosys and z3, from the environment that `make formal` sets up; :func:`stop` ends all running calls.
 
-Yosys writes a module's formula as functions of a state; :class:`Unrolled` writes it out for a number of clocks. With
-constants, z3 recognizes equal expressions without reasoning about products.
+Yosys writes a module's formula as functions of a state; :class:`Unrolled` writes out these functions as constants for a
+number of clocks. In this form, z3 recognizes equal expressions without reasoning about products.
 """
 
 import re

@@ -79,7 +79,7 @@ class Board:
         await self.clocks(2)
 
     async def heard(self, count: int, most: int = 0) -> list[tuple[int, int, list[int]]]:
-        """Return the answers within ``most`` clocks. If it is 0, return after ``count`` answers or a time limit."""
+        """Return all answers of ``most`` clocks; if ``most`` is 0, return after ``count`` answers or a time limit."""
         answers: list = []
         for _ in range((most or (count + 1) * (ANSWER_BYTES + 3) * BYTE) // BYTE):
             await self.clocks(BYTE)
@@ -134,7 +134,7 @@ async def out_of_reset(dut):
 @cocotb.parametrize(skew=(-0.03, 0.0, 0.03))
 @timed_test()
 async def every_bit(dut, skew):
-    """Send targets with two stop bits and clock skew. Hand poses have longer answers, so a pause follows each."""
+    """Send targets with two stop bits and clock skew. A pause follows each hand pose, whose answer is longer."""
     at = await Board(dut, skew=skew).press()
     sent, expected = targets(TARGETS, seed=int(100 * skew) + 3)
     for target in sent:

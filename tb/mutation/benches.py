@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Benches that run with one mutant: every node of a core (`NodeBench`), jobs of ``ik_axi``, and the unit benches.
 
-A bench has ``run(mutant, netlist, place, seconds)``; `place` is an empty folder. It returns the fault, "" if the bench
-finds none, and the bench's measurements. If `mutant` is None, it runs the unchanged netlist.
+A bench has ``run(mutant, netlist, place, seconds)``; `place` is an empty folder. ``run`` returns the fault ("" if the
+bench finds none) and the bench's measurements. If `mutant` is None, the unchanged netlist is run.
 """
 
 import functools
@@ -34,11 +34,11 @@ LEAST, TIMES = 30.0, 10.0
 """Time limit of a mutant's simulation: LEAST seconds, or TIMES as long as without the mutant if that is longer."""
 
 CORE = re.compile(r"^  (\S+  )\\(g_axis|g_arm)\.(\w+)(  \(\n.*?^  \);\n)", re.M | re.S)
-"""Instance of the core in the netlist of ``ik_axi_records``. The benches need the named block, which is restored."""
+"""Pattern of the core's instance in the netlist of ``ik_axi_records``; `Replaced` restores its block for benches."""
 
 
 def _ends(th: np.ndarray, width: int, long: bool) -> tuple[int, int]:
-    """Return limits that are two of the angles; with ``long``, at most 15/16 of a turn apart."""
+    """Return (low, high), both from the angles ``th``; with ``long``, high - low is the largest below 15/16 turn."""
     if not long:
         return int(th[len(th) // 3]), int(th[2 * len(th) // 3])
     low = int(th[len(th) // 3])
@@ -50,7 +50,7 @@ def _ends(th: np.ndarray, width: int, long: bool) -> tuple[int, int]:
 class NodeBench:
     """Verilog bench that compares every node of a netlist of ``ik_axis`` or ``ik_arm`` with the model's.
 
-    It sends targets without stalls, with stalls, until the FIFO is full, and after a reset, and stops at the first
+    It sends targets without stalls, with stalls, with a full FIFO, and after a reset, and stops at the first
     difference. Under Icarus it takes a few seconds, as long as cocotb takes to start. A plusarg selects a mutant.
     `targets` is the number of mixed targets; `corners` adds corner targets.
     """
@@ -202,8 +202,8 @@ def unit_benches() -> dict[str, Case]:
 
 
 def unit_bench(mutant: Mutant) -> Replaced | None:
-    """Return the unit bench of the mutant's module or, if none supports its parameters, of the nearest module around it
-    that has one; None without a bench."""
+    """Return the unit bench of the mutant's module. If no bench supports the module's parameters, return the bench of
+    the nearest enclosing module that has one, else None."""
     modules, wanted = mutant.netlist.modules, [mutant.options["module"]]
     while wanted:
         for module in wanted:
@@ -219,8 +219,8 @@ def unit_bench(mutant: Mutant) -> Replaced | None:
 def fault(bench: NodeBench | Replaced, mutant: Mutant, place: Path) -> str:
     """Return the fault by which a bench kills a mutant, "" if the mutant survives.
 
-    The unchanged netlist must pass first. A unit bench that fails on it does not support its parameters, and kills
-    nothing. Raises SimulationError if another bench fails on it.
+    The unchanged netlist must pass first. A unit bench that fails on the unchanged netlist does not support its
+    parameters, and kills nothing. Raises SimulationError if another bench fails on the unchanged netlist.
     """
     netlist = mutant.netlist
     passed = netlist.folder / "passed" / f"{bench.name.replace(' ', '-')}.json"

@@ -2,9 +2,9 @@
 """Mutation campaign: the mutated designs, the order of the mutants, the verdict on each, and the file of results.
 
 A mutant that no bench kills may be equivalent. Yosys' equiv commands try to prove that a module is the same with and
-without it. Wires of the same name are compared bit by bit. Bits that are not proved equal, except ports, are removed
-from the comparison, and the proof is tried again. If a mutant changes a module's function, the modules that instantiate
-it may still be equivalent. The proofs use two-valued logic: they hold for a chip and ignore X.
+without the mutant. Wires of the same name are compared bit by bit. Bits that are not proved equal, except ports, are
+removed from the comparison, and the proof is tried again. If a mutant changes a module's function, the modules around
+that module may still be equivalent. The proofs use two-valued logic: they hold for a chip and ignore X.
 """
 
 import functools
@@ -44,13 +44,13 @@ class Design:
 
 
 def core(*benches: NodeBench) -> Design:
-    """Return the design of the core that these benches test; they differ only in their targets."""
+    """Return the design of the core that these benches test; the benches differ only in their targets."""
     name = " ".join(benches[0].name.split()[1:-1])
     return Design(name, benches[0].path.top, benches[0].parameters, benches)
 
 
 def memory(log2_burst: int, data_w: int) -> Design:
-    """Return a design of ``ik_axi``. One bench has the short tests of jobs, faults and registers, the other one all."""
+    """Return a design of ``ik_axi`` with two benches: short tests of jobs, faults and registers, and all such tests."""
     parameters = {"W": 18, "LOG2_BURST": log2_burst, "DATA_W": data_w}
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "16", "IK_AXI_FAULTS": "2"}
     options = {"toplevel": "ik_axi", "module": MODULES, "parameters": parameters, "env": env}
@@ -107,8 +107,8 @@ def order(seed: int, only: str) -> Iterator[tuple[int, int, Mutant]]:
     """Yield design number, seed and mutant for all files whose names contain `only`.
 
     The files take turns and, within a file, the designs take turns. Mutants of a module that
-    several designs share are yielded only for the first of them. All designs whose tops contain such a file are
-    elaborated, even if it belongs to another datapath.
+    several designs share are yielded only for the first design. All designs whose tops can contain such a file are
+    elaborated, even if the file belongs to another datapath.
     """
     files: dict[str, list[list]] = {}
     changes: set[tuple[int, str]] = set()
@@ -218,7 +218,7 @@ def judge(job: tuple[int, int, int]) -> Result:
 
 
 def recorded(path: Path) -> dict[str, Result]:
-    """Return the results in a file by key. Survivors are left out, to be tried again, and so is an incomplete line."""
+    """Return key -> result from a file. Survivors, which are to be tried again, and incomplete lines are left out."""
     results = {}
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
         with suppress(ValueError):

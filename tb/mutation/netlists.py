@@ -39,7 +39,7 @@ output would lose its initial value, and a change of the register's input has th
 
 
 def relative(path: Path) -> str:
-    """Return a path relative to the checkout, below which Yosys' WebAssembly build can read files."""
+    """Return a path relative to the checkout. Yosys' WebAssembly build reads files below the checkout only."""
     return path.relative_to(ROOT).as_posix()
 
 
@@ -79,7 +79,7 @@ class Mutant:
 
     @property
     def change(self) -> tuple[int, str]:
-        """Source line, and command without the cell's name: the same in all netlists that share the module."""
+        """(source line, command without the cell's name), equal in all netlists that share the module."""
         return self.line, re.sub(r" -cell \S+", "", self.command)
 
     def describe(self) -> str:
@@ -168,7 +168,7 @@ class Netlist:
         (folder / "mutants.json").write_text(json.dumps(rows))
 
     def _files(self, modules: dict) -> dict[str, list[str]]:
-        """Return a dict: source file to mutate -> its modules in the netlist. `ik_axi` leaves out the core's files."""
+        """Return a dict: source file to mutate -> its modules in the netlist. For `ik_axi`, omit the core's files."""
         left_out = {*closure("ik_axis"), *closure("ik_arm")} if self.top == "ik_axi" else set()
         files = sorted((relative(path), path.stem) for path in sources() if path not in left_out)
         names = {file: [name for name in modules if source_name(name) == stem] for file, stem in files}
@@ -176,7 +176,7 @@ class Netlist:
 
 
 def unchanged(mutant: Mutant, modules: dict) -> bool:
-    """Return whether a mutant sticks a bit that is undefined or already has that constant. modules: of Yosys' JSON."""
+    """Return whether a mutant sticks a bit that is undefined or has the stuck value. `modules`: from Yosys' JSON."""
     o = mutant.options
     bits = modules[o["module"]]["cells"][o["cell"]]["connections"][o["port"]]
     return o["mode"] in ("const0", "const1") and bits[int(o["portbit"])] in (o["mode"][-1], "x")

@@ -25,8 +25,8 @@ FLAGS = ["--coverage-line", "--coverage-toggle", "--coverage-expr"]
 
 
 class Point(NamedTuple):
-    """Coverage point of ``kind`` line, branch, expr, toggle or cross. ``what`` identifies it among the points at one
-    place: the bit and transition of a toggle, the values in an expression or cross."""
+    """Coverage point of ``kind`` line, branch, expr, toggle or cross. ``what`` distinguishes points at the same place:
+    the bit and transition of a toggle, or the values in an expression or cross."""
 
     file: str
     line: int

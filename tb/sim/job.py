@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Inputs and results of a simulation, and its differences from the model; independent of the simulator.
+"""Inputs and results of a simulation, and differences from the model's results; independent of the simulator.
 
 A job is an array of targets to run in order. Its rows are signed input words: wrist targets (N, 6), or poses of the
-whole arm with their branch (N, 12), with reference joints before the branch (N, 19) where the core chooses.
+whole arm with their branch (N, 12). If the core chooses the branch, 7 reference joints precede the branch (N, 19).
 """
 
 import itertools
@@ -120,8 +120,8 @@ def value(bits: str, fmt: Format, digits: int = 12) -> str:
 
 
 def report(differences: Sequence[Difference], nodes: Iterable[Node], since: int = 0) -> str:
-    """Return a message about the first target that differs; empty if none does. Its number counts from ``since``, its
-    nodes have the order of ``nodes``."""
+    """Return a message about the first target that differs; empty if none does. ``since`` is the number of the first
+    target; the message lists differing nodes in the order of ``nodes``."""
     if not differences:
         return ""
     order = {node.name: k for k, node in enumerate(nodes)}

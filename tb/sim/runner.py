@@ -39,12 +39,12 @@ VERILATOR_ARGS = [
 RANDOM_START = "+verilator+rand+reset+2", "+verilator+seed+{}"
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # compiler flag missing from the PyPI package's configuration
 UNOPTIMIZED = ["OPT_FAST=-O0", "OPT_SLOW=-O0"]
-"""Make arguments: compiling takes a third less time. Python takes nine tenths of the simulation time anyway."""
+"""Make arguments that save a third of the compile time. Python takes nine tenths of the simulation time anyway."""
 WITH_DIGIT = ("ik_axis", "ik_axis_bytes", "ik_axi")  # toplevels that have the parameter DIGIT
 DEPTH = {"ik_axis": 4, "ik_arm": 5, "ik_axi": 8}
-"""Toplevel -> depth of its waves, which leaves out delay lines and operators; other toplevels are recorded whole."""
+"""Toplevel -> depth of recorded scopes; delay lines and operators are deeper. Other toplevels are recorded whole."""
 TRACED = ROOT / "tb" / "sim" / "waves.vlt"
-"""List of scopes that Verilator leaves out of the waves of the toplevels in `DEPTH`."""
+"""File that lists the scopes that Verilator omits from the waves of the toplevels in `DEPTH`."""
 
 
 @contextmanager

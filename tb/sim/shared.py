@@ -24,7 +24,7 @@ NOT_RUN = "not run: "
 REWRITTEN = re.compile(r"(?<=.)\nassert .*", re.S)
 """Values of the asserted expression, which cocotb 2.1 appends to the message of an assertion."""
 INSTANCE = re.compile(r"(?<==)(ik_\w+)\..*")
-"""Instance that a unit test drives, and the check, in the test's name."""
+"""Pattern in a unit test's name: the instance that the test drives, then the check."""
 
 
 class Shared:
@@ -66,7 +66,7 @@ def passes(label: str, **options) -> None:
 
 
 def judge(messages: list[str], log: Path) -> None:
-    """Fail with the first message that is not empty, or skip if the first such test was not run."""
+    """Fail with the first message that is not empty; skip if this message says that the test was not run."""
     if wrong := [message for message in messages if message]:
         others = sum(not message.startswith(NOT_RUN) for message in wrong[1:])
         more = f" ({others} more fail)" if others else ""
@@ -77,7 +77,7 @@ def judge(messages: list[str], log: Path) -> None:
 def failures(log: Path, **options) -> list[tuple[str, str]]:
     """Simulate, and return the name of each cocotb test with its message, empty if it passed. ``log`` gets the output.
 
-    A test that breaks a bus rule, which ends the simulation, has the rule as its message; later tests are "not run".
+    A broken bus rule ends the simulation: the test's message names the rule, and later tests are "not run".
     If IK_WAVES is set, the simulation is recorded, and each message names a GTKWave save file that marks the failure.
     Raises :class:`SystemExit` with the first error of the log if there are no results, if no test was selected, or if
     the simulator failed after all tests had passed.
@@ -144,7 +144,7 @@ def marked(vcd: Path | None, test: str, scope: str, time: float) -> str:
 
 
 def moment(message: str, start: float, stop: float) -> float:
-    """Return the time in ns to which a test's message refers: its first "clock N" counts from the test's start."""
+    """Return the time in ns to which a message refers: "clock N" after ``start``, "N ns", or ``stop`` if neither."""
     if found := re.search(r"\b(?:clock (\d+)|(\d+) ns)\b", message):
         return start + 10 * int(found[1]) if found[1] else int(found[2])
     return stop

@@ -18,8 +18,8 @@ from tb.sim.job import Run, SimulationError
 from tb.sim.subprocesses import full, started
 
 LONG = 2000
-"""Least number of targets that Verilator runs natively by default. For fewer, cocotb takes less time than a build, and
-Icarus about as long."""
+"""Least number of targets that Verilator runs natively by default. For fewer, cocotb takes less time than the native
+build; Icarus takes about as long as that build."""
 
 
 def simulate(

@@ -89,7 +89,7 @@ END = "\nendmodule\n"
 
 
 def with_rules(files: list[Path], folder: Path) -> list[Path]:
-    """Return the files, where AXI rules apply as copies in ``folder`` (kept if unchanged), and the rules' module."""
+    """Return the files, those with AXI rules as copies in ``folder`` (kept if unchanged), and then ik_rules.v."""
     return [*(_bound(path, folder) for path in files), RULES / "ik_rules.v"]
 
 
@@ -108,7 +108,7 @@ def _bound(path: Path, folder: Path) -> Path:
 
 
 TOP = "ik_wrapper_top"
-"""Top with several modules of ``rtl/`` or AXI rules side by side, so that one simulation tests all of them."""
+"""Name of a generated top that instantiates several modules, so that one simulation tests all of them."""
 
 HEADER = re.compile(r"^module (\w+) #\((.*?)^\) \((.*?)^\);", re.DOTALL | re.MULTILINE)
 PORT = re.compile(r"^\s*(input|output)\s+(?:wire|reg)\b\s*((?:signed\s*)?(?:\[.*?\])?)\s*(\w+)", re.MULTILINE)
@@ -118,7 +118,7 @@ def top_of(instances: dict[str, tuple[str, dict[str, int]]]) -> str:
     """Return the text of :data:`TOP`, with a wrapper for each of ``instances``, name -> (module, parameters).
 
     A wrapper around a module has registers for its inputs and wires for its outputs, with the same names, so that a
-    bench can use the wrapper like the module. Each has its own clock, so that only the module under test runs.
+    bench can use the wrapper like the module. Each wrapper has its own clock: only the module under test runs.
     """
     text = "\n".join(path.read_text() for path in [*sources(), RULES / "ik_rules.v"])
     headers = {found[1]: found.groups() for found in HEADER.finditer(text)}

@@ -75,7 +75,7 @@ def started(monkeypatch, then=lambda: None) -> list[dict]:
 
 
 def test_the_parameter_goes_to_tops_that_have_it(monkeypatch):
-    """Check that digit adds DIGIT to tops that have it, unless the test sets it, and that behavioural adds nothing."""
+    """Check that `digit` sets DIGIT of tops that have it, unless the test sets it; `behavioural` adds no parameter."""
     calls = started(monkeypatch)
 
     def parameters(toplevel, core=None, **others):
@@ -90,7 +90,7 @@ def test_the_parameter_goes_to_tops_that_have_it(monkeypatch):
 
 
 def test_handlers_of_signals_come_back(monkeypatch):
-    """Check that signal handlers are restored: cocotb-test's own would turn a later Ctrl-C into an AssertionError."""
+    """Check that signal handlers are restored: cocotb-test's handlers would turn a later Ctrl-C into AssertionError."""
     before = signal.getsignal(signal.SIGINT)
     started(monkeypatch, lambda: signal.signal(signal.SIGINT, lambda *_: None) and None)
     runner.simulate("ik_guard", "tb.none", sim="icarus")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""cocotb tests with a limit in simulated time. The message of a test that does not end shows the line that waits."""
+"""cocotb tests with a limit in simulated time. If a test exceeds it, the message shows the line that waits."""
 
 import functools
 import linecache
@@ -13,9 +13,9 @@ from tb.sim.env import ROOT
 
 
 def timed_test(milliseconds: float = 10, name: str | None = None) -> Callable:
-    """Return a decorator like :func:`cocotb.test` that fails a test which has not ended after some simulated time.
+    """Return a decorator like :func:`cocotb.test` that fails a test after ``milliseconds`` of simulated time.
 
-    ``cocotb.parametrize`` goes above it.
+    Write ``cocotb.parametrize`` above this decorator.
     """
 
     def decorate(function):

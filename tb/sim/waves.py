@@ -82,8 +82,8 @@ def _bits(value: int | str, width: int) -> str:
 
 
 def mark(vcd: Path, scope: str, nanoseconds: float, save: Path) -> None:
-    """Write a GTKWave save file with the marker at a time: the signals of a scope, and a closed group for each scope in
-    it. Raises TargetError if the VCD has no such scope."""
+    """Write a GTKWave save file with the marker at a time. It shows the signals of ``scope`` and a closed group for
+    each inner scope. Raises TargetError if the VCD has no such scope."""
     signals = Signals(vcd, [scope])
     marker = round(nanoseconds * PER_NS[signals.timescale])
     with open(save, "w", encoding="utf-8") as stream:

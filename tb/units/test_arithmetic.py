@@ -19,7 +19,7 @@ from tb.units.unit import BIT, Case, Tests, checks, corners, rounded, runs, sets
 
 
 def extreme_halves(width: int):
-    """Return all pairs of words with extreme halves, for every carry across the middle and the extremes of tiles."""
+    """Return all pairs of words with extreme halves: they cover every carry across the middle, and extreme tiles."""
     low = width // 2
     high, last = signed(width - low), (1 << low) - 1
     ends = {high[0], -1, 0, 1, high[-1]}
@@ -38,7 +38,7 @@ def sums(IW: int, SH: int, OW: int, SUB_B: int = 0, SUB_C: int | None = None, SA
         return min(max(q, Q[0]), Q[-1]), int(q not in Q)
 
     def operands_of(wanted):
-        """Return operands whose result is ``wanted``. If there are none, an operand is out of range."""
+        """Return operands whose result is ``wanted``. If none exist, a returned operand is out of range."""
         rest, chosen = wanted, []
         for k in range(operands - 1, -1, -1):
             # as large as this operand may be, but not larger than needed
@@ -83,7 +83,7 @@ def wide(W: int, SUB: int, **delays: int) -> Tests:
 
 
 def half(W: int, MINUS: int) -> Tests:
-    """Check (1 +- c) / 2, clamped to [0, 1]. Since q has one fraction bit more than c, its word is 1 +- c's."""
+    """Check (1 +- c) / 2, clamped to [0, 1]. q has one fraction bit more than c: q's word is the word of 1 +- c."""
     one = 1 << W - 2
 
     def around_one():
@@ -159,7 +159,7 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
         return [(a // a_low * a_low, b // b_low * b_low) for a in corners(A) for b in corners(B)]
 
     def halves_of_a_place():
-        """Return operands with a product of half an LSB, or of the low parts, which is omitted or estimated."""
+        """Return operands whose product is half an LSB or consists of low parts, which are omitted or estimated."""
         a, b = 1 << SH // 2, 1 << SH - 1 - SH // 2
         pairs = [(a, b), (-a, b), (a - 1, b), (a_low, b_low // 2), (a_low // 2, -b_low), (a_low - 1, b_low - 1)]
         return [(a, b) for a, b in [*pairs, (-1, b_low - 1)] if a in A and b in B]
@@ -190,8 +190,8 @@ def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: 
         return Q[0] if n < 0 else Q[-1], 1
 
     def next_to_quotients():
-        """Yield divisors, each with a dividend at or next to the least one that gives some quotient. Half of the
-        quotients are near 0 or an end of q's range, the others span twice the range."""
+        """Yield (dividend, divisor). The dividend is at most 1 from the least one that gives a random quotient. Half of
+        these quotients are near 0 or an end of q's range, the others span twice the range."""
         ends, divisors = [q + e for q in (Q[0], Q[-1], 0) for e in (-2, -1, 0, 1)], [d for d in corners(D) if d > 0]
         for _ in range(4000):
             d = random.choice((random.randint(1, (1 << random.randint(1, DW - 1)) - 1), random.choice(divisors)))
@@ -217,8 +217,8 @@ def root(NW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0) -> Tests:
     N, Q = signed(NW), signed(QW)
 
     def near_squares():
-        """Return, for each of many roots, the least radicand that has this root, and the radicand one below it, because
-        a wrong floor shows first at these."""
+        """Return, for each of many roots, the least radicand that has this root, and the radicand one below. A wrong
+        floor shows first at these radicands."""
         last = math.isqrt(N[-1] << SH)
         roots = [random.randint(0, last) for _ in range(500)] + [Q[-1], Q[-1] + 1]
         roots += [random.getrandbits(random.randint(1, max(QW - 2, 1))) for _ in range(500)]

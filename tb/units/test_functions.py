@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Test shifts, counts of leading zeros, doubled angles, steps and limits of joints against their definitions. Test
-``ik_sincos``, ``ik_trig``, ``ik_rsqrt`` and ``ik_vector`` against their models, and all but the last of these against
-the true values."""
+``ik_sincos``, ``ik_trig``, ``ik_rsqrt`` and ``ik_vector`` against their models, and all these models except
+``ik_vector``'s against the true values."""
 
 import itertools
 import random
@@ -22,7 +22,7 @@ COUNTS = unsigned(6)
 
 
 def shift(W: int, RIGHT: int, PRODUCT: int = 0, **delays: int) -> Tests:
-    """Check d 2^count modulo 2^W, or the floor of d / 2^count, also for counts larger than W."""
+    """Check d 2^count modulo 2^W or, if RIGHT, the floor of d / 2^count, also for counts larger than W."""
     words = signed(W)
 
     def every_count():
@@ -43,13 +43,13 @@ def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
         return [(d, count) for d in corners(words) for count in COUNTS]
 
     def single_bits():
-        """Return single bits that each count shifts to or next to an end of the result; also bit - 1, -bit, ~bit."""
+        """Return single bits that each count shifts to an end of the result or next to it; also bit - 1, -bit, ~bit."""
         places = (0, DROP - 1, DROP, DROP + 1, top - 2, top - 1, top)
         bits = [(1 << place - count, count) for place in places for count in COUNTS if place >= count]
         return [(d, count) for bit, count in bits for d in (bit, bit - 1, -bit, -bit - 1) if d in words]
 
     def normalized_words():
-        """Return short words of either sign. The count shifts their highest bit to just below q's sign, or one off."""
+        """Return short words of either sign, with counts that shift the highest bit next to q's sign or one off."""
         short = [random.getrandbits(random.randint(1, IW - 1)) for _ in range(500)]
         near = [(d, top - 1 - d.bit_length() + random.choice((-1, 0, 0, 1))) for d in short]
         return [(random.choice((d, ~d)), min(max(count, 0), COUNTS[-1])) for d, count in near]
@@ -69,7 +69,7 @@ def of_triangle(width: int) -> tuple[int, int, int]:
 
 
 def evenly(VW: int, MW: int) -> Tests:
-    """Check k, the largest with which v 4^k still fits VW bits, and m, the floor of v 4^k / 2^(VW-MW)."""
+    """Check k, the largest integer for which v 4^k still fits VW bits, and m, the floor of v 4^k / 2^(VW-MW)."""
     V = unsigned(VW)
 
     def normalized(v):
@@ -100,7 +100,7 @@ def evenly(VW: int, MW: int) -> Tests:
 
 
 def zeros(W: int, N: int, norm: bool = False) -> Tests:
-    """Check the largest left shift with which all words still fit, and with `norm` the shifted words. If all words are
+    """Check the largest left shift for which all words still fit and, with `norm`, the shifted words. If all words are
     0, `norm` expects one half in word 0."""
     words = signed(W)
 
@@ -141,7 +141,7 @@ def norm(W: int, N: int) -> Tests:
 
 
 def half_angles(W: int, frac: int, model, bound: float, latency: int, *streams) -> Tests:
-    """Return the tests of sin and cos of phi / 2. ``bound`` is the model's largest error in LSBs, 2^-``frac``."""
+    """Return the tests of sin and cos of phi / 2. ``bound`` is the model's largest error in LSBs of 2^-``frac``."""
 
     def reference(phi):
         """Return the model's words; check that they differ from the true values by at most the bound."""
@@ -178,7 +178,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
     mantissas = words[one // 4 :]
 
     def reference(m, twice):
-        """Return the model's words, doubled modulo the word length if ``twice``. Check that roots of mantissas m differ
+        """Return the model's words, doubled modulo 2^(F+1) if ``twice``. Check that the word for a mantissa m differs
         from 2^(F-1) / sqrt(V / 2^MW), for V from m to m + 1, by at most :func:`rsqrt_places` LSBs."""
         y = rsqrt(np.array(m), F, TILE).tolist()
         square = 100 << 2 * F + MW - 2
@@ -212,7 +212,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
 
 
 def of_datapath(*widths: int, **tile: int) -> list[dict[str, int]]:
-    """Return the parameters W and F of ``ik_trig``, as in the datapath of each width."""
+    """Return the parameters W and F of ``ik_trig`` in the datapath of each width; all sets include ``tile``."""
     return sets_of("W F", *((w, min(inner_frac(w), SINE_FRACS[-1])) for w in widths), **tile)
 
 
@@ -272,7 +272,7 @@ def fold_limit(W: int) -> Tests:
 
 
 def step(W: int, STEP: int, NEGATED: int) -> Tests:
-    """Check both steps. As limits are static, the next vector decides whether there are any."""
+    """Check both steps. The RTL takes limits as static: the next vector's limits decide whether the joint has any."""
     turn, angle, most = 1 << W, unsigned(W), (2 << STEP) - 1
 
     def size(at: int, ref_at: int, span: int, whole: bool) -> int:

@@ -84,7 +84,7 @@ class Fifo:
             self.queue.append((word, self.clock))
 
     async def drain(self) -> None:
-        """Read all words, and a few clocks longer."""
+        """Read all words, then read for a few more clocks."""
         for _ in range(len(self.queue) + LATENCY + 3):
             await self.step(ready=True)
 
@@ -97,7 +97,7 @@ async def traffic(fifo: Fifo, write: float, read: float) -> None:
 
 
 async def reset_with_words_inside(fifo: Fifo) -> None:
-    """Write several words, wait, reset for one clock, which drops all words, also one written during it; fill again."""
+    """Write words, wait, reset for one clock, fill again. The reset drops all words, even one written during it."""
     for fill, wait, writing in itertools.product([0, 1, fifo.depth // 2, fifo.depth], [0, 1, 3], [False, True]):
         for write in [True] * fill + [False] * wait:
             await fifo.step(write)
@@ -143,7 +143,7 @@ def memory(D: int, AD: int, DOWN: int, RW: int) -> Tests:
     def expected(taken: list[Ports], now: Ports) -> Ports:
         for at in taken[len(reads) :]:
             words = ((port, content[at[f"{port}_at"]]) for port in "abr")
-            known = {port: word for port, word in words if word is not None}  # nothing is promised of the others
+            known = {port: word for port, word in words if word is not None}  # the others are undefined
             shifts = {"a": lambda w: w >> D - AD, "b": int, "r": lambda w: w >> D - 1 - RW & (1 << RW) - 1}
             reads.append({port: shifts[port](word) for port, word in known.items()})
             if at["w_en"]:
@@ -154,7 +154,7 @@ def memory(D: int, AD: int, DOWN: int, RW: int) -> Tests:
 
 
 def mul(D: int, TILE: int, WORD: int, ROOT: int, SINE: int) -> Tests:
-    """Check the exact product, or for most values of `cut` the sum of tiles, each truncated separately."""
+    """Check the exact product or, for most values of `cut`, the sum of separately truncated tiles."""
     low = D - TILE
     last = {"plain": WORD - 2, "double": WORD - 3, "word": WORD, "root": 2 * low + ROOT, "sine": 2 * low + SINE}
 
@@ -201,8 +201,7 @@ def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
         return {"word": mantissa, "zero": int(t == 0), "pairs": pairs}
 
     def sums() -> Iterable[Ports]:
-        """Yield the ports for random sums, whose numbers of bits are random as well.  For the kind "inverse" the bits
-        of nine in ten are inverted."""
+        """Yield the ports for random sums of random lengths. For the kind "inverse", nine in ten sums are inverted."""
         for _ in range(2000):
             kind = random.randrange(len(kinds))
             t = random.getrandbits(random.randint(0, XW))
@@ -216,7 +215,7 @@ def fold_angle(W: int) -> Tests:
     """Check ``th`` in the program of a ball joint, repeated for random quaternions, some with vectors on an axis.
 
     The program stores the angle d of (i, j) in h and shows s + d and s - d, where s is the angle of (w, k). Then it
-    shows twice the angle of the vector of both lengths and of (i, -w). Signs and half turns are random."""
+    shows twice the angle of (|(w, k)|, |(i, j)|) and twice the angle of (i, -w). Signs and half turns are random."""
     head, last = angles.iterations(W)
     loaded, done = head + 3, last - head + 1  # clocks from a load of x to `over`, from there to the angle
     again = 2 * loaded + 1

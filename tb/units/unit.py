@@ -67,10 +67,10 @@ def module_of(name: str) -> str:
 
 
 def runs(cases: Sequence[Case]) -> tuple[Callable, Callable]:
-    """Return the tests of benches that share a file: for pytest, and for cocotb inside the simulation.
+    """Return two tests for the benches of a file: one for pytest, one for cocotb inside the simulation.
 
-    The pytest test has a case per module for its `few` parameter sets, and a slow one for `more`. The selected modules
-    of a group share a simulation.
+    The pytest test has a case per module for its `few` parameter sets, and a slow case for `more`. All selected `few`
+    cases share a simulation, and so do all selected `more` cases.
     """
     from tb.sim.shared import Shared
 
@@ -92,7 +92,7 @@ def runs(cases: Sequence[Case]) -> tuple[Callable, Callable]:
 
 
 def sets_of(names: str, *rows: Vector, **others: int) -> list[Parameters]:
-    """Return one parameter set per row, which has values for the parameters ``names``; all sets include ``others``."""
+    """Return one parameter set per row of values for the parameters ``names``; all sets include ``others``."""
     return [dict(zip(names.split(), row, strict=True)) | others for row in rows]
 
 
@@ -100,10 +100,10 @@ def sets_of(names: str, *rows: Vector, **others: int) -> list[Parameters]:
 
 
 def cocotb_tests(cases: Sequence[Case]):
-    """Return the cocotb test with a parameter value for each check of each instance in the simulated top.
+    """Return the cocotb test, parametrized with each check of each instance in the simulated top.
 
-    Outside a simulation there are no instances. The parameters of an instance, with the delays of its ports for
-    ``**delays``, are read from the design.
+    Outside a simulation there are no instances. The design supplies the parameters of each instance and, if the bench
+    takes ``**delays``, the delays of its ports.
     """
     benches = {case.module: case.bench for case in cases}
     checks = []
@@ -144,7 +144,7 @@ def checks(
     - *named*: each of ``corners``, a vector and its outputs, between ``good`` vectors, if all words fit their ports.
     - *every_vector* if there are at most :data:`EVERY` vectors; otherwise *extremes*, all combinations of the
       :func:`corners` of the inputs, and *random_vectors*.
-    - one test for each function or partial in ``streams``, with the function's name: it drives the vectors it returns.
+    - one test for each function or partial in ``streams``, named after it, that drives the vectors it returns.
 
     Vectors that do not satisfy ``fits`` are skipped.
     """
@@ -215,7 +215,7 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
 async def with_go(
     dut, vectors: Callable[[], Iterable[Ports]], clocks: int, expected: Callable[[list[Ports], Ports], Ports]
 ) -> None:
-    """Drive the vectors in order with ``go``. In 3 of 10 clocks, drive any vector without ``go``; it has no effect.
+    """Drive the vectors in order with ``go`` = 1. In 3 of 10 clocks, drive any with ``go`` = 0: it must have no effect.
 
     ``expected(taken, now)`` returns the outputs that are defined. ``taken`` has the inputs of all clocks with ``go``,
     newest last; ``now`` has the present inputs. Outputs are compared once ``taken`` has ``clocks`` entries.
@@ -309,7 +309,7 @@ def _one(words: range) -> int:
 
 
 def pairs(width: int, count: int = 1000) -> list[Vector]:
-    """Return pairs of signed words in random order: all up to 6 bits, else ``count``, of which a quarter has a 0."""
+    """Return pairs of signed words in random order: all if width <= 6, else ``count`` pairs, a quarter with a 0."""
     word = signed(width)
     if width <= 6:
         return shuffled(itertools.product(word, word))

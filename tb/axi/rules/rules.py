@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """cocotb tests for ``test_rules.py``: traces for the monitors.
 
-There are legal traces, and for each AXI rule at least one trace that breaks only this rule. A trace is a dict
+There are legal traces, and for each AXI rule at least one trace that breaks it. A trace is a dict
 clock -> signal -> value; all other signals are 0. Reset is active in clocks 0 and 1. A trace that breaks a rule is
-usually laid over a legal trace, which then ends in the last clock of the overlay.
+usually laid over a legal trace, which is cut after the last clock of the overlay.
 """
 
 import re
@@ -106,8 +106,8 @@ PAYLOADS = {  # (port, channel) -> clock in which it stalls, and payload signal 
     ("axi4", "r"): (9, {"data": 8, "resp": 2, "last": 1, "id": 1}),
 }
 ALSO = {"wlast": "write.WLAST", "rlast": "read.RLAST", "rid": "read.RID", "bid": "write.BID"}
-"""Payload signal -> burst rule that a change of it also breaks. AW has none: the monitor records its payload when first
-offered. AR has none: the trace ends before its data."""
+"""Payload signal -> burst rule that a change of the signal also breaks. None for AW, whose payload the monitor records
+when it is first offered; none for AR, because its trace ends before the read data."""
 
 
 def of_channel(port: str, name: str) -> list[Break]:

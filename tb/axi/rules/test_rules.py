@@ -72,7 +72,7 @@ QUICK = ("m_axis PAYLOAD_STAYS", "m_axi.aw VALID_STAYS")
 
 
 def case(finding: str, *others: str):
-    """Return a case. QUICK ones always run, other rules are slow, cases without a rule run for releases only."""
+    """Return a test case: cases in QUICK always run, other rules are slow, cases without a rule are for releases."""
     slow = [pytest.mark.slow, pytest.mark.cost(4)]
     marks = [] if finding in QUICK else slow if " " in finding else pytest.mark.release
     return pytest.param(finding, *others, id=finding.replace(" ", "_"), marks=marks)
@@ -94,7 +94,7 @@ def test_every_rule_fails_its_own_trace():
 
 @pytest.mark.parametrize("file", sorted(RULES.glob("*.vh")), ids=lambda file: file.stem)
 def test_a_monitor_has_all_signals_of_its_port(file):
-    """Check every connection, and that a stream's payload has all bits, so that the rules hold for both sides."""
+    """Check every connection of a monitor, and that a stream's payload contains all bits of tuser and tdata."""
     modules = {found[1]: found[3] for found in HEADER.finditer((RULES / "ik_rules.v").read_text())}
     top = HEADER.search((ROOT / "rtl" / f"{file.stem}.v").read_text())[3]
     widths = {name: form[1:].partition(":")[0] for _, form, name in PORT.findall(top)}  # text of the highest index

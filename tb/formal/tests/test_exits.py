@@ -25,7 +25,7 @@ RING = "ik_ring"  # module whose q is d delayed by N clocks, in a memory
 
 
 Origin = tuple[str, int, int]
-"""Node, port or constant from which a bit comes, number of the bit or value of the constant, clocks from there."""
+"""(node or port from which a bit comes, or "constant"; number of the bit or constant's value; clocks of delay)."""
 
 
 def delays(modules: dict, top: str) -> dict[int, tuple[int, int]]:
@@ -42,7 +42,7 @@ def delays(modules: dict, top: str) -> dict[int, tuple[int, int]]:
 
 
 def wrong(name: str, width: int, bug: Bug | None = None) -> list[str]:
-    """Return a line for each output bit with a wrong origin, or that does not leave in the clock of its valid bit."""
+    """Return a line for each output bit that has a wrong origin or does not leave in the clock of its valid bit."""
     path = MODELS[name]
     top = path.entity
     place = ROOT / "build" / "formal_exits" / f"{name}{width}{'-bug' if bug else ''}"

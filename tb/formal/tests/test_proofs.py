@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the proofs: by induction, their definitions, the questions, and one proof of a few seconds; about numbers,
-that every range of the lean datapath has a question and that a wrong claim fails."""
+"""Tests of the proofs. By induction: definitions, questions, and one proof of a few seconds. About numbers: every range
+of the lean datapath has a question, and a wrong claim fails."""
 
 import math
 import re
@@ -35,7 +35,7 @@ PROOF = {proof.name: proof for proof in PROOFS}
 
 
 def test_definitions():
-    """Check that all properties exist that a proof or its bug names, and that the bug can be seeded."""
+    """Check that every property named by a proof or its bug exists, and that the bug can be seeded."""
     for proof in PROOFS:
         labels = set(re.findall(r"(\w+) : (?:assert|assume)", "".join(path.read_text() for path in proof.files)))
         named = {name for names in (*proof.uses.values(), *proof.after.values()) for name in names.split()}
@@ -173,7 +173,7 @@ def test_circle_is_named(monkeypatch):
 
 
 def test_power_of_two_and_word():
-    """Check the only lemma about integers: if 1/e_far is at least one ulp, it is not between d1 and the next word."""
+    """Check the only lemma about integers: 1/e_far >= 1 ulp is not strictly between d1 and the next word."""
     (claim, _), ulp = Exact(FULL).flow.lemmas["e_far of d1"], 2.0**-6
     for e_far in (2.0**k for k in range(8)):
         for d1 in (j * ulp for j in range(1, 128)):
@@ -195,7 +195,7 @@ def truth_of(formula: str, values: dict, close: float) -> np.ndarray:
 
 
 def test_formulas_hold_for_real_numbers():
-    """Check each node's formulas in double precision on reachable targets with good hands."""
+    """Check each node's formulas in double precision on reachable targets with valid hand quaternions."""
     exact, words = Exact(24), np.concatenate([region(name, 100, 24, 3) for name in REGIONS])
     bits = fixed.run(hand_poses(words, 24, 3), 24, "arm").bits
     real = Real(bits, {})
@@ -217,7 +217,7 @@ def test_formulas_hold_for_real_numbers():
 
 @pytest.mark.parametrize("width", [16, 24, 31, 32])
 def test_rounding_is_within_its_bounds(width):
-    """Check that words differ from their exact operation by no more than the rounding that questions assume."""
+    """Check that words differ from exact results of their operations by at most the rounding that questions assume."""
     rounded, off = Rounded(Exact(width)), {}
     words = np.concatenate([region(name, 1000, width, 3) for name in REGIONS])
     bits = fixed.run(words, width, "lean").bits
@@ -309,7 +309,7 @@ def test_expressions_are_read():
 
 
 def test_words_are_as_long_as_the_floors_take_them_for():
-    """Check widths that the floor proofs assume: XW >= DW in the divider, 2 ROWS bits of the radicand."""
+    """Check widths that the floor proofs assume: XW >= DW in the divider, a radicand of 2 ROWS bits in the root."""
     div, root = ((ROOT / "rtl" / "lib" / f"ik_{kind}_digit.v").read_text() for kind in ("div", "root"))
     assert "((MB - ROWS > DW - 1) ? (MB - ROWS) : (DW - 1)) + 2;" in div and "XW = HW + ROWS;" in div
     assert "? ((VB + 1) / 2) : (QW - 1);" in root
