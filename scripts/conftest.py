@@ -20,7 +20,7 @@ LATENCY = 44
 
 
 def admissions(count):
-    """Return the admission clock of each target: one target per clock from clock 6, with a gap of 3 after target 1."""
+    """Return each target's admission clock: one target per clock from clock 6, with 3 idle clocks after target 1."""
     return [6 + k + 3 * (k > 1) for k in range(count)]
 
 

@@ -185,7 +185,7 @@ def sim_option(default: str = SIMULATORS[0]) -> click.Option:
 
 
 def installed(need: str) -> bool:
-    """Install a program that a command needs, such as ``verilator``, if missing; return False if that fails."""
+    """Install the programs of a need, such as ``verilator``, if missing; return whether they are available."""
     words = [sys.executable, "-ES", ROOT / "scripts" / "setup" / "bootstrap.py", need]
     return subprocess.run(words, check=False).returncode == 0
 
@@ -344,7 +344,7 @@ def trajectory_options(
 
 
 def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> contextlib.AbstractContextManager[Place]:
-    """Make `out` and the folders of the output files `paths`; return the context manager `whole_files()`.
+    """Make `out` and the folders of `paths`; return `whole_files()`, by which all output files appear at once.
 
     Raises InputError if an output is one of `inputs` or a folder, and OSError if a folder is not writable.
     """

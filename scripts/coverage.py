@@ -54,7 +54,7 @@ def source(point: Point) -> str:
 
 
 def text(point: Point) -> str:
-    """Return the text that waivers match: a toggle point's bit and transition; others' kind, values and source line."""
+    """Return the text that waivers match. Toggle point: bit and transition; others: kind, values and source line."""
     if point.kind == "toggle":
         return point.what
     return f"{point.kind} {point.what}: {source(point)}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run mutants of the netlists; a bench must kill each mutant or a proof show it equivalent: `make mutants`.
+"""Run mutants of the netlists; each must be killed by a bench or proved equivalent: `make mutants`.
 
 Yosys' `mutate` makes the mutants (tb/mutation/netlists.py); the seed determines them and their order. Results are
 appended to OUT/SEED.jsonl. A later call skips the mutants in that file, except survivors, which it tries again. The

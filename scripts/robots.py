@@ -37,7 +37,7 @@ class Speeds(NamedTuple):
 
 
 def times(targets: Targets, rate: float | None) -> np.ndarray | None:
-    """Return the time of each row in s, (N,): from 0 in each path at a rate in Hz, else column t; None without both.
+    """Return each row's time (s), (N,), by ``rate`` (Hz) from 0 in each path, or by column t; None without either.
 
     Raises TargetError for a column t whose times do not increase inside a path.
     """

@@ -48,7 +48,7 @@ class Prepared:
     """Trajectory that is ready to run.
 
     * words (N, 6), for hand poses (N, 12): input words of the targets; exponent: lengths are scaled by 2^exponent
-    * clip, moves, twist: the clip, the motions of its limbs, and --twist; scale: metres in the clip's unit of length
+    * clip, moves, twist: the clip, the motions of its limbs, and --twist; scale: the clip's unit of length in metres
     * notes: warnings, each one line
     * robot, path, limits: the arm of --robot, its planned path, and the lowest and highest word of each joint
     * seconds (N,): time of each row of a robot's path, or None
@@ -235,7 +235,7 @@ def _of_clip(arguments: Options) -> Prepared:
 
 
 def _guided(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Targets:
-    """Apply --pole, points (3,) or (N, 3) from the shoulder, and --soft to the targets. None leaves an option out."""
+    """Return targets with --pole, points (3,) or (N, 3) from the shoulder, and --soft applied; None: not applied."""
     if pole is not None:
         poles = targets.points_to_core(np.broadcast_to(pole, (len(targets), 3)))
         targets = replace(targets, phi=swivel((0.0, 0.0, 0.0), poles, targets.core_wrist))

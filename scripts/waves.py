@@ -253,7 +253,7 @@ def write_waves(
 def align(
     vcd: Path, words: np.ndarray, width: int, datapath: str, files: Place = Path, limits: Limits | None = None
 ) -> None:
-    """Read ``vcd``, a recording of one trajectory with input words ``words`` (N, 6), and call `write_waves`."""
+    """Read ``vcd``, a recording of one trajectory with input words ``words``, and call `write_waves`."""
     nodes = answer(words, width, datapath, limits).shown
     recording = read(files(vcd), datapath, nodes)
     write_waves(vcd, recording, list(differences(recording, nodes)), datapath, width, nodes, files)

@@ -3,8 +3,8 @@
 
 Synthesizes with Yosys for the paper's family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on an
 ECP5-85k with nextpnr; the fold datapath targets the smallest chips. Each netlist is simulated side by side with the
-RTL; a netlist that differs gets no figures. The figures go to fpga.json, from which page fpga.md is rendered; --page
-only renders. A run whose key (hash of sources, options and tools) is in fpga.json is not repeated, so an
+RTL; a netlist that differs gets no figures. The figures go to fpga.json, the source of the page fpga.md; --page only
+renders the page. A run whose key (hash of sources, options and tools) is in fpga.json is not repeated, so an
 interrupted command resumes. With --farm, Dask workers execute the runs in parallel (scripts/parallel.py).
 """
 
@@ -50,7 +50,7 @@ def describe(design: Design) -> dict:
 
 
 def execute(data: dict, runs: Sequence[Run], ordered_map: Callable = map) -> dict[str, dict]:
-    """Execute the runs whose key is not in ``data`` or differs there; record and return a dict: title -> figures."""
+    """Execute the runs whose key in ``data`` is missing or old, and record them; return all runs' title -> figures."""
     known = {run.title: data["runs"].get(run.title, {}) for run in runs}
     new = [run for run in runs if known[run.title].get("key") != run.key()]
     with progress("fpga", len(new)) as meter:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Replacement of memories and multipliers, for which Yosys has no simulation model, by cells of ``cells.v``."""
+"""Replacement of memories and multipliers that have no simulation model in Yosys by cells of ``cells.v``."""
 
 import re
 from collections.abc import Iterator

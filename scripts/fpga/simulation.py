@@ -49,8 +49,8 @@ class Ports:
         self.pin = {label: k for way in self.single.values() for k, label in enumerate(way, 1)}
 
     def wrapper(self, values: dict, name: str, inner: str = "") -> str:
-        """Return the Verilog of a wrapper ``name`` with few pins around the module with parameters ``values``; with
-        ``inner``, around the module's netlist of that name, which has no parameters."""
+        """Return the Verilog of ``name``, a wrapper with few pins. It instantiates the module with parameters
+        ``values`` or, if ``inner`` is given, the module's netlist ``inner``, which has no parameters."""
         names = re.findall(r"(\w+)\s*=", self.parameters)
         parameters = re.sub(r"(\w+)\s*=\s*([^,\n]+)", lambda m: f"{m[1]} = {values.get(m[1], m[2])}", self.parameters)
         overrides = f"#({', '.join(f'.{p}({p})' for p in names)})" if names and not inner else ""

@@ -76,7 +76,7 @@ class Delay(NamedTuple):
 
 
 def delays(nodes: Mapping[str, Node]) -> dict[str, Delay]:
-    """Return a dict: name -> delay, for each node that an operation samples after the clock in which it is ready."""
+    """Return a dict: name -> delay, for each node that an operation samples later than the node is ready."""
     last = {n: v.time for n, v in nodes.items()}
     for node in nodes.values():
         for name in operands(node):
@@ -106,7 +106,7 @@ def longest_path(nodes: Mapping[str, Node]) -> list[Node]:
 
 
 def q(fmt: Format) -> str:
-    """Format as "Q i.f": i integer bits, sign excluded, f fraction bits; "U i.f" if unsigned; "bit" for one bit."""
+    """Return "Q i.f" for a format with i integer bits, sign excluded, and f fraction bits; U, not Q, if unsigned."""
     if fmt.width == 1:
         return "bit"
     return f"{'Q' if fmt.signed else 'U'} {fmt.width - fmt.signed - fmt.frac}.{fmt.frac}"

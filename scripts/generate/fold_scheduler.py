@@ -24,7 +24,7 @@ LATENCY, PERIOD = {"fold": 140, "fold_arm": 340}, {"fold": {32: 88}, "fold_arm":
 
 
 class _Problem:
-    """Constraint model of a schedule. Variables: clocks of ``loads`` of inputs, ``starts`` of groups and vectors."""
+    """Constraint model of a schedule. Variables are clocks: ``loads`` of inputs, ``starts`` of groups and vectors."""
 
     def __init__(self, model, lowering: Lowering, groups: Groups, period: int, latency: int) -> None:
         self.model, self.lowering, self.period, self.latency = model, lowering, period, latency
@@ -51,14 +51,14 @@ class _Problem:
         return clock
 
     def _one_each(self, uses: Iterable[tuple[str, int]]) -> None:
-        """Allow only one of ``uses`` in each clock of the lap. A use is (load or start, clocks after it)."""
+        """Allow no more than one use in each clock of the lap. A use is (load or start, clocks after it)."""
         uses = list(uses)
         for n in range(self.period):
             self.model.add_at_most_one(self.at_place[name][(n - clock) % self.period] for name, clock in uses)
 
     def _resources(self, over: dict[str, tuple[str, int]]) -> None:
-        """Allow only one step issue, row read, word write, result and user of the counter in each clock of the lap.
-        ``over`` is the result of :meth:`_angles`."""
+        """In each clock of the lap, allow one step issue, one row read, one word write, one result and one user of the
+        counter. ``over`` is the result of :meth:`_angles`."""
         steps, last = self.placed, timing.last_count
         loads = [(f"load {name}", 0) for name in self.loads]
         joints = self.lowering.joints.values()
@@ -99,7 +99,7 @@ class _Problem:
         return handed_over
 
     def _written(self, by: Callable[[Placed], Iterable[timing.Use]], loaded: Iterable[str]) -> dict[str, list]:
-        """Return a dict: word or register -> clocks of its writes. by: step -> its writes. loaded: loaded inputs."""
+        """Return a dict: word or register -> clocks of its writes. by: step -> its writes. loaded: input names."""
         clocks = {name: [self.loads[name]] for name in loaded}
         for name, placed in self.placed:
             for use in by(placed):
@@ -126,7 +126,7 @@ class _Problem:
         return written
 
     def _needs(self, written: dict[str, list], names: set[str], clock, most: int) -> None:
-        """Constrain ``clock`` to be 1 to ``most`` clocks after every write in ``written`` of the names."""
+        """Constrain ``clock`` to be 1 to ``most`` clocks after each write of ``names``. written: name -> writes."""
         for at in (at for name in names for at in written[name]):
             self.model.add(clock > at)
             self.model.add(clock <= at + most)

@@ -61,7 +61,7 @@ def lean_formats() -> str:
 
 
 def node_formats(datapath: str, only: str = "") -> str:
-    """Return the header of a datapath's nodes; with ``only``, of that section's nodes, as others have a header."""
+    """Return the header of a datapath's nodes; with ``only``, of the nodes in that section."""
     runs, path = traced(datapath), MODELS[datapath]
     nodes = runs[WIDTHS[-1]]
     used = {node.latency for node in nodes.values()}
@@ -90,7 +90,7 @@ def latencies() -> str:
 
 
 def _row(words: Iterable[int], bits: Sequence[int], add: str) -> str:
-    """Return a table row in Verilog: a constant of the words, each cut to its number of bits, plus ``add``."""
+    """Return a table row in Verilog: ``words``, each cut to its ``bits``, as one constant, plus ``add``."""
     row = "".join(format(word % (1 << size), f"0{size}b") for word, size in zip(words, bits, strict=True))
     return f"{sum(bits)}'h{int(row, 2):0{-(-sum(bits) // 4)}x} + {add}"
 
@@ -148,7 +148,7 @@ def _pick(values: Iterable[object]) -> str:
 
 
 def _after(made: Program) -> str:
-    """Return hex digits, with a byte for each result: how many results are written after this one."""
+    """Return hex digits, a byte per result: the number of results that are written after that result."""
     clocks = [made.written[result] for result in codes(made.name)["result"] if result in made.written]
     return "_".join(f"{sum(other > clock for other in clocks):02x}" for clock in reversed(clocks))
 

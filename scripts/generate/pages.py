@@ -65,7 +65,7 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 
 
 def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
-    """Run test `rates` of tb/axi/test_ik_axi.py; return its rows. None: all latencies. Raises SimulationError."""
+    """Run test `rates` of tb/axi/test_ik_axi.py; return its rows. latency: None for all. Raises SimulationError."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         path = Path(folder) / "rates.json"
         env = {"IK_AXI_RATES": str(path), "COCOTB_TEST_FILTER": f"latency={latency or ''}" + ("$" if latency else "")}

@@ -59,7 +59,7 @@ def _numbers(array: np.ndarray, digits: int = DIGITS) -> Any:
 def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[str, Any]:
     """Return the page's data for one trajectory: lists over its targets, lengths in the user's unit.
 
-    The results of the first datapath are at the top level; those of other datapaths are in "beside", with equal names.
+    The results of the first datapath are at the top level; results of others are in "beside", under the same names.
     """
     targets, width = item.targets, done[0][1].width
     # Decode the input words, so that the swivel plane is the one passed to the core.
@@ -231,13 +231,13 @@ def _vector(mv: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def place(up: str) -> np.ndarray:
-    """Return the rotation (3, 3) from a clip's frame to the page's frame (z up). up: the clip's up axis, as "-y"."""
+    """Return the rotation (3, 3) from the frame of a clip with up axis `up`, such as "-y", to the page's (z up)."""
     turn = np.roll(np.eye(3), 2 - "xyz".index(up[-1]), axis=0)
     return turn if up[0] != "-" else np.diag((1.0, -1.0, -1.0)) @ turn
 
 
 def _parts(clip: Clip, moves: tuple[Motion, ...]) -> list[int]:
-    """Return, for each node, the body part of the bone that ends there. End sites of joints named "head" are HEAD."""
+    """Return, for each node, the body part of the bone that ends there. End sites of joints named *head* are HEAD."""
     parts = [HEAD if node.end and "head" in clip.names[node.parent].lower() else BODY for node in clip.nodes]
     for move in moves:
         arm = move.limb

@@ -91,7 +91,7 @@ def test_every_node_stands_in_its_line(command, files, simulator, datapath):
 
 
 def test_a_node_that_differs_is_marked_and_explained(command, simulator):
-    """Check that target 3's first differing node is shown with its operands; for target 4, stderr names it."""
+    """Check that target 3's first differing node is shown with its operands; with --target 4, stderr names 3."""
     simulator.wrong = [("qs_w", 3), ("w_1", 3), ("wi_c", 3)]
     status, out, err = command(follow.main, "--target", "3")
     assert (status, err) == (1, [])

@@ -180,7 +180,7 @@ def clip_cli(cli):
 
 
 def off_plane(pole):
-    """Return the largest distance of unit normals: of the arm's plane, and of the plane of shoulder, wrist and pole."""
+    """Return the largest distance between unit normals of the planes shoulder-wrist-elbow and shoulder-wrist-pole."""
     wrist, elbow = table("x", "y", "z"), table("elbow_x", "elbow_y", "elbow_z")
     normals = np.cross(wrist, elbow), np.cross(wrist, pole)
     one, other = (normal / np.linalg.norm(normal, axis=1)[:, None] for normal in normals)

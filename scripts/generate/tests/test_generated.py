@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Check that generated files are up to date, that headers have the model's values, and that files that documents
-name exist."""
+"""Check that generated files are up to date, that headers have the model's values, and that every file named
+in a document exists."""
 
 import re
 import subprocess

@@ -27,7 +27,7 @@ def normal(plane) -> sp.Matrix:
 
 
 def of_axes(name: str, values) -> dict[str, sp.Expr]:
-    """Return a dict: name_x, name_y, name_z -> components of a vector ``values``."""
+    """Return a dict: name_x, name_y, name_z -> component of the vector ``values``."""
     return {f"{name}_{axis}": value for axis, value in zip("xyz", values, strict=True)}
 
 

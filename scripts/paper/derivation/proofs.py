@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proof engine of both derivations, which decides statements in text form by expansion modulo given relations.
+"""Proof engine of both derivations. Statements are text; they are decided by expansion modulo given relations.
 
 A statement is "left = right" in the names of the model. It is evaluated with sympy for the proof and written as LaTeX
 for the page.
@@ -201,7 +201,7 @@ class Step:
             self._add(f"${label or tex(text)}$", wrong)
 
     def refute(self, text: str, point: Mapping[str, Any], label: str = "", **values: Any) -> None:
-        """Refute a statement by exact evaluation at ``point``; relations determine the coordinates that it lacks."""
+        """Refute a statement by exact evaluation at ``point``. Relations determine coordinates missing in ``point``."""
         left, right = (self.value(side, **values) for side in text.split(" = "))
         at = {symbol(name): sp.sympify(value) for name, value in point.items()}
         for v, k, factor, power in self.relations.values():

@@ -72,7 +72,7 @@ def machine() -> dict[str, Any]:
 
 
 def seconds(again: Callable[[int], Any]) -> float:
-    """Return the median time (s) of a repetition by `again(times)`, which repeats its work `times` times."""
+    """Return the median time (s) per repetition in several measurements. `again(n)` executes n repetitions."""
 
     def measured(times: int) -> float:
         begin = time.perf_counter()

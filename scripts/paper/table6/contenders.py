@@ -148,7 +148,7 @@ def lean(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any) -> tu
     cos_bend, sin_bend = (s + d_sum * d_dif) * inv_law, root_far * root_near * inv_law
 
     def half(c: Any, s: Any) -> tuple[Any, Any, Any]:
-        """Return the parts and the squared length of quaternion h(c, s), see model/dataflow/lean_operations.py."""
+        """Return the parts and the squared length of quaternion h(c, s) in model/dataflow/lean_operations.py."""
         square = 0.5 + 0.5 * abs(c)
         return where(c >= 0, square, 0.5 * s), where(c >= 0, 0.5 * s, square), square
 
