@@ -80,8 +80,8 @@ function branched(th, branch) {
   return th.map((angle, k) => (negated[k] ? -angle : angle) + Math.PI * turned[k]);
 }
 
-// Chooses the branch with the smallest largest step from the joints shown, as ik_choose does. A joint outside its limits
-// counts as a step above all others. Returns the branch and its joints: angle (rad), whether outside, step (rad).
+// Chooses a branch as ik_choose does: the one whose largest step from the joints shown is smallest. A joint outside its
+// limits counts as a step above all others. Returns branch and joints: angle (rad), whether outside, step (rad).
 function jointsOf(qs, qe, hand) {
   const th = sevenAngles(qs, qe, multiply(hand, conjugate(robot().tip)));
   let best = { most: Infinity };
