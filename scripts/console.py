@@ -103,7 +103,7 @@ def command(
     """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status.
 
     After an error, `main` prints one line that begins with `name`. If make started the command, the line shows options
-    as make variables. For --help, about: what the command does, by default the first line of its module's docstring;
+    as make variables. For --help, about: what the command does (default: first line of the module's docstring);
     passes, fails: meanings of exit status 0 and 1.
     """
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())

@@ -139,7 +139,7 @@ def test_the_named_rows_are_dated_and_kept_without_their_software(command, monke
 
 
 UNEQUAL = 2.0**-24
-"""Ratio of the lengths below which the paper's equations, which add squares of lengths, lose too many of 64 bits."""
+"""Ratio of lengths below which the paper's equations lose too many of 64 bits, because they add squared lengths."""
 
 
 def in_long_double(words: np.ndarray, width: int, equations: str) -> np.ndarray:
