@@ -21,7 +21,7 @@ PAGES = {
         lambda: {", ".join(row[:3]): soak.code(row[0]) for row in read_table(soak.PAGE, "datapath")},
     ),
 }
-"""Page -> the command that writes it, and two functions that return digests by name: the page's, the present code's."""
+"""Page -> command that writes the page, and two functions that return digests by name: recorded and present ones."""
 
 
 def stale(page: str) -> list[str]:

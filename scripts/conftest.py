@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fixtures for tests of commands; a model that replaces the simulators; windows of headless Chromium, by Playwright."""
+"""Fixtures for tests of commands: a fake simulator that returns the model's results, and headless Chromium windows."""
 
 from functools import partial
 from pathlib import Path
@@ -20,7 +20,7 @@ LATENCY = 44
 
 
 def admissions(count):
-    """Return the admission clock of each target: the first is 6, and 3 clocks are idle after target 1."""
+    """Return each target's admission clock: one target per clock from clock 6, with 3 idle clocks after target 1."""
     return [6 + k + 3 * (k > 1) for k in range(count)]
 
 
@@ -29,8 +29,8 @@ def nodes_of(words, datapath="lean", width=32, limits=None):
 
 
 class FakeSimulator:
-    """Replacement for `simulate` that returns the model's results. `calls` records the arguments of each call; `spoil`
-    may change the runs; `wrong` lists the (node, target) pairs that get a wrong bit in the recording."""
+    """Replacement for `simulate` that returns the model's results. `calls` records the arguments of each call.
+    `spoil` may change the returned runs. Each (node, target) in `wrong` gets a wrong bit in the recording."""
 
     def __init__(self):
         self.calls, self.wrong = [], []
@@ -38,7 +38,7 @@ class FakeSimulator:
 
     @property
     def words(self):
-        """Words of the first job of each call."""
+        """Input words of each call's first job."""
         return [call["jobs"][0] for call in self.calls]
 
     def __call__(self, jobs, *, datapath, width, waves=None, limits=None, **others):
@@ -54,7 +54,7 @@ class FakeSimulator:
         return runs
 
     def record(self, path, jobs, datapath, width, limits=None):
-        """Write a VCD of a single job; for several jobs, only the first target's words are shown."""
+        """Write a VCD of the first job. If there are several jobs, show only the first target's words."""
         nodes, of = nodes_of(jobs[0], datapath, width, limits), MODELS[datapath]
         top = (of.top,)
         admitted = admissions(len(jobs[0])) if len(jobs) == 1 else [0]
@@ -81,7 +81,7 @@ class FakeSimulator:
 
 
 def without_rtl(patch):
-    """Replace the simulator by the bit-true model, and the predicted errors by a ramp; return the fake simulator."""
+    """Replace simulations with the bit-true model and predicted errors with a ramp; return the fake simulator."""
     fake = FakeSimulator()
     for module in (trajectory, worst_targets):
         patch.setattr(module, "simulate", fake)
@@ -176,15 +176,15 @@ class Page:
         self._page.wait_for_function(f"() => {script}")
 
     def choose(self, name: str, value: object) -> None:
-        """Set the control with this id."""
+        """Set the control whose id is `name`."""
         self.run(f"{SET}('{name}', '{value}')")
 
     def text(self, name: str) -> str:
-        """Return the text of the element with this id."""
+        """Return the text of the element whose id is `name`."""
         return self._page.text_content(f"#{name}")
 
     def picture(self, name: str = "scene") -> str:
-        """Return the picture of the canvas with this id."""
+        """Return the picture on the canvas whose id is `name`."""
         return self.run(f"document.getElementById('{name}').toDataURL()")
 
     def drag(self, start: tuple[float, float], end: tuple[float, float], *, touch: bool = False) -> None:
@@ -220,7 +220,7 @@ def chromium():
 
 @pytest.fixture
 def browser(chromium):
-    """Return a function browser(address, size, **features) that opens a page. A problem of a page fails the test."""
+    """Return a function browser(address, size, **features) that opens a page. A page with problems fails the test."""
     pages = []
 
     def browser(address, size=WIDE, **features):

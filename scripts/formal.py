@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run the proofs and check that each fails on its seeded bug: `make formal`.
 
-Each proof that succeeds updates its row of docs/generated/proofs.md; its full table is in build/proofs/. The proof
+Each successful proof updates its row in docs/generated/proofs.md and writes its full table to build/proofs/. The proof
 ``accuracy`` also writes docs/generated/accuracy.md.
 """
 
@@ -39,12 +39,12 @@ def digests() -> dict[str, str]:
 
 
 def rows() -> dict[str, list[str]]:
-    """Return a dict: proof -> its row on the page of proofs."""
+    """Return a dict: proof -> its row in docs/generated/proofs.md."""
     return {row[0]: row for row in read_table(PAGE, "proof")}
 
 
 def write_page(proved: dict[str, tuple[Outcome, str]]) -> None:
-    """Write the page of proofs: new rows for ``proved`` (name -> outcome and digest), old rows for all other proofs."""
+    """Write docs/generated/proofs.md: new rows for ``proved`` (name -> outcome, digest), old rows for other proofs."""
     table, tasks = rows(), {task.name: task for task in TASKS}
     for name, (outcome, digest) in proved.items():
         result = [f"{outcome.result}, bug found", f"{outcome.seconds:.0f}", date.today().isoformat(), digest]
@@ -57,14 +57,14 @@ def write_page(proved: dict[str, tuple[Outcome, str]]) -> None:
 
 
 def accuracy_page() -> str:
-    """Return docs/generated/accuracy.md: the proof, with statements and constants from the code that proves them."""
+    """Return the text of docs/generated/accuracy.md. Its statements and constants come from the proof's code."""
     shown = {width: accuracy(width) | accuracy(width, "arm") for width in (32, 24, 18)}
 
     def up(value: Fraction, places: int) -> str:
         return f"{math.ceil(value * 10**places) / 10**places:.{places}f}"
 
     def share(units: Fraction, width: int) -> str:
-        """Return a limit in units of 2^-(W-2) as a share of a length, rounded up to three digits."""
+        """Format a limit, given in units of 2^-(W-2), as a fraction of a length, rounded up to three digits."""
         exponent = math.floor(math.log10(units) + (2 - width) * math.log10(2))
         return f"{up(units * Fraction(2) ** (2 - width) / Fraction(10) ** exponent, 2)}e{exponent}"
 
@@ -90,7 +90,7 @@ def accuracy_page() -> str:
 
 
 def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> tuple[Outcome, str]:
-    """Return outcome and digest of a proof. Unless ``again``, reuse an earlier result for the same code and tools."""
+    """Return a proof's outcome and digest. An earlier result for the same code and tools is reused unless ``again``."""
     before = task.digest()
     kept = BUILD / f"{task.name}-{digest_of(before, versions())}.json"
     if kept.exists() and not again:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lint every Verilog module as its own top with Verilator, Icarus and slang; check the Python with ruff and others.
 
-Each module is linted with each of its parameter sets, without macros and with each macro. Any message is a finding, and
-the exit status is then 1. Waivers are in rtl/lint.vlt for Verilator and in WAIVED for slang. The first parameter set is
-also linted with the distribution's Verilator (5.006 in Debian 12), if there is one.
+Each module is linted with each of its parameter sets, without macros and with each macro. Any message is a finding and
+makes the exit status 1. Waivers are in rtl/lint.vlt for Verilator and in WAIVED for slang. The first parameter set is
+also linted with the distribution's Verilator (5.006 in Debian 12), if installed.
 """
 
 import importlib.util
@@ -89,7 +89,7 @@ TOOLS = {
 
 
 def findings(words: Sequence[str], only_failures: bool = False) -> str:
-    """Return the messages that a command prints; with `only_failures`, an empty string if the command exits with 0."""
+    """Run a command and return its output. With `only_failures`, return "" if the exit status is 0."""
     done = subprocess.run(words, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
     if only_failures and not done.returncode:
         return ""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run mutants of the elaborated netlists: a bench must kill each, or a proof show it equivalent (`make mutants`).
+"""Run mutants of the netlists; each must be killed by a bench or proved equivalent: `make mutants`.
 
 Yosys' `mutate` makes the mutants (tb/mutation/netlists.py); the seed determines them and their order. Results are
 appended to OUT/SEED.jsonl. A later call skips the mutants in that file, except survivors, which it tries again. The
-command ends with a table by source file and a list of all survivors.
+command finally prints a table by source file and a list of all survivors.
 """
 
 import itertools

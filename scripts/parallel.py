@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ordered parallel map over processes of this machine, or over a farm: Dask workers on other machines.
+"""Ordered parallel map over processes of this machine or over a farm, which is Dask workers on other machines.
 
     python -m scripts.parallel --farm tcp://SCHEDULER:8786 [--jobs N]
 
@@ -39,7 +39,7 @@ FARM = option("--farm", "run on the Dask workers of this scheduler, not on this 
 
 
 def _start() -> None:
-    """Prepare a worker process: leave the terminal's signals to the parent, and end at SIGTERM or with the parent."""
+    """Prepare a worker process: ignore the terminal's signals; end at SIGTERM or when the parent ends."""
 
     def end(*_) -> None:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
@@ -112,13 +112,13 @@ def _farm(farm: str) -> Iterator[Callable]:
 
 @functools.cache
 def sources() -> str:
-    """Return a digest of this tree's code and lock files, computed once per process."""
+    """Return the digest of this checkout's code and lock files; it is computed once per process."""
     paths = (path for room in ("model", "rtl", "scripts", "tb", "requirements") for path in (ROOT / room).rglob("*"))
     return digest(sorted(path for path in paths if path.suffix in CODE))
 
 
 def _checked(client: str, payload: bytes):
-    """Unpickle and run a work item on a worker. Raises InputError if the client's sources are not the worker's."""
+    """Run a pickled work item on a worker. Raises InputError if ``client`` is not the digest of its sources."""
     if sources() != client:
         raise InputError(
             f"argument --farm: worker {os.uname().nodename} has other sources than this checkout ({sources()}, not "

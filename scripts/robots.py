@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Planned paths of a robot, and speeds of its joints along timed hand poses."""
+"""Planned paths of a robot through hand poses, and the speeds of its joints if the poses have times."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,8 +15,8 @@ from model.reference.kinematics import conjugate, multiply
 
 
 class Speeds(NamedTuple):
-    """Largest speeds of a robot's joints (7,), rad/s; their limits (7,), inf for none; numbers of rows above (7,). All
-    are empty for rows without times."""
+    """Each joint's largest speed (7,), rad/s; speed limit (7,), rad/s or inf; number of rows above the limit (7,). All
+    are empty if the rows have no times."""
 
     names: tuple[str, ...] = ()
     largest: np.ndarray = np.zeros(0)
@@ -24,22 +24,22 @@ class Speeds(NamedTuple):
     above: np.ndarray = np.zeros(0, dtype=int)
 
     def figures(self) -> list[tuple[str, ...]]:
-        """Return a row of a table for each joint: name and largest speed."""
+        """Return a table row for each joint: its name with its limit, and its largest speed."""
         limits = (f", limit {limit:.4g}" if np.isfinite(limit) else "" for limit in self.limits)
         rows = zip(self.names, limits, self.largest, strict=True)
         return [(f"largest speed of {name}{limit} (rad/s)", f"{speed:.3g}") for name, limit, speed in rows]
 
     def doubt(self) -> str:
-        """Return a warning that names the joints above their limits, or an empty string."""
+        """Return a warning that names the joints above their speed limits; an empty string if there are none."""
         rows = zip(self.names, self.above, self.largest, self.limits, strict=True)
         fast = [f"{name} in {n} rows, up to {most:.3g} of {limit:.4g} rad/s" for name, n, most, limit in rows if n]
         return f"{len(fast)} of 7 joints exceed their limits of speed: {'; '.join(fast)}" if fast else ""
 
 
 def times(targets: Targets, rate: float | None) -> np.ndarray | None:
-    """Return the time of each row, s, (N,): by a rate, Hz, from 0 in each path, or a column t; None without either.
+    """Return each row's time (s), (N,), by ``rate`` (Hz) from 0 in each path, or by column t; None without either.
 
-    Raises TargetError for times that do not increase inside a path.
+    Raises TargetError for a column t whose times do not increase inside a path.
     """
     seconds, name = np.empty(len(targets)), next((name for name in targets.others if name.lower() == "t"), None)
     if rate is not None:
@@ -64,7 +64,7 @@ def times(targets: Targets, rate: float | None) -> np.ndarray | None:
 
 
 def speeds(robot: Arm, path: JointPath, positions: np.ndarray, seconds: np.ndarray, targets: Targets) -> Speeds:
-    """Return the speeds at joint positions (N, 7) along planned paths; rows without planned joints are left out."""
+    """Return the speeds for joint positions (N, 7) at times `seconds` (N,). Rows without planned joints are skipped."""
     limits = np.where(robot.velocities > 0, robot.velocities, np.inf)  # some files have 0 for an unknown limit
     moves = [np.zeros((1, 7))]
     for rows in targets.paths:
@@ -77,12 +77,12 @@ def speeds(robot: Arm, path: JointPath, positions: np.ndarray, seconds: np.ndarr
 def planned(
     robot: Arm, poses: Targets, each: bool = False, progress: Callable[[int, str], None] = lambda rows, text: None
 ) -> tuple[Targets, JointPath]:
-    """Return poses of the tip as targets of `ik_arm`, and the path through them.
+    """Convert poses of the robot's tip to targets of `ik_arm`; return them with the planned path through them.
 
-    Swivel angles are chosen if all phi are nan, branches without a column ``branch``; a column ``path`` separates
-    paths. each: every row is a path of its own. A row without joints within the limits gets `Arm.solve`'s.
+    Swivel angles are planned if all phi are nan, branches if there is no column ``branch``. Rows with the same ``path``
+    form a path; with `each`, each row does. A row without joints within the limits gets those of `Arm.solve`.
     progress: called with the number of planned rows and a text.
-    Raises ValueError for bent links, and for an arm whose joints are corrected: take its :meth:`Arm.nearest`.
+    Raises ValueError for bent links, and for axes that do not meet exactly; use :meth:`Arm.nearest` for these.
     """
     if robot.chain:
         raise ValueError("ik_arm solves only arms whose axes meet exactly")

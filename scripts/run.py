@@ -2,8 +2,8 @@
 """Run trajectories through the core in a simulator and score them: `make run`.
 
 Writes OUT/results.csv (for `all`: OUT/<trajectory>/results.csv) and OUT/score.json, and prints a table. Without
---trajectory and --datapath it runs both datapaths on the paper's scenario, writes the results to OUT/lean and
-OUT/paper, and prints them next to tables 5 and 6 of the paper.
+--trajectory and --datapath, both datapaths run on the paper's scenario; results go to OUT/lean and OUT/paper, and the
+table shows them next to the paper's tables 5 and 6.
 """
 
 import sys

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables that `make run` and `make soak` print: measured figures, tolerances, verdicts; the paper's tables 5 and 6."""
+"""Tables that `make run` and `make soak` print: figures, tolerances, verdicts, comparison with the paper."""
 
 import sys
 from collections.abc import Sequence
@@ -66,7 +66,7 @@ def outcome(result: Score) -> str:
 
 
 def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
-    """Return a row for each figure of one trajectory: name, measured value, and, if any, tolerance and prediction.
+    """Return a row for each figure of one trajectory: name, measured value, and optionally tolerance and prediction.
 
     flags (N,): the core's flag bits.
     """
@@ -102,7 +102,7 @@ def figures(result: Score, flags: np.ndarray) -> list[tuple[str, ...]]:
 
 
 def table_of_one(result: Score, flags: np.ndarray, more: Sequence[tuple[str, ...]] = ()) -> Table:
-    """Return the table of one trajectory, with a line for each figure and for each row of ``more``."""
+    """Return the table of one trajectory: a line for each of its figures, then the rows ``more``."""
     title = f"{escape(result.trajectory)}: {result.targets} targets, {result.datapath} datapath, {result.width} bits, "
     caption = f"{outcome(result)}\n{EXPLAINED}"
     table = empty_table(title + result.simulator, ("figure", "measured", "tolerance", "predicted"), caption=caption)
@@ -137,7 +137,7 @@ def table_of_many(scores: Sequence[Score]) -> Table:
 
 
 def of_chip(luts: int) -> str:
-    """Format a number of LUT4 as a percentage of the paper's chip."""
+    """Format a number of LUT4 as a percentage of those in the paper's chip."""
     return f"{luts / CHIP_LUTS:.0%}"
 
 
@@ -146,7 +146,7 @@ def _times(targets: int, us: float) -> str:
 
 
 def _paper(targets: int) -> dict[str, str]:
-    """Return a dict: row of the table -> the paper's figure, with times for a number of targets."""
+    """Return a dict: name of a table row -> the paper's figure, with times computed for `targets` targets."""
     us = FIRST_US + targets / MHZ
     rows = {"LUT4": f"~{LUTS}", PART: of_chip(LUTS), "18x18 multipliers": "-", "clock (MHz)": str(MHZ), RATE: "1"}
     rows |= {LATENCY: f"~{STAGES}", CLOCKS: "-"}
@@ -154,7 +154,7 @@ def _paper(targets: int) -> dict[str, str]:
 
 
 def _core(result: Score, flags: np.ndarray, more: Sequence[tuple[str, ...]], data: dict) -> dict[str, str]:
-    """Return the same rows as :func:`_paper` and ``more``, for a simulated run. data: the figures of `make fpga`."""
+    """Return the rows of :func:`_paper` for a simulated run, and the rows ``more``. data: figures of `make fpga`."""
     datapath, width = result.datapath, result.width
     cells, family = size(data, datapath, width)
     rows = {name: value for name, value, *_ in (*figures(result, flags), *more) if not name.startswith(" ")}
@@ -170,8 +170,8 @@ def _core(result: Score, flags: np.ndarray, more: Sequence[tuple[str, ...]], dat
 
 
 def table_of_datapaths(done: Sequence[tuple[Score, np.ndarray, Sequence[tuple[str, ...]]]]) -> Table:
-    """Return a table of the paper's figures and of runs of one trajectory. done: (score, flags (N,), more rows) of each
-    run."""
+    """Return a table with a column for the paper and one for each run of a trajectory. done: the runs, each as (score,
+    flags (N,), more rows)."""
     first, data = done[0][0], load()
     chips = {result.datapath: CHIPS.get(size(data, result.datapath, result.width)[1]) for result, *_ in done}
     small = [f"{name}: {chip[1]} and clock of an {chip[0]}." for name, chip in chips.items() if chip]
@@ -187,8 +187,8 @@ def table_of_datapaths(done: Sequence[tuple[Score, np.ndarray, Sequence[tuple[st
 
 
 def verdict(name: str, scores: Sequence[Score]) -> int:
-    """Print the failures on stderr; return the exit status, 0 or 1. Each line begins with the command `name`, and with
-    the datapath if the scores are of several."""
+    """Print the failures on stderr; return the exit status, 0 or 1. Each line begins with `name`, the command, followed
+    by the datapath if the scores are of several datapaths."""
     several = len({result.datapath for result in scores}) > 1
     for result in scores:
         of = f", {result.datapath} datapath" if several else ""
@@ -198,7 +198,7 @@ def verdict(name: str, scores: Sequence[Score]) -> int:
 
 
 def table_of_soak(what: str, core: Core, totals: Found, rate: float) -> Table:
-    """Return the table of a soak. `totals` contains passing targets only, so the number of differing bits is 0."""
+    """Return the table of a soak. `totals` counts only targets that passed, so the number of wrong bits is 0."""
     most, norm = tolerances.hand(core.width, core.datapath), tolerances.norm(core.width, core.datapath)
     ratio = totals.by_hand[0].hardness if totals.by_hand else 0.0
     table = empty_table(f"soak: {what}", ("figure", "measured", "tolerance"))

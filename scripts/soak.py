@@ -4,14 +4,14 @@
 Seed, width and chunk number determine the 20000 targets of a chunk, so --from resumes at any chunk. The run stops at
 the first chunk with a wrong bit or flag, a quaternion that is not of unit length, or a hand error above its tolerance.
 It prints the first target of each failure. The paper datapath has no tolerance near its singular poses, so targets
-above their prediction (`model.bounds.predict`) are only counted. For the whole arm, each target becomes a hand pose
-with that wrist, and errors are relative to the tolerance.
+whose error is above the prediction (`model.bounds.predict`) are only counted. For the whole arm, each target becomes a
+hand pose with that wrist, and errors are relative to the tolerance.
 
 --worst searches the bit-true model of the lean datapath or of the whole arm for the largest errors. Each round changes
-words of the worst targets of the previous round. For lean, every 40 rounds start at new targets, whose neighbours have
-large errors on average, and the last quarter of the rounds continues with the worst of all: 900 rounds. The whole arm
-has errors of the hand's point and of its orientation. Poses with a reach below 1 do not count, because the host scales
-every pose to a reach of 1 or more.
+words of the previous round's worst targets. For lean, the search restarts every 40 rounds at new targets whose
+neighbours have large errors on average; the last quarter of the rounds continues with the worst targets so far. For the
+whole arm, errors of the hand's point and of its orientation are searched for separately. Poses with a reach below 1 are
+excluded, because the host scales every pose to a reach of 1 or more.
 """
 
 import os
@@ -55,8 +55,8 @@ OPTIONS = [
 
 
 def run_chunk(core: Core, seed: int | None, end: int, number: int) -> tuple[Found, list[str]]:
-    """Run chunk `number` up to target `end`, exclusive; return totals and messages of failures. If `core` has no
-    program, as on a farm, build it first."""
+    """Run the targets of chunk `number` that are below `end`; return totals and messages of failures. If `core` has no
+    simulation program, as on a farm, it is built first."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
     if MODELS[core.datapath].side:
@@ -67,7 +67,7 @@ def run_chunk(core: Core, seed: int | None, end: int, number: int) -> tuple[Foun
 
 
 def messages(failure: Failure, words: np.ndarray, start: int) -> list[str]:
-    """Return the lines of a failure, with the words of its first target."""
+    """Return the lines of a failure and the words of its first target. start: number of the first target in `words`."""
     lines, where = [*failure.lines], "unknown target"
     if failure.rows:
         n = failure.rows[0]
@@ -78,19 +78,19 @@ def messages(failure: Failure, words: np.ndarray, start: int) -> list[str]:
 
 
 KEPT, EACH, ALIKE = 400, 50, 8
-"""Largest numbers of targets that a round keeps, of changed copies of each, and of kept targets of one kind. Targets of
+"""Largest numbers of kept targets in a round, of changed copies of each target, of kept targets of one kind. Targets of
 one kind have coordinates and lengths of the same signs and sizes."""
 
 RESTART, FRESH, GENERATIONS, COPIES = 40, 100_000, 40, 24
-"""Of a search of lean: rounds after which it starts again, random targets, generations that choose from these, and
-neighbours of each."""
+"""Search of lean: rounds from one restart to the next; at a restart, random targets, generations that choose from them,
+and neighbours of each."""
 
 SEARCHED = {"lean": ("of the reach",), "arm": ("of the reach", "rad")}
-"""Datapath -> units of the errors that --worst searches for; arm: of the hand's point, of its orientation."""
+"""Datapath -> units of the errors that --worst searches for; arm: error of the hand's point, error of orientation."""
 
 
 def hand_errors(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
-    """Return errors in the units of SEARCHED, and their tolerances, (2, units, N); excluded targets have error 0."""
+    """Return errors and tolerances in the units of SEARCHED, (2, units, N). The error of an excluded target is 0."""
     answer = fixed.run(words, width, datapath)
     if datapath == "lean":
         hand = np.nan_to_num(worst_targets.errors(words, answer.results, width)[0])[None]
@@ -99,7 +99,7 @@ def hand_errors(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
 
 
 def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.ndarray:
-    """Return changed copies of targets. The quaternions of hand poses are scaled back to unit length."""
+    """Return randomly changed copies of targets. The quaternions of hand poses are scaled back to unit length."""
     rows = np.repeat(words, EACH, axis=0)
     steps = random.choice([-1, 1], rows.shape) * random.integers(1, 4, rows.shape)
     steps <<= random.integers(0, random.integers(1, width, (len(rows), 1)), rows.shape)
@@ -112,8 +112,8 @@ def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.n
 
 
 def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.ndarray:
-    """Return up to `KEPT` targets, those with the largest errors first, and at most `ALIKE` of one kind. `unit` chooses
-    the row of :func:`hand_errors`."""
+    """Return up to `KEPT` targets with the largest errors, largest first, and no more than `ALIKE` of one kind. `unit`:
+    index of the error in SEARCHED."""
     seen, chosen = Counter(), []
     for n in np.argsort(-hand_errors(words, width, datapath)[0, unit], kind="stable").tolist():
         row = np.delete(words[n, :7], 3)
@@ -125,7 +125,7 @@ def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.nda
 
 
 def _start(width: int, random: np.random.Generator) -> np.ndarray:
-    """Return neighbours of the targets whose neighbours, words with other low bits, have the largest mean errors."""
+    """Find targets whose neighbours, which differ in low bits, have the largest mean errors; return the neighbours."""
 
     def neighbours(words: np.ndarray, copies: int) -> tuple[np.ndarray, np.ndarray]:
         rows, bits = np.repeat(words, copies, axis=0), width // 3
@@ -175,13 +175,13 @@ def _worst(options: Options) -> int:
 
 
 def code(datapath: str) -> str:
-    """Return a digest of the Verilog of a datapath and of its top module."""
+    """Return a digest of the Verilog of a datapath and its top module."""
     path = MODELS[datapath]
     return digest({*closure(path.entity), *closure(path.top)[:1]})
 
 
 def _keep(core: Core, of: str, totals: Found) -> None:
-    """Write the totals to the page, in place of an earlier row of the same core and targets."""
+    """Write the totals to the page; a row for the same core and targets is replaced. of: description of the targets."""
     key = [core.datapath, str(core.width), of]
     errors = totals.hand_error_max, tolerances.hand(core.width, core.datapath), totals.norm_error_max
     row = [*key, date.today().isoformat(), str(totals.targets), str(totals.reachable), *(error(e, 2) for e in errors)]

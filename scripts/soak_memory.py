@@ -2,9 +2,9 @@
 """Run random memory-to-memory jobs of ik_axi: `make soak-memory`.
 
 Jobs have random size and alignment, with and without random pauses on the AXI channels. Every result in memory is
-compared with the model's; a monitor checks the rules of AXI in every clock. A piece is one simulation of many jobs,
-which seed and piece number determine, so --from resumes at any piece. Successive pieces cycle through the parameter
-sets of tb/axi/instances.py: first those with a real datapath, then those with an echo instead of it.
+compared with the model's; a monitor checks the rules of AXI in every clock. A piece is one simulation of many jobs;
+seed and piece number determine the jobs, so --from resumes at any piece. Successive pieces cycle through the parameter
+sets of tb/axi/instances.py: first those with a real datapath, then those with an echo as datapath.
 
 The run stops at the first piece in which a test fails, and prints seed and piece.
 """
@@ -28,7 +28,7 @@ ECHO_PLACE = ROOT / "build" / "soak-memory"
 
 
 def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
-    """Simulate a piece; return the name of its instance, the numbers of correct jobs and targets, the failure or ""."""
+    """Simulate a piece; return the instance's name, numbers of correct jobs and correct targets, the failure or ""."""
     parameters, echo = INSTANCES[number % len(INSTANCES)]
     what = f"{'echo' if echo else 'core'} {named(parameters)}"
     with tempfile.NamedTemporaryFile("r", prefix="ik_") as done:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run tests with pytest, for `make test`, `make test-all`, `make test-browser` and `make release-check`.
 
-Each test is in one gate. With Verilator, only tests that start a simulator run; no other test depends on the simulator.
+Each test is in one gate. With SIM=verilator, tests that start no simulator are left out, as they have the same result.
 """
 
 import difflib
@@ -56,7 +56,7 @@ def main(options: Options) -> int:
 
 
 def selection(only: str) -> list[str]:
-    """Return pytest's arguments for a file, a module of rtl/ or a pattern. Raises InputError for an unknown module."""
+    """Return pytest's arguments for a file, module of rtl/ or pattern. Raises InputError for an unknown module."""
     modules = [path.stem for path in sources()]
     if (ROOT / only.partition("::")[0]).exists():
         return [only]

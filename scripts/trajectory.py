@@ -47,8 +47,8 @@ APART = 0.01  # rad between planned joints and the core's, which splits two join
 class Prepared:
     """Trajectory that is ready to run.
 
-    * words (N, 6), for hand poses (N, 12): input words of the targets, whose lengths are multiplied by 2^exponent
-    * clip, moves, twist: the clip, the motions of its limbs, and --twist; scale: metres in the clip's unit of length
+    * words (N, 6), for hand poses (N, 12): input words of the targets; exponent: lengths are scaled by 2^exponent
+    * clip, moves, twist: the clip, the motions of its limbs, and --twist; scale: the clip's unit of length in metres
     * notes: warnings, each one line
     * robot, path, limits: the arm of --robot, its planned path, and the lowest and highest word of each joint
     * seconds (N,): time of each row of a robot's path, or None
@@ -75,9 +75,9 @@ class Prepared:
 
 
 def datapaths(arguments: Options, prepared: Sequence[Prepared]) -> dict[str, Path]:
-    """Return a dict: datapath to run -> folder of its results. Without --datapath, the paper's scenario runs on both
-    dataflows, other wrist targets on lean. Hand poses run on the whole arm of the datapath, which paper lacks: raises
-    InputError."""
+    """Return a dict: datapath to run -> folder of its results. Without --datapath, the paper's scenario runs on all of
+    DATAPATHS, other wrist targets on lean. Hand poses run on the datapath's whole arm; raises InputError for paper,
+    which has none."""
     scenario = arguments.trajectory == trajectories.DEFAULT
     chosen = arguments.datapath or (list(DATAPATHS) if scenario else [DEFAULT])
     chosen = [chosen] if isinstance(chosen, str) else chosen
@@ -91,7 +91,7 @@ def datapaths(arguments: Options, prepared: Sequence[Prepared]) -> dict[str, Pat
 WHOLE_ARM = {"lean": "arm", "fold": "fold_arm"}  # datapath of wrist targets -> the one of hand poses
 
 CHOOSING = {"arm": "choose", "fold_arm": "fold_choose"}
-"""Datapath of hand poses -> the same with the choice of a branch."""
+"""Datapath of hand poses -> the same datapath with the choice of a branch."""
 
 BUILT_IN, CSV, CLIP = "built-in trajectory", "CSV file", "BVH clip"
 
@@ -207,7 +207,7 @@ def _of_hands(arguments: Options, targets: Targets, robot: arms.Arm | None, note
 
 
 def _jumps(targets: Targets, path: JointPath) -> Iterator[str]:
-    """Yield a line for each of the first rows where a joint moves by more than the goal or no joints are possible."""
+    """Yield a line for each of the first `JUMPS` rows that jump or have no joints, and a line that counts the rest."""
     for n, text in list(path.jumps.items())[:JUMPS]:
         yield f"{f'row {targets.rows[n]}' if targets.rows is not None else f'target {n}'}: {text}"
     if len(path.jumps) > JUMPS:
@@ -235,7 +235,7 @@ def _of_clip(arguments: Options) -> Prepared:
 
 
 def _guided(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Targets:
-    """Return the targets after --pole, points (3,) or (N, 3) from the shoulder, and --soft; None omits either."""
+    """Return targets with --pole, points (3,) or (N, 3) from the shoulder, and --soft applied; None: not applied."""
     if pole is not None:
         poles = targets.points_to_core(np.broadcast_to(pole, (len(targets), 3)))
         targets = replace(targets, phi=swivel((0.0, 0.0, 0.0), poles, targets.core_wrist))
@@ -246,7 +246,7 @@ def _guided(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Tar
 
 
 def prepare(arguments: Options) -> list[Prepared]:
-    """Load the trajectories and print warnings. Raises InputError or TargetError."""
+    """Load the trajectories, print warnings and choose the simulator. Raises InputError or TargetError."""
     prepared = _load(arguments)
     for item in prepared:
         path = item.targets.path  # None: built-in
@@ -257,7 +257,7 @@ def prepare(arguments: Options) -> list[Prepared]:
 
 
 def doubts(targets: Targets, free: bool) -> Iterator[str]:
-    """Yield a warning for each sign of a wrong unit, and for elbow jumps. free: the user may set axis and lengths."""
+    """Yield warnings about wrong units and elbow jumps. free: the user may set axis and lengths (no --robot)."""
     distance = np.linalg.norm(targets.core_wrist, axis=1)
     out = int(np.count_nonzero((distance > STRAIGHT * targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
     if 2 * out > len(targets):
@@ -277,8 +277,8 @@ def doubts(targets: Targets, free: bool) -> Iterator[str]:
 
 
 def simulated(arguments: Options, datapath: str, prepared: Sequence[Prepared], waves: Path | None = None) -> list[Run]:
-    """Run all trajectories through a datapath in one simulation. Near planned joints, the core chooses the branch.
-    Raises SimulationError."""
+    """Run all trajectories through a datapath in one simulation. With `references`, the core chooses the branch nearest
+    to the planned joints. Raises SimulationError."""
     total = sum(len(item.words) for item in prepared)
     with progress(f"{arguments.sim}, {datapath} datapath, {total} targets", total) as meter:
         meter(0, "compiling and starting")
@@ -298,7 +298,7 @@ def simulated(arguments: Options, datapath: str, prepared: Sequence[Prepared], w
 def score_runs(
     arguments: Options, datapath: str, prepared: Sequence[Prepared], runs: Sequence[Run], predict: bool = True
 ) -> list[tuple[Run, Score]]:
-    """Return each run with its score; if `predict` is set, scores of wrist targets contain predicted errors."""
+    """Return each run with its score. With `predict`, scores of wrist targets include predicted errors."""
     core = {"width": arguments.width, "datapath": datapath, "simulator": arguments.sim}
     scored = []
     for item, run in zip(prepared, runs, strict=True):
@@ -323,27 +323,27 @@ def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
 
 
 def positions(item: Prepared, result: Score) -> np.ndarray:
-    """Return the core's joint positions (N, 7) of the robot, with the whole turns of the planned path."""
+    """Return the robot's joint positions (N, 7) from the core's angles and the whole turns of the planned path."""
     assert item.robot and item.path and result.per_target.hand
     return item.robot.positions(result.per_target.hand.joints, item.path.joints)
 
 
 def speeds_of(item: Prepared, result: Score) -> Speeds:
-    """Return the speeds of the robot's joints."""
+    """Return the speeds of the robot's joints; empty without times or robot."""
     if item.seconds is None or not (item.robot and item.path):
         return Speeds()
     return speeds(item.robot, item.path, positions(item, result), item.seconds, item.targets)
 
 
 def quaternions(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the results of a run as Qs (N, 4) in the user's frame and Qe (N, 4)."""
+    """Return the results of a run: Qs (N, 4) in the user's frame, and Qe (N, 4)."""
     first = 0 if item.targets.hand is None else len(joints.JOINTS)
     values = result_values(ran.results[:, first : first + len(RESULT_FIELDS)], width)
     return item.targets.from_core(values[:, :4]), np.pad(values[:, 4:], ((0, 0), (0, 2)))
 
 
 def by_joints(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return Qs, Qe and Qh (N, 4), computed from the seven joint angles of a run. Qs and Qh are in the user's frame."""
+    """Compute Qs, Qe and Qh, (N, 4) each, from the seven joint angles of a run. Qs and Qh are in the user's frame."""
     th, targets = ran.results[:, : len(joints.JOINTS)].T * (2 * np.pi / 2**width), item.targets
     qe = np.array((np.sin(th[3] / 2), -np.cos(th[3] / 2), 0 * th[3], 0 * th[3])).T
     _, qh = joints.reached(th, targets.d1, targets.d2, targets.tool)
@@ -351,8 +351,8 @@ def by_joints(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndar
 
 
 def turned(item: Prepared, ran: Run, width: int) -> Clip:
-    """Return the clip with its limbs turned by the core's quaternions, or for hand poses by the seven joint angles. The
-    clip is parsed from the content of its file, so it includes the rounding of written numbers."""
+    """Return the clip with its limbs turned by the core's quaternions or, for hand poses, by the seven angles. The clip
+    is parsed from the content of its file, so it includes the rounding of written numbers."""
     assert item.clip
     count, turns_of = len(item.moves), quaternions if item.targets.hand is None else by_joints
     turns = turns_of(item, ran, width)
@@ -362,8 +362,8 @@ def turned(item: Prepared, ran: Run, width: int) -> Clip:
 
 
 def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
-    """Return the elbows and wrists (N, 3) of the turned clip relative to the shoulder, and for hand poses the hands'
-    orientations (N, 4)."""
+    """Return the turned clip's elbows and wrists, (N, 3) each from the shoulder, and for hand poses the orientations of
+    the hands (N, 4)."""
     clip = turned(item, ran, width)
     at, limbs = clip.positions, [move.limb for move in item.moves]
     upper, fore, hand = ([getattr(limb, name) for limb in limbs] for name in ("upper", "fore", "hand"))
@@ -374,7 +374,7 @@ def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
 
 
 def sources(prepared: Iterable[Prepared]) -> list[Path]:
-    """Return the files that the trajectories were read from."""
+    """Return the files from which the trajectories were read."""
     return [Path(item.targets.path) for item in prepared if item.targets.path is not None]
 
 
@@ -392,7 +392,7 @@ def result_paths(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
 
 
 def outputs(out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], *others: Path) -> ContextManager[Place]:
-    """Return the context manager `output` for all files that `write_results` writes and for `others`."""
+    """Return `output`, a context manager, for all files that `write_results` writes and for `others`."""
     paths = [*others, *(path for folder in folders for path in result_paths(folder, prepared)), out / SCORES]
     return output(out, paths, sources(prepared))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Read waveforms of ``ik_axis`` and ``ik_arm`` from a VCD, write them aligned, and write GTKWave save files.
+"""Read waveforms of ``ik_axis`` and ``ik_arm`` from a VCD; write an aligned VCD and GTKWave save files.
 
 An aligned VCD shows all nodes of a target in one clock. Save files group signals and show words as real numbers.
 
@@ -8,8 +8,8 @@ An aligned VCD shows all nodes of a target in one clock. Save files group signal
 This command writes a save file for a VCD that your own simulator recorded.
 
 Words are sampled at the falling edge of the clock, as in the scoreboard (:mod:`tb.core.pipeline`). Signals are found by
-their path below the top, which is the same in all simulators. A node's label shows its equation and its clock: ``tmp1
-(13) +102`` holds a target's value 102 clocks after the target is admitted. GTKWave shows at most 64 bits as a decimal
+their path below the top, which is the same in all simulators. A node's label shows its equation and its delay: ``tmp1
+(13) +102`` has a target's value 102 clocks after the target is admitted. GTKWave shows at most 64 bits as a decimal
 number, so a save file shows only the highest 64 bits of a longer word.
 """
 
@@ -65,8 +65,8 @@ def write_save_file(
 ) -> None:
     """Write the save file ``path`` for ``vcd``, a recording of a datapath with words of ``width`` bits.
 
-    ``dumpfile`` is the path of the VCD relative to the save file's folder. ``aligned`` means that `write_aligned` wrote
-    the VCD, which has no streams. GTKWave starts at the time ``start``, with its marker at ``marker``. It opens the
+    ``dumpfile`` is the path of the VCD relative to the save file's folder. ``aligned``: `write_aligned` wrote the
+    VCD, which thus has no streams. GTKWave starts at the time ``start``, with its marker at ``marker``. It opens the
     section of the difference ``first`` and shows the node in red. Raises TargetError for a VCD of another design.
     """
     nodes, of = fixed.nodes(datapath, width), MODELS[datapath]
@@ -107,7 +107,7 @@ def write_save_file(
 
 
 class _Save(GTKWSave):
-    """Save file whose traces are named by their paths below the top."""
+    """Save file. Its methods take the path of a signal below the top."""
 
     def __init__(self, stream, vcd: Path) -> None:
         super().__init__(stream)
@@ -119,7 +119,7 @@ class _Save(GTKWSave):
         self.trace(name, alias=path[-1], datafmt=shown if name.endswith("]") else "bin")
 
     def word(self, path: tuple[str, ...], fmt: Format, label: str, lowest: int = 0, color=None) -> None:
-        """Add a word of a signal as a number; bit ``lowest`` of the signal is the word's bit 0."""
+        """Add a word, which may be part of a signal, as a number. The word's bit 0 is the signal's bit ``lowest``."""
         signal = self.signals[path]
         if fmt.width == 1:
             self.trace(signal.name, alias=label, datafmt="bin", color=color)
@@ -139,8 +139,8 @@ class _Save(GTKWSave):
 
 @dataclass(frozen=True)
 class Recording:
-    """Recording of one trajectory. words: node -> its bits in each clock, from clock 1. admitted: clock in which each
-    target is admitted. first: time of clock 1's falling edge; first and period are in units of `timescale`."""
+    """Recording of one trajectory. words: node -> its bits in each clock, from clock 1. admitted: admission clock of
+    each target. first, period: time of clock 1's falling edge, and clock period, in units of `timescale`."""
 
     words: dict[str, list[str]]
     admitted: list[int]
@@ -182,12 +182,12 @@ def read(vcd: Path, datapath: str, nodes: Nodes) -> Recording:
 
 
 def model_bits(node: Node, target: int) -> str:
-    """Return the model's bits of a node for a target; `node.value` contains the words of all targets."""
+    """Return the model's bits of a node for a target, from `node.value`, the words of all targets."""
     return format(int(node.value[target]) & ((1 << node.format.width) - 1), f"0{node.format.width}b")
 
 
 def differences(recording: Recording, nodes: Nodes) -> Iterator[Difference]:
-    """Yield the differences between RTL and model, target by target, each in dataflow order."""
+    """Yield the differences between RTL and model: target by target, and for each target in dataflow order."""
     for target, clock in enumerate(recording.admitted):
         for node in nodes:
             rtl, model = recording.word(node, target), model_bits(node, target)
@@ -204,7 +204,7 @@ def write_aligned(path: Path, recording: Recording, datapath: str, nodes: Nodes,
     """Write a VCD that delays every node to the clock of the last node, so each clock shows the words of one target.
 
     Names, scopes and times match the VCD of the run. In a clock without a target all signals are X. The signal `target`
-    is the target's number; `differs` is 1 for targets in `wrong`, in which some node differs from the model.
+    is the target's number; `differs` is 1 for targets in `wrong`, which have a node that differs from the model.
     """
     top = MODELS[datapath].top
     with (
@@ -253,7 +253,7 @@ def write_waves(
 def align(
     vcd: Path, words: np.ndarray, width: int, datapath: str, files: Place = Path, limits: Limits | None = None
 ) -> None:
-    """Read the recording ``vcd`` of one trajectory with the input words ``words``, and call `write_waves`."""
+    """Read ``vcd``, a recording of one trajectory with input words ``words``, and call `write_waves`."""
     nodes = answer(words, width, datapath, limits).shown
     recording = read(files(vcd), datapath, nodes)
     write_waves(vcd, recording, list(differences(recording, nodes)), datapath, width, nodes, files)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 5 of the paper again: logic, multipliers and clock of the datapaths, by open tools (make fpga).
+"""Measure logic, multipliers and clock of the datapaths with open tools, for table 5 of the paper: `make fpga`.
 
 Synthesizes with Yosys for the paper's family (xc2vp, Virtex-II Pro), xc7, xcup and ECP5, and places and routes on an
 ECP5-85k with nextpnr; the fold datapath targets the smallest chips. Each netlist is simulated side by side with the
@@ -35,8 +35,8 @@ BROKEN_DOWN = {"lean": (32, 18), "paper": (32,)}
 
 
 def describe(design: Design) -> dict:
-    """Return the commit and digest of a design's code. A design with a model also gets its latency in clocks and the
-    model's largest wrist error / reach (for the whole arm, its largest hand error / reach and orientation error)."""
+    """Return the commit and digest of a design's code. If the design has a model, also return latency in clocks and the
+    model's largest wrist error / reach (for the whole arm, the largest hand error / reach and orientation error)."""
     facts = {"rtl": designs.code(design), "commit": commit()}
     if design.datapath not in MODELS:
         return facts
@@ -50,7 +50,7 @@ def describe(design: Design) -> dict:
 
 
 def execute(data: dict, runs: Sequence[Run], ordered_map: Callable = map) -> dict[str, dict]:
-    """Execute and record the runs whose key in ``data`` is missing or differs; return a dict: title -> figures."""
+    """Execute the runs whose key in ``data`` is missing or old, and record them; return all runs' title -> figures."""
     known = {run.title: data["runs"].get(run.title, {}) for run in runs}
     new = [run for run in runs if known[run.title].get("key") != run.key()]
     with progress("fpga", len(new)) as meter:
@@ -66,7 +66,7 @@ def execute(data: dict, runs: Sequence[Run], ordered_map: Callable = map) -> dic
 
 
 def measure(data: dict, chosen: Sequence[Design], ordered_map: Callable = map) -> list[str]:
-    """Synthesize designs for ``families`` and place them for ``aims``; return the titles of runs without figures."""
+    """Synthesize designs for their ``families`` and place them for ``aims``; return titles of runs without figures."""
     for design in chosen:
         data["designs"].setdefault(design.name, {}).update(describe(design))
     runs = [design.run(family) for design in chosen for family in design.families]
@@ -80,7 +80,7 @@ def measure(data: dict, chosen: Sequence[Design], ordered_map: Callable = map) -
 
 
 def form(value: object, form: str = "{}") -> str:
-    """Format a value; a dash for a missing one."""
+    """Format a value with `form`; a missing value (None) becomes a dash."""
     return "-" if value in (None, "") else form.format(value)
 
 
@@ -88,14 +88,14 @@ TEMPLATES.filters["form"] = form
 
 
 def page(data: dict) -> TemplateModule:
-    """Return the page; its macros `comparison` and `folded` render single tables."""
+    """Return the page as a template module, whose macros `comparison` and `folded` render single tables."""
     dates = sorted(run["date"] for run in data["runs"].values())
 
     def run(design: Design, family: str, kind: str = "synth") -> dict:
         return run_of(data, design.run(family, kind))
 
     def column(design: Design) -> dict:
-        """Return the figures of a design's column in table 5."""
+        """Return the figures in a design's column of table 5."""
         figures = {"head": f"{design.datapath}, W = {design.width}", **data["designs"][design.name]}
         figures |= {family: run(design, family).get("cells", {}) for family in FAMILIES}
         if figures["xc2vp"]:
@@ -114,8 +114,8 @@ def page(data: dict) -> TemplateModule:
 
 
 def write(data: dict) -> None:
-    """Write fpga.json and its page. `tried` in the file is written by hand: [what, where, before, after] of each change
-    of the RTL that was tried, kept or not."""
+    """Write fpga.json and its page. Entry `tried` is written by hand: [what, where, before, after] for each change of
+    the RTL that was tried, even if it was not kept."""
     data["tools"] = {tool: version(tool) for tool in TOOLS}
     data["commands"] = commands()
     for part in ("tools", "commands", "designs", "runs"):

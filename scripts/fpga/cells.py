@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Replacement of a netlist's memories and multipliers by cells of ``cells.v``, where Yosys has no simulation model."""
+"""Replacement of memories and multipliers that have no simulation model in Yosys by cells of ``cells.v``."""
 
 import re
 from collections.abc import Iterator
@@ -33,7 +33,7 @@ MULTIPLIERS = {"MULT18X18D": (18, 18), "MULT18X18": (18, 18), "MULT9X9": (9, 9),
 
 @dataclass
 class Cell:
-    """One cell of a netlist in write_json's format; nets are numbers or the constants "0", "1", "x"."""
+    """Cell of a netlist in write_json's format. A net is a number or "0", "1", "x". fresh: numbers of unused nets."""
 
     name: str
     kind: str
@@ -42,8 +42,8 @@ class Cell:
     fresh: Iterator[int]
 
     def nets_of(self, port: str, width: int, output: bool = False) -> list:
-        """Return ``width`` nets of a port, or of ports for single bits such as DOA17, lowest bit first. Unconnected
-        outputs get fresh nets, unconnected inputs "0"."""
+        """Return the ``width`` nets of a port, lowest bit first. The port may be split into bits, with names such as
+        DOA17. Unconnected outputs get fresh nets, unconnected inputs "0"."""
         if port in ("0", "1"):
             return [port] * width
         single = (f"{port}{k}" for k in range(36))
@@ -57,12 +57,12 @@ class Cell:
         return str(self.parameters.get(parameter, "")).strip()
 
     def rows(self, prefix: str, bits: int) -> str:
-        """Return the joined values of the parameters ``prefix`` + two hex digits, ``bits`` bits each, lowest first."""
+        """Return the parameters ``prefix`` + two hex digits, ``bits`` bits each, as one string, lowest bit first."""
         keys = sorted(key for key in self.parameters if re.fullmatch(prefix + "[0-9A-F]{2}", key))
         return "".join(self.parameters[key].replace("x", "0").zfill(bits)[::-1] for key in keys)
 
     def content(self) -> str:
-        """Return the memory's initial content with nine bits per byte, lowest bit first."""
+        """Return the memory's initial content as bits, lowest first, nine for each byte."""
         if self.kind == "DP16KD":
             text = self.rows("INITVAL_", 320)
             return "".join(text[k : k + 18] for k in range(0, len(text), 20))
@@ -73,7 +73,7 @@ class Cell:
         return "".join(text[8 * k : 8 * k + 8] + (parity[k] if parity else "0") for k in range(len(text) // 8))
 
     def width(self, side: int) -> int:
-        """Return the word width of side 0 or 1, counted with nine bits per byte; 0 if the side is unused."""
+        """Return the word width of side 0 or 1, with nine bits for each byte; 0 if the side is unused."""
         if self.kind.startswith("RAMB16"):
             return int(re.findall(r"_S(\d+)", self.kind)[side])
         names = (f"READ_WIDTH_{'AB'[side]}", f"WRITE_WIDTH_{'AB'[side]}", f"DATA_WIDTH_{'AB'[side]}")
@@ -156,8 +156,8 @@ def _instance(kind: str, values: dict, ports: dict) -> dict:
 
 
 def modelled(module: dict) -> dict:
-    """Replace memories and multipliers without a Yosys model by cells of ``cells.v``. Changes and returns ``module``,
-    which is in write_json's format. Raises ToolError for an option that ``cells.v`` does not model."""
+    """Replace memories and multipliers that Yosys does not model by cells of ``cells.v``. ``module``, in write_json's
+    format, is changed and returned. Raises ToolError for an option that ``cells.v`` does not model."""
     nets = (net for wire in module["netnames"].values() for net in wire["bits"] if isinstance(net, int))
     fresh = count(1 + max(nets, default=1))
     module["attributes"] = {}

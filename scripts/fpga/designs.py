@@ -21,8 +21,8 @@ PAGE = GENERATED / "fpga.md"
 class Design:
     """Top module with its parameters, and the families for which it is synthesized (``families``) or placed (``aims``).
 
-    ``parameters`` excludes W. ``aims`` maps a family to the MHz at which no further placement seed is tried; clocks
-    vary by up to a fifth between seeds. If ``within`` is given, `ik_axis` with these parameters is placed, not the top.
+    ``parameters`` excludes W. ``aims``: family -> clock (MHz) at which no further placement seed is tried; clocks vary
+    by up to a fifth between seeds. If ``within`` is given, `ik_axis` with these parameters is placed, not the top.
     """
 
     datapath: str
@@ -46,7 +46,7 @@ class Design:
         return same.get(self.datapath, self.datapath)
 
     def run(self, family: str, kind: str = "synth") -> Run:
-        """Return a synth, tree or place run on a family. A design with ``within`` is placed as a part of `ik_axis`."""
+        """Return the design's run of a kind (synth, tree or place; see `Run`) for a family."""
         values = {"W": self.width, **self.parameters}
         aim = self.aims.get(family) if kind == "place" else None
         if kind == "place" and self.within is not None:
@@ -63,7 +63,7 @@ ARM_PARTS = {"arm_hand": "ik_lean_hand", "arm_frame": "ik_lean_frame", "arm_join
 ECP5-85k has."""
 FOLDED_MEMORY = ("fold_memory", "fold_arm_memory")
 ASIC, STANDARD_CELLS = "asic", (("fold16", 18), ("fold", 24), ("fold_arm", 24), ("lean", 18))
-"""Group of designs of standard cells, which `make asic` measures; their datapaths and word lengths."""
+"""Group of the designs for standard cells, measured by `make asic`; their datapaths and word lengths."""
 
 
 def _standard_cells(name: str, width: int) -> Design:
@@ -100,9 +100,9 @@ DESIGNS = (
     *(Design("choice", width, "ik_choose", ("xc2vp", "ecp5"), {"ecp5": 180}) for width in (24, 32)),
     *(Design("fold_choice", width, "ik_fold_choose", ("xc2vp", "ecp5-12k"), {"ecp5-12k": 100}) for width in (24, 32)),
 )
-"""Default designs. choice and fold_choice are what CHOOSE = 1 adds. lean25 shows the gain of larger tiles. paper
-has dividers and roots built from logic. memory is ``ik_axi`` with the lean datapath, fold_memory and
-fold_arm_memory with a folded core for wrists and for the whole arm, echo with a stand-in for the datapath."""
+"""Default designs. choice and fold_choice are the logic that CHOOSE = 1 adds. lean25 shows the gain of larger tiles.
+paper has dividers and roots built from logic. ``ik_axi`` has the lean datapath in memory, a folded core for wrists in
+fold_memory and for the whole arm in fold_arm_memory, and a stand-in for the datapath in echo."""
 
 GROUPS = list(dict.fromkeys(design.group for design in DESIGNS))
 
@@ -116,14 +116,14 @@ CHIPS = {
 
 
 def find(datapath: str, width: int) -> Design | None:
-    """Return a datapath's design with any word length; None if no default design has the datapath."""
+    """Return a datapath's default design, changed to word length `width`; None if there is no such design."""
     known = [one for one in DESIGNS if one.datapath == datapath]
     return next((replace(one, width=width) for one in sorted(known, key=lambda one: one.width != width)), None)
 
 
 def select(groups: Sequence[str], widths: Sequence[int]) -> list[Design]:
-    """Return the default designs of ``groups``, or of all but standard cells; with ``widths``, their datapaths at these
-    instead."""
+    """Return the default designs of ``groups``; if empty, of all groups but ASIC. With ``widths``, return their
+    datapaths at each of these word lengths."""
     designs = [one for one in DESIGNS if one.group in (groups or {*GROUPS} - {ASIC})]
     if widths:
         names = dict.fromkeys(one.datapath for one in designs)
@@ -133,7 +133,7 @@ def select(groups: Sequence[str], widths: Sequence[int]) -> list[Design]:
 
 
 def measured(data: dict, *datapaths: str) -> list[Design]:
-    """Return the designs in ``data`` of the named datapaths, or without names all designs."""
+    """Return the designs in ``data`` with one of these datapaths; all designs if no datapath is given."""
     names = (name.split("-") for name in data["designs"])
     return [find(datapath, int(width)) for datapath, width in names if datapath in (datapaths or [datapath])]
 
@@ -143,18 +143,18 @@ def load() -> dict:
 
 
 def run_of(data: dict, run: Run) -> dict:
-    """Return the figures of a run; an empty dict if it was not measured."""
+    """Return the figures of a run in ``data``; an empty dict if the run was not measured."""
     return data["runs"].get(run.title, {})
 
 
 def clock(data: dict, datapath: str, width: int) -> float | None:
-    """Return the clock of a placed design (MHz); None if it was not placed."""
+    """Return the clock (MHz) of a design after placement; None if the design was not placed."""
     design = find(datapath, width)
     return next(filter(None, (run_of(data, design.run(family, "place")).get("mhz") for family in design.aims)), None)
 
 
 def size(data: dict, datapath: str, width: int) -> tuple[dict | None, str]:
-    """Return a design's cells on a family with LUT4, and that family, such as up5k; None for cells not measured."""
+    """Return a design's cells, None if not measured, on a family with LUT4, and that family, such as up5k."""
     design = find(datapath, width)
     family = next((one for one in ("xc2vp", "up5k", "ecp5-12k") if design and one in design.families), "")
     return (run_of(data, design.run(family)).get("cells") if family else None), family
@@ -165,7 +165,7 @@ def code(design: Design) -> str:
 
 
 def recorded() -> dict[str, str]:
-    """Return a dict: "RTL of lean-32" and so on -> digest of the code that the checked-in figures belong to."""
+    """Return a dict: "RTL of lean-32" and so on -> digest of the code from which the checked-in figures were made."""
     return {f"RTL of {name}": design["rtl"] for name, design in load()["designs"].items()}
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Choice of the multipliers' sites on an ECP5-85k before nextpnr runs: its placer puts some of them too far apart."""
+"""Choice of the multipliers' sites on an ECP5-85k before nextpnr runs, whose placer puts some too far apart."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ FANOUT = 32
 """Nets with more readers, such as resets, are ignored by :func:`coupling`."""
 
 STEPS, MOVES = 60, 500_000
-"""Number of steps of the random walks, and of moves of the annealing."""
+"""Steps of a random walk; moves of the annealing."""
 
 VERSION = digest([Path(__file__)])
 
 
 def floorplan(module: dict, seed: int) -> None:
     """Assign a site to each MULT18X18D of a module in write_json's format. Multipliers with much logic between them get
-    sites close together. With fewer than two multipliers, or more than sites, the module is left unchanged."""
+    sites close together. A module with fewer than 2 or more than len(SITES) multipliers is left unchanged."""
     names = [name for name, cell in module["cells"].items() if cell["type"] == "MULT18X18D"]
     if 1 < len(names) <= len(SITES):
         weights = np.zeros((len(SITES),) * 2)
@@ -38,8 +38,8 @@ def floorplan(module: dict, seed: int) -> None:
 
 
 def coupling(module: dict, names: list[str]) -> np.ndarray:
-    """Return the symmetric coupling matrix of the named cells: how often random walks lead from one named cell to
-    another through unnamed cells."""
+    """Return the symmetric coupling matrix of the named cells: how often random walks from one named cell through other
+    cells reach another named cell first."""
     order = {name: k for k, name in enumerate(dict.fromkeys([*names, *module["cells"]]))}
     drivers: dict[int, int] = {}
     readers = defaultdict(list)
@@ -72,7 +72,7 @@ def coupling(module: dict, names: list[str]) -> np.ndarray:
 
 
 def annealed(weights: np.ndarray, seed: int) -> np.ndarray:
-    """Return the index in SITES of each cell's site. Annealing minimizes the sum of distances times weights."""
+    """Return each cell's index in SITES. Simulated annealing minimizes the sum of weight * distance over pairs."""
     draw = np.random.default_rng(seed)
     places = np.array(SITES)[:, :2]
     distance = np.abs(places[:, None] - places).sum(axis=2).astype(float)

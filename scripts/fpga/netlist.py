@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""YoWASP's Yosys and nextpnr: versions and runs of the tools; in netlists and reports cells by kind, packing of
-registers, clock and critical path."""
+"""YoWASP's Yosys and nextpnr: versions and calls of the tools, cells by kind, packing of registers into a netlist's
+hard blocks, clock and critical path."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ CELLS = [
     ("RAM", r"RAMB36E[12]", 2),
     ("", r"\$scopeinfo|XORCY|GND|VCC|BUFG", 0),
 ]
-"""(kind, pattern of cell types, weight) for all families. A Gowin ALU is one LUT with a carry, an ECP5 CCU2C is two.
+"""(kind, pattern of cell types, weight) for all families. A Gowin ALU is one LUT with a carry; an ECP5 CCU2C is two.
 On iCE40 a LUT and a carry share a logic cell, so a run replaces the LUTs by nextpnr's number of logic cells."""
 
 LUT4_MEMORIES = [("RAM16X1S", 1), ("RAM16X1D|RAM32X1S", 2), ("RAM32X1D|RAM64X1S", 4), ("RAM64X1D", 8)]
 LUT6_MEMORIES = [("RAM(32|64)X1S", 1), ("RAM(32|64)X1D", 2), ("RAM(32|64)M|RAM128X1D", 4), ("RAM32M16|RAM64M8", 8)]
-"""(pattern of Xilinx' memories made of LUTs, number of LUTs): LUT4 on xc2vp, LUT6 on the other families."""
+"""(pattern of Xilinx' memories made of LUTs, number of LUTs); LUT4_MEMORIES on xc2vp, LUT6_MEMORIES on others."""
 
 LIMIT = 40 * 60.0
 """Time limit of one tool run in seconds."""
@@ -64,8 +64,8 @@ def version(tool: str) -> str:
 
 
 def call(command: list[str], folder: Path, label: str) -> int:
-    """Run a tool with low priority in a folder; return the seconds it took. Raises LeftOutError after LIMIT seconds
-    and ToolError if the tool fails, with ``label`` first in the message."""
+    """Run a tool with low priority in a folder; return the seconds it took. Raises LeftOutError after LIMIT seconds and
+    ToolError if the tool fails; the messages begin with ``label``."""
     start = time.monotonic()
     try:
         done = compiled(["env", "-C", folder, "nice", *command], LIMIT)
@@ -77,14 +77,14 @@ def call(command: list[str], folder: Path, label: str) -> int:
 
 
 def counted(stat: dict, family: str) -> dict[str, int]:
-    """Return a dict: kind -> number of cells in the design of a `stat -json`. Raises ToolError for an unknown cell."""
+    """Return a dict: kind -> number of cells, from Yosys' `stat -json`. Raises ToolError for an unknown cell."""
     sections = by_section(stat, family).values()
     return {kind: sum(section[kind] for section in sections) for kind in KINDS}
 
 
 def by_section(stat: dict, family: str) -> dict[str, dict]:
-    """Return a dict: module instantiated by the top -> kind -> number of cells inside all of its instances. The key
-    "itself" has the cells directly in the top."""
+    """Return a dict: module instantiated by the top -> kind -> number of cells in all of the module's instances. Key
+    "itself" has the top's cells outside of instances."""
     modules = {
         name.lstrip("\\"): {cell.lstrip("\\"): n for cell, n in module["num_cells_by_type"].items()}
         for name, module in stat["modules"].items()
@@ -107,7 +107,7 @@ def by_section(stat: dict, family: str) -> dict[str, dict]:
 
 
 def _kinds(cells: Counter, family: str) -> dict[str, int]:
-    """Return a dict: kind -> weighted number of cells."""
+    """Return a dict: kind -> number of cells, weighted. cells: cell type -> number."""
     memories = LUT4_MEMORIES if family == "xc2vp" else LUT6_MEMORIES
     rules = [*CELLS, *(("LUT", pattern, luts) for pattern, luts in memories)]
     kinds, strange = Counter(dict.fromkeys(KINDS, 0)), []
@@ -127,7 +127,7 @@ def used(report: dict) -> dict[str, int]:
 
 
 def placed(report: dict) -> dict:
-    """Return clock (MHz), utilization and critical path from nextpnr's report. MULTIPLIER_NS limits the clock."""
+    """Return clock (MHz, at most 1000 / MULTIPLIER_NS), utilization and critical path from nextpnr's report."""
     clock = next(iter(report["fmax"].values()))
     path = next(p for p in report["critical_paths"] if p["from"].split()[-1] == p["to"].split()[-1])["path"]
     return {
@@ -144,14 +144,14 @@ def placed(report: dict) -> dict:
 
 
 def signal(cell: str) -> str:
-    """Return a cell's signal: u_turn.u_w_q.hh for dut.u_turn.u_w_q.hh_TRELLIS_FF_Q_12_DI_MULT18X18D_P3."""
+    """Return a cell's signal, such as u_turn.u_w_q.hh for dut.u_turn.u_w_q.hh_TRELLIS_FF_Q_12_DI_MULT18X18D_P3."""
     name = re.sub(r"^(\$\w+\$)?dut\.", "", cell)
     name = re.sub(r"_(TRELLIS_FF|MULT18X18D|LUT4|CCU2C|PFUMX|L6MUX21|DP16KD|SB_[A-Z]+\d*)_.*|_RAM$", "", name)
     return re.sub(r"\$[\w$:./-]+$", "", name) or cell
 
 
 def steps(path: list[dict]) -> list[str]:
-    """Return the kinds of cells along a path; 14 equal ones in a row become "CCU2C x 14"."""
+    """Return the kinds of cells along a path; 14 adjacent CCU2C become "CCU2C x 14"."""
     kinds = []
     for step in path:
         if step["type"] == "routing":
@@ -171,13 +171,13 @@ PACKER = "5"
 
 
 def pack_registers(module: dict) -> dict:
-    """Move registers into MULT18X18D and DP16KD, as Lattice's tools do and Yosys does not. The module, in write_json's
-    format and with one clock, is changed in place.
+    """Move registers into MULT18X18D and DP16KD, as Lattice's tools do and Yosys does not. ``module``, in write_json's
+    format, has one clock and is changed in place.
 
     A multiplier or memory port gets its output register if the only reader of each bit is a plain flip-flop. A memory
-    with words of 36 bits reads them on both ports, so both get the register or neither does.
+    with words of 36 bits uses both ports for a word, so both get the register or neither does.
     A multiplier gets its input registers if all bits of A and B come from plain flip-flops or are constant. A flip-flop
-    that other cells read is kept for them. A flip-flop behind a memory is not moved, because memory outputs are late.
+    with other readers is kept for these. A flip-flop fed by a memory is not moved, because memory outputs are late.
     Returns the numbers of multipliers, of registers moved into each kind of cell, and of removed flip-flops.
     """
     cells = module["cells"]
@@ -207,8 +207,8 @@ def pack_registers(module: dict) -> dict:
     (clock,) = {pin(name, "CLK") for name in plain}
 
     def absorb(nets: dict, ports: list[str]) -> bool:
-        """Connect ports to the outputs of the flip-flops that read them, and mark these for removal. Return False,
-        without a change, if a port has another reader or no port has a reader."""
+        """Connect ports to the outputs of the flip-flops that read them, mark the flip-flops for removal, return True.
+        Change nothing and return False if a port has any other reader, or if no port has a reader."""
         behind = {port: readers[nets[port][0]] for port in ports if port in nets and readers[nets[port][0]]}
         used = [reader for flops in behind.values() for reader in flops]
         if not len(used) == len(behind) > 0 or not all(name in plain and port == "DI" for name, port in used):

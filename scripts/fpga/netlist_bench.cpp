@@ -1,8 +1,8 @@
 // Drive the RTL and its mapped netlist with the same pins; print the number of clocks in which their outputs differ.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Standard input: a 64-bit word for each clock, the pins of `in`. Arguments: clocks before the comparison; output pin that
-// is high with a result; input pin that takes it. Output: clocks compared, clocks that differ, the first of them, results.
+// Standard input: a 64-bit word per clock, the pins of `in`. Arguments: clocks before the comparison; output pin for
+// a valid result; input pin that accepts it. Output: clocks compared, clocks that differ, the first of these, results.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs of Yosys, nextpnr and OpenSTA in build/fpga, each with a hash of its sources, options and tools."""
+"""Runs of Yosys, nextpnr and OpenSTA in build/fpga. A run's key is a hash of its sources, options and tools."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ OSU018 = Path("/usr/share/qflow/tech/osu018/osu018_stdcells.lib")
 SDC = ROOT / "examples" / "instantiate" / "ik.sdc"
 SRL16_MAP = ROOT / "scripts" / "fpga" / "srl16_map.v"
 ECHO = (ROOT / "tb" / "axi" / "ik_lean.v",)
-"""Stand-in for the datapath, with which only the logic around the datapath is measured."""
+"""Stand-in for the datapath, used to measure only the logic around the datapath."""
 
 DATAPATHS = {"ik_arm": {1: "ik_lean_arm", 2: "ik_fold_arm"}, "": {0: "ik_paper", 1: "ik_lean", 2: "ik_fold"}}
 """ik_arm, or "" for wrist targets -> parameter DATAPATH -> module of the datapath."""
@@ -55,7 +55,7 @@ SYNTHESIZE = {
 ABC = """strash; &get -n; &fraig -x; &put; scorr; dc2 -l; dc2 -l; dc2 -l
 &get -n; &dch -f; &nf {D}; &put; buffer -N 24; upsize {D}; dnsize {D}
 """
-"""ABC's commands for standard cells. Those of Yosys map the logic as it was before scorr and dc2."""
+"""ABC's commands for standard cells. Yosys' own commands would map the logic as it was before scorr and dc2."""
 
 MACROS = {"ecp5": " -DIK_LOGIC_TILES", "osu018": " -DIK_NO_INITIAL"}
 """Family -> options that define Verilog macros. With IK_LOGIC_TILES, small tiles are built from logic: at W = 24 and 32
@@ -73,7 +73,7 @@ SEEDS = range(1, 5)
 
 
 def commands() -> dict[str, str]:
-    """Return a dict: family (synthesis) or "tool for family" (placement) -> command without file names."""
+    """Return a dict: family (for synthesis) or "tool for family" (for placement) -> command without file names."""
     values = {"top": "TOP", "flatten": " -flatten"}
     synthesis = {family: text.format(family=family, **values) for family, text in SYNTHESIZE.items()}
     place = {f"{text.split()[0]} for {family}": f"{text} --seed SEED" for family, text in PLACE.items()}
@@ -84,8 +84,8 @@ def commands() -> dict[str, str]:
 class Run:
     """One run of the tools: ``kind`` is synth (flat), tree (hierarchy kept, for counts by section) or place.
 
-    ``values`` are the top's parameters. ``aim`` is the MHz at which no further placement seed is tried. With ``echo``,
-    the stand-in replaces the datapath.
+    ``values``: the top's parameters. ``aim``: clock (MHz) at which no further placement seed is tried. ``echo``: a
+    stand-in replaces the datapath.
     """
 
     kind: str
@@ -102,7 +102,7 @@ class Run:
         return "-".join([*parts, self.family, *[self.kind] * (self.kind != "synth")])
 
     def files(self) -> list[Path]:
-        """Return the source files, the top's first, without the datapaths that are not instantiated."""
+        """Return the source files, the top's first, without those of datapaths that are not instantiated."""
         whole = self.top == "ik_arm" or self.values.get("ARM")
         known = DATAPATHS["ik_arm" if whole else ""].items()
         others = {name for number, name in known if number != self.values.get("DATAPATH", 1)}
@@ -128,7 +128,7 @@ class Run:
         return "\n".join([*lines, "write_json netlist.json", "tee -o stat.json stat -json", ""])
 
     def extra(self) -> dict[str, str]:
-        """Return a dict: name -> content of each file that Yosys needs in addition to the sources."""
+        """Return a dict: name -> content of each file that the tools need in addition to the sources."""
         if self.kind == "place":
             return {"fpga_top.v": self.ports().wrapper(self.values, "fpga_top")}
         if self.family == "osu018":
@@ -139,7 +139,7 @@ class Run:
         return {SRL16_MAP.name: SRL16_MAP.read_text()} if self.family == "xc2vp" else {}
 
     def key(self) -> str:
-        """Return the hash of all inputs to the figures."""
+        """Return the hash of everything that determines the figures."""
         parts = [self.kind, self.script(), *self.extra().values(), digest(self.files()), version("yosys"), "simulated"]
         if self.kind == "place":
             command = PLACE[self.family]
@@ -151,7 +151,7 @@ class Run:
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:12]
 
     def done(self) -> dict:
-        """Synthesize, simulate and, if ``kind`` is place, place; return the figures. Raises LeftOutError."""
+        """Synthesize and simulate the top, place it if ``kind`` is place; return the figures. Raises LeftOutError."""
         folder = BUILD / f"{self.title}-{self.key()}"
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in ({path.name: path.read_text() for path in self.files()} | self.extra()).items():
@@ -176,7 +176,7 @@ class Run:
         return figures
 
     def timed(self, folder: Path) -> dict:
-        """Return flip-flops, cell area (um2) and clock before layout of standard cells. Raises ToolError."""
+        """Return flip-flops, cell area (um2) and pre-layout clock (MHz) in standard cells. Raises ToolError."""
         (cells,) = json.loads((folder / "area.json").read_text())["modules"].values()
         flipflops = sum(n for cell, n in cells["num_cells_by_type"].items() if cell.startswith("DFF"))
         command = ["env", "-C", folder, "sta", "-no_splash", "-exit", "sta.tcl"]
@@ -188,8 +188,8 @@ class Run:
         return {"cells": {"FF": flipflops, "area": float(cells["area"])}, "mhz": mhz}
 
     def place(self, folder: Path, design: dict) -> dict:
-        """Place and route with one seed after the other until the clock reaches the aim. Return the figures of the
-        fastest placement, with `tried`: the clocks of all. Raises LeftOutError if no seed is done in time."""
+        """Place and route with one seed after another until the clock reaches the aim. Return the figures of the
+        fastest placement; `tried` in them has all clocks. Raises LeftOutError if no placement is done in time."""
         tried = []
         for seed in SEEDS:
             if self.family == "ecp5":

@@ -49,8 +49,8 @@ class Ports:
         self.pin = {label: k for way in self.single.values() for k, label in enumerate(way, 1)}
 
     def wrapper(self, values: dict, name: str, inner: str = "") -> str:
-        """Return the Verilog of a wrapper ``name`` with few pins, as the template describes. It instantiates the module
-        or, if ``inner`` is given, the module's netlist of that name, which has no parameters."""
+        """Return the Verilog of ``name``, a wrapper with few pins. It instantiates the module with parameters
+        ``values`` or, if ``inner`` is given, the module's netlist ``inner``, which has no parameters."""
         names = re.findall(r"(\w+)\s*=", self.parameters)
         parameters = re.sub(r"(\w+)\s*=\s*([^,\n]+)", lambda m: f"{m[1]} = {values.get(m[1], m[2])}", self.parameters)
         overrides = f"#({', '.join(f'.{p}({p})' for p in names)})" if names and not inner else ""
@@ -58,9 +58,9 @@ class Ports:
 
     def stimuli(self, clocks: int, width: int) -> np.ndarray:
         """Return uint64 (clocks,): the wrapper's input pins in each clock, bit k for in[k]. valid and ready are high in
-        three of four clocks, other pins in half of them. rst is high in the first 8 clocks and in one in the middle.
-        Wrappers with a pin ``hold`` shift in hand poses, in words of ``width`` bits, and hold each for some clocks. For
-        ``ik_axi`` there are register writes that start jobs."""
+        three of four clocks, other pins in one of two. rst is high in the first 8 clocks and in one in the middle.
+        Wrappers with a pin ``hold`` shift in hand poses, in words of ``width`` bits, and hold each for HELD clocks. For
+        ``ik_axi``, register writes start jobs."""
         draw = np.random.default_rng(1)
         shifted = draw.integers(0, 2, clocks).astype(bool)
         pins = {
@@ -87,7 +87,7 @@ class Ports:
     def _write_registers(self, shifted: np.ndarray, pins: dict[str, np.ndarray]) -> None:
         """Change ``shifted`` (bits of in[0]) and ``pins`` so that ``ik_axi`` runs jobs.
 
-        A register is written in the clock in which its address and data have arrived in the shift register. The memory
+        A register is written in the clock in which its address and data are complete in the shift register. The memory
         answers only in clocks in which the response in the shift register is not an error."""
         from tb.axi.ik_regs import LISTED  # needs systemrdl, which `make run` does not install
 
@@ -111,7 +111,7 @@ class Ports:
 
 
 SETTLE = 2048
-"""Clocks before the comparison starts. They fill the pipeline and the shift registers around it."""
+"""Clocks before the comparison starts, in which the pipeline and the shift registers around it are filled."""
 
 CLOCKS, FOLDED_CLOCKS, JOBS_CLOCKS = 12_000, 800_000, 20_000
 """Numbers of clocks compared. The fold datapath gives a result every 88 clocks, or every 140 or more for hand poses.
@@ -136,8 +136,8 @@ def simulated(
     """Simulate a netlist and the RTL side by side. ``folder`` holds the RTL, ``design`` is write_json's output.
 
     values: the parameters. whole: the netlist includes the wrapper. Returns the numbers of clocks compared and of
-    results seen. Raises LeftOutError if any output differs in any clock, and ToolError for too few results: below 4000,
-    or 1000 for jobs of ``ik_axi``."""
+    results seen. Raises LeftOutError if any output differs in any clock, and ToolError if there are fewer than 4000
+    results, or 1000 for jobs of ``ik_axi``."""
     place, arm = folder / "simulation", values.get("ARM", 0)
     place.mkdir(exist_ok=True)
     modules = {n: deepcopy(of) for n, of in design["modules"].items() if "blackbox" not in of["attributes"]}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Analysis of a dataflow graph for pages and pictures: kinds of operations, cones, longest path, balancing delays."""
+"""Analysis of dataflow graphs for pages and pictures: kinds of operations, cones, longest path, balancing delays."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -26,7 +26,7 @@ KINDS = {
 
 
 def additions(term: Term) -> int:
-    """Return the number of + and - in an expression or a sum of shift counts."""
+    """Return the number of additions and subtractions in an expression or in a sum of shift counts."""
     if isinstance(term, Count):
         return len(term.terms) - 1 + (term.constant > 0)
     if not isinstance(term, Operation) or isinstance(term, Floor):  # half angles share their sums
@@ -35,30 +35,30 @@ def additions(term: Term) -> int:
 
 
 def added(node: Node) -> int:
-    """Return the number of additions of a choice or an exact sum. Rounding the result counts as one."""
+    """Return the number of additions in a node that is a choice or an exact sum. Rounding counts as an addition."""
     return additions(node.op) + (node.rounding == HALF_UP)
 
 
 def operation(node: Node) -> str:
-    """Return the kind of a node's unit, a key of ``KINDS``; without a unit, "choose"."""
+    """Return the kind of the unit that computes a node, a key of ``KINDS``; "choose" for a node without a unit."""
     return Latency.TABLE[node.latency][2] if node.latency else "choose"
 
 
 def kind(node: Node) -> str:
-    """Return the kind of a node's operation, a key of ``KINDS``. A selection with an addition counts as a sum."""
+    """Return the kind of a node's operation, a key of ``KINDS``. A selection that adds is of kind "add"."""
     if node.latency == "mux" and added(node):
         return "add"
     return {"input": "input", "sum": "add"}.get(node.kind) or operation(node)
 
 
 class Outside(Operation):
-    """Operation of a node that is shown without its operands."""
+    """Placeholder for the operation of a node that is shown without operands."""
 
     kind, latency = "outside", None
 
 
 def start(node: Node, width: int = WIDTH) -> int:
-    """Return the clock in which a node's operands are sampled."""
+    """Return the clock, counted from admission, in which a node's operands are sampled."""
     return node.time - (Latency(width)[node.latency] if node.latency else 0)
 
 
@@ -67,7 +67,7 @@ def operands(node: Node) -> list[str]:
 
 
 class Delay(NamedTuple):
-    """Delay of a word of ``bits`` bits by ``clocks`` clocks, from clock ``begin`` to clock ``end``."""
+    """Balancing delay of a word of ``bits`` bits by ``clocks`` clocks, from clock ``begin`` to ``end``."""
 
     begin: int
     end: int
@@ -76,7 +76,7 @@ class Delay(NamedTuple):
 
 
 def delays(nodes: Mapping[str, Node]) -> dict[str, Delay]:
-    """Return the delay of each node that an operation samples later than the node is ready."""
+    """Return a dict: name -> delay, for each node that an operation samples later than the node is ready."""
     last = {n: v.time for n, v in nodes.items()}
     for node in nodes.values():
         for name in operands(node):
@@ -86,8 +86,8 @@ def delays(nodes: Mapping[str, Node]) -> dict[str, Delay]:
 
 
 def cone(nodes: Mapping[str, Node], name: str) -> dict[str, Node]:
-    """Return a node and the nodes of its equation that it depends on. Operands from other equations are included with
-    the operation :class:`Outside`."""
+    """Return a node and the nodes of the same equation on which it depends. Operands from other equations are included
+    with the operation :class:`Outside`."""
     found, todo = {}, [name]
     while todo:
         node = nodes[todo.pop()]
@@ -106,7 +106,7 @@ def longest_path(nodes: Mapping[str, Node]) -> list[Node]:
 
 
 def q(fmt: Format) -> str:
-    """Return a format as "Q i.f": i integer bits without the sign, f fraction bits. U stands for unsigned words."""
+    """Return "Q i.f" for a format with i integer bits, sign excluded, and f fraction bits; U, not Q, if unsigned."""
     if fmt.width == 1:
         return "bit"
     return f"{'Q' if fmt.signed else 'U'} {fmt.width - fmt.signed - fmt.frac}.{fmt.frac}"

@@ -2,8 +2,8 @@
 """Schedule a program of the fold datapath: assign a clock to every step by constraint programming.
 
 Writes the schedule with the least latency found within the time limit to model/dataflow/fold/schedule.json or
-schedule_arm.json, from which `python -m scripts.generate.headers` makes the program.  Rerun it after adding, dropping
-or renaming a step of the dataflow.
+schedule_arm.json, from which `python -m scripts.generate.headers` makes the program. Rerun this command after
+adding, dropping or renaming a step of the dataflow.
 """
 
 import json
@@ -20,11 +20,11 @@ from model.dataflow.fold.steps import Placed, Selector
 from scripts.console import InputError, Options, command, option, whole
 
 LATENCY, PERIOD = {"fold": 140, "fold_arm": 340}, {"fold": {32: 88}, "fold_arm": {24: 140, 32: 143}}
-"""Clocks: datapath -> largest latency of a target; datapath -> longest word length of a program -> default period."""
+"""Clocks: datapath -> largest latency of a target; datapath -> largest word length of a program -> default period."""
 
 
 class _Problem:
-    """Schedule as a constraint model. Its variables are ``loads`` of inputs and ``starts`` of groups and vectors."""
+    """Constraint model of a schedule. Variables are clocks: ``loads`` of inputs, ``starts`` of groups and vectors."""
 
     def __init__(self, model, lowering: Lowering, groups: Groups, period: int, latency: int) -> None:
         self.model, self.lowering, self.period, self.latency = model, lowering, period, latency
@@ -41,7 +41,7 @@ class _Problem:
         self._resources(vectors)
 
     def _clock(self, name: str, first: int, last: int):
-        """Return a variable for a clock. Its masks in ``at_place`` are 1 for its place in the lap and 0 for others."""
+        """Return a variable for a clock. ``at_place[name]`` gets a mask per place of the lap, 1 for the clock's."""
         clock, place = self.model.new_int_var(first, last, name), self.model.new_int_var(0, self.period - 1, name)
         lap = self.model.new_int_var(0, last // self.period, name)
         self.model.add(clock == lap * self.period + place)
@@ -51,14 +51,14 @@ class _Problem:
         return clock
 
     def _one_each(self, uses: Iterable[tuple[str, int]]) -> None:
-        """Allow at most one use in each clock of the lap. A use is (load or start, clocks from it)."""
+        """Allow no more than one use in each clock of the lap. A use is (load or start, clocks after it)."""
         uses = list(uses)
         for n in range(self.period):
             self.model.add_at_most_one(self.at_place[name][(n - clock) % self.period] for name, clock in uses)
 
     def _resources(self, over: dict[str, tuple[str, int]]) -> None:
-        """Allow one step issue, one row read, one word write, one result and one user of the counter in each clock of
-        the lap. ``over`` is the result of :meth:`_angles`."""
+        """In each clock of the lap, allow one step issue, one row read, one word write, one result and one user of the
+        counter. ``over`` is the result of :meth:`_angles`."""
         steps, last = self.placed, timing.last_count
         loads = [(f"load {name}", 0) for name in self.loads]
         joints = self.lowering.joints.values()
@@ -72,8 +72,8 @@ class _Problem:
         self._one_each((name, n) for name, of in counting for n in range(timing.first_count(of), last(of) + 1))
 
     def _angles(self) -> dict[str, tuple[str, int]]:
-        """Allow one vector at a time in each stage of the angle unit, from the elbow's to the wrist's. Return a dict:
-        angle -> (start, clocks from it) at which its vector is handed over to the second stage."""
+        """Allow only one vector at a time in each stage of the angle unit, elbow first, wrist last. Return a dict:
+        angle -> (start, clocks after it) at which the angle's vector passes to the second stage."""
         early = (of.step for _, of in self.placed if of.step.name in timing.ELBOW and of.step.write)
         at = self.results | {step.write.to: self.results[step.result] for step in early}
         handed_over: dict[str, tuple[str, int]] = {}
@@ -99,7 +99,7 @@ class _Problem:
         return handed_over
 
     def _written(self, by: Callable[[Placed], Iterable[timing.Use]], loaded: Iterable[str]) -> dict[str, list]:
-        """Return a dict: word or register -> clocks of its writes. ``by`` returns the writes of a step."""
+        """Return a dict: word or register -> clocks of its writes. by: step -> its writes. loaded: input names."""
         clocks = {name: [self.loads[name]] for name in loaded}
         for name, placed in self.placed:
             for use in by(placed):
@@ -107,15 +107,15 @@ class _Problem:
         return clocks
 
     def _words(self) -> None:
-        """Constrain the reads of a word to lie between its write and its write for the next target."""
+        """Constrain a word's reads to lie between its write and its write for the next target."""
         written = self._written(timing.word_writes, self.loads)
         for name, placed in self.placed:
             for use in timing.word_reads(placed):
                 self._needs(written, {use.of}, self.starts[name] + use.at, self.period - 1)
 
     def _registers(self) -> dict[str, list]:
-        """Constrain the reads of flags and counts, which are registers. A register can be read even in the clock that
-        sets it for the next target. Return a dict: register -> clocks that set it."""
+        """Constrain the reads of flags and counts, which are registers and can be read even in the clock that sets them
+        for the next target. Return a dict: register -> clocks that set it."""
         written = self._written(timing.registers_set, ["phi"])
         for name, placed in self.placed:
             start = self.starts[name]
@@ -126,7 +126,7 @@ class _Problem:
         return written
 
     def _needs(self, written: dict[str, list], names: set[str], clock, most: int) -> None:
-        """Constrain a clock to be 1 to ``most`` clocks after every write of the named words or registers."""
+        """Constrain ``clock`` to be 1 to ``most`` clocks after each write of ``names``. written: name -> writes."""
         for at in (at for name in names for at in written[name]):
             self.model.add(clock > at)
             self.model.add(clock <= at + most)
@@ -134,9 +134,9 @@ class _Problem:
     def _results(self, registers: dict[str, list], vectors: dict[str, tuple[str, int]]) -> None:
         """Constrain the results of a target, and minimize the clock of the last result.
 
-        Flags and tag leave with the first result. The last result precedes the next target's first result. It is not
-        in the last clocks of a lap, because these already fetch steps of the next lap. A joint's angle is compared with
-        its limits after it is written.
+        Flags and tag leave with the first result. The last result precedes the next target's first result and is not
+        in a lap's last clocks, which already fetch steps of the next lap. A joint's angle is compared with its limits
+        after it is written.
         """
         over = {angle: self.starts[name] + clock for angle, (name, clock) in vectors.items()}
         shown = self.lowering.angle_clocks.shown

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write the generated Verilog headers: node formats and clocks, tables, programs of the fold datapath.
+"""Write the generated Verilog headers: formats and clocks of nodes, tables, programs of the fold datapath.
 
     python -m scripts.generate.headers [--nets FOLDER]
 
-Writes the headers that are out of date. With --nets, writes copies of all to a folder, in which tables and programs are
-constant nets, for tools that ignore `initial`. Put the folder before rtl/include.
+Writes the headers that are out of date. With --nets, writes copies of all headers to a folder; in these, tables and
+programs are constant nets, for tools that ignore `initial`. Put the folder before rtl/include.
 """
 
 import os
@@ -44,8 +44,8 @@ def traced(datapath: str) -> dict[int, dict[str, Node]]:
 
 
 def _start(operands: tuple[Node, ...], runs: dict[int, dict[str, Node]]) -> str:
-    """Return the name, T_NODE, of the clock at which the last operand is ready. Raises ValueError if the last operand
-    depends on the word length."""
+    """Return the name T_<NODE> of the clock in which the last operand is ready. runs: word length -> nodes. Raises
+    ValueError if different operands are last at different word lengths."""
     times = {}
     for node in operands:
         if node.name:  # constants are always ready
@@ -61,7 +61,7 @@ def lean_formats() -> str:
 
 
 def node_formats(datapath: str, only: str = "") -> str:
-    """Return a header of nodes; with ``only``, of this section, for a body that also includes the others' header."""
+    """Return the header of a datapath's nodes; with ``only``, of the nodes in that section."""
     runs, path = traced(datapath), MODELS[datapath]
     nodes = runs[WIDTHS[-1]]
     used = {node.latency for node in nodes.values()}
@@ -90,21 +90,21 @@ def latencies() -> str:
 
 
 def _row(words: Iterable[int], bits: Sequence[int], add: str) -> str:
-    """Return a row in Verilog: its words, each cut to its bits, joined to one constant, plus ``add``."""
+    """Return a table row in Verilog: ``words``, each cut to its ``bits``, as one constant, plus ``add``."""
     row = "".join(format(word % (1 << size), f"0{size}b") for word, size in zip(words, bits, strict=True))
     return f"{sum(bits)}'h{int(row, 2):0{-(-sum(bits) // 4)}x} + {add}"
 
 
 def quadratic_table(name: str, table: Table, rounding: str, *more: str) -> str:
-    """Return the header of a module around ``ik_quadratic``: its parameters and its table. rounding: Verilog of the
-    constant added to c0. more: properties of a form that are parameters as well."""
+    """Return the header of a module around ``ik_quadratic``: parameters and table. rounding: Verilog of the constant
+    that is added to c0. more: attributes of a form that also become parameters."""
     forms = {"small": table.small, "long": table.long, "short": table.short}
     roms = {size: [_row(row, of.c_bits, "ADD") for row in table_rows(table, of)] for size, of in forms.items()}
     return BODIES.quadratic_table(name, table.short_frac, rounding, forms, more, roms)
 
 
 FOLD_FORMS = {size: (getattr(INVERSE_ROOT, size), getattr(SINE, size)) for size in ("small", "long")}
-"""Size -> forms (root, sine) that share the fold datapath's table."""
+"""Size -> (root form, sine form) that share the fold datapath's table."""
 
 
 def fold_codes(name: str) -> str:
@@ -124,11 +124,11 @@ def fold_fields(name: str) -> str:
 
 
 NO_STEP = 255
-"""Address of the step that does nothing, used in reset."""
+"""Address of the step that does nothing; used in reset."""
 
 
 def _rows(made: Program) -> list[tuple[str, list[str]]]:
-    """Return (word in Verilog, notes for its comment) for each clock of a program's lap."""
+    """Return (word in Verilog, notes for the comment) for each clock of a program's lap."""
     bits, period = sum(fields(made.name).values()), made.period
     notes = [(clock, f"{name} loaded") for name, clock in made.loads.items()]
     for placed in made.steps:
@@ -142,13 +142,13 @@ def _rows(made: Program) -> list[tuple[str, list[str]]]:
 
 
 def _pick(values: Iterable[object]) -> str:
-    """Return the value of one or two programs in Verilog; if two differ, SHORT selects the first."""
+    """Return Verilog for a value of one or two programs; SHORT selects the first if they differ."""
     values = list(map(str, values))
     return values[0] if len(set(values)) == 1 else f"SHORT ? {values[0]} : {values[1]}"
 
 
 def _after(made: Program) -> str:
-    """Return hex digits with a byte for each result: the number of results written after it."""
+    """Return hex digits, a byte per result: the number of results that are written after that result."""
     clocks = [made.written[result] for result in codes(made.name)["result"] if result in made.written]
     return "_".join(f"{sum(other > clock for other in clocks):02x}" for clock in reversed(clocks))
 
@@ -205,7 +205,7 @@ def fold_nodes(name: str) -> str:
 
 
 def _range(node: Node) -> str:
-    """Return the Verilog range of a node's word; empty for a bit."""
+    """Return the Verilog range of a node's word; an empty string for a single bit."""
     name, sign, number = re.fullmatch(r"(.*?)(?: ([+-]) (\d+))?", node.format.frac_expr).groups()
     more = int(f"{sign or '+'}{number or 0}") + node.format.width - node.format.frac - 1
     if name == "0":

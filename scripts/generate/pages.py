@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages of scores, latency and memory-to-memory clocks, and pictures of the pipelines (make docs).
+"""Write the pages of scores, latency and memory-to-memory clocks, and pictures of the pipelines: `make docs`.
 
 Runs all trajectories through the RTL; with --memory also `ik_axi` with buses of 32, 64 and 128 bits.
 """
@@ -35,22 +35,22 @@ BUSES = (32, 64, 128)
 TARGETS, ARM_WIDTHS = 4000, (32, 24, 18)  # targets of a region, word lengths of the arm
 
 BARS = ("root", "div", "sincos", "mul", "add", "scale", "choose")
-"""Kinds of operations in the order of their bars."""
+"""Kinds of operations in the order in which they are drawn."""
 
 NAMES = {of: name for of, (name, *_) in KINDS.items()} | {"fifo": "output FIFO"}
 
 
 def by_region() -> Iterator[tuple[str, ...]]:
-    """Yield a row per region: its name, then for each datapath the median and the largest hand error, both divided by
-    the reach, and the largest angle error in rad."""
+    """Yield a row per region: its name, then for each datapath the median and the maximum of hand error / reach, and
+    the largest angle error (rad)."""
     for name in REGIONS:
         errors = [model_errors(region(name, TARGETS, WIDTH, 1), WIDTH, path) for path in DATAPATHS]
         yield name, *(error(v) for hand, angle in errors for v in (np.median(hand), hand.max(), angle))
 
 
 def arm_by_region(widths: Iterable[int]) -> Iterator[tuple[str, ...]]:
-    """Yield rows: region, then for each word length two largest errors of the whole arm's hand: hand error / reach, and
-    orientation (rad). Reaches below 1 are left out."""
+    """Yield a row per region: its name, then for each word length the whole arm's largest hand error / reach and
+    largest orientation error (rad). Reaches below 1 are left out."""
     for name in (name for name in REGIONS if name != "short lengths"):
         poses = [(hand_poses(region(name, TARGETS, width, 1), width, 1), width) for width in widths]
         yield name, *(error(errors.max()) for words, width in poses for errors in hand_errors(words, width, "arm")[0])
@@ -65,7 +65,7 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 
 
 def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
-    """Run test `rates` of tb/axi/test_ik_axi.py at one or all latencies; return its rows. Raises SimulationError."""
+    """Run test `rates` of tb/axi/test_ik_axi.py; return its rows. latency: None for all. Raises SimulationError."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         path = Path(folder) / "rates.json"
         env = {"IK_AXI_RATES": str(path), "COCOTB_TEST_FILTER": f"latency={latency or ''}" + ("$" if latency else "")}
@@ -75,7 +75,7 @@ def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -
 
 def lanes(nodes: Iterable[Node]) -> list[list[tuple[str, int, int, list[str]]]]:
     """Join operations of the same kind and clocks to a bar (kind, from, to, names). Return lanes of bars that do not
-    overlap, kinds in the order of ``BARS``. A selection without a clock is wiring and is omitted."""
+    overlap, with kinds in the order of ``BARS``. Selections that take no clock are wiring and are omitted."""
 
     def key(node: Node) -> tuple[int, int, int]:
         return BARS.index(kind(node)), start(node), node.time

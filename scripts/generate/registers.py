@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""C header and page of the registers of ik_axi.
+"""Write the C header and the page of ik_axi's registers.
 
     python -m scripts.generate.registers      writes the files that are out of date
 
-The templates are the project's own, because PeakRDL's C header names registers of a shared type by a hash.
+The templates are ours, because PeakRDL's C header names registers of a shared type by a hash.
 """
 
 import textwrap

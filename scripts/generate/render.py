@@ -32,8 +32,8 @@ def table(head: Sequence[Any], rows: Iterable[Iterable[Any]], left: int = 1) -> 
 
 
 def read_table(page: Path, heading: str) -> list[list[str]]:
-    """Return the rows of a page's table whose first column is headed ``heading``; [] if there is no such table.
-    Backquotes around a cell are removed."""
+    """Return the rows of the page's table whose first heading is ``heading``; [] if there is no such table. Backquotes
+    around a cell are removed."""
     lines = page.read_text(encoding="utf-8").splitlines() if page.exists() else []
     start = next((i for i, line in enumerate(lines) if line.startswith(f"| {heading} |")), len(lines))
     rows = itertools.takewhile(lambda line: line.startswith("|"), lines[start + 2 :])
@@ -42,12 +42,12 @@ def read_table(page: Path, heading: str) -> list[list[str]]:
 
 
 def error(value: float | None, digits: int = 1) -> str:
-    """Format an error; None, an error that was not measured, becomes a dash."""
+    """Format an error. None, for an error that was not measured, becomes a dash."""
     return "-" if value is None else f"{value:.{digits}e}"
 
 
 def update(texts: Mapping[Path, str]) -> None:
-    """Write the texts (path -> text) that differ from the files of the checkout."""
+    """Write each text (path -> text) that differs from the file in the checkout."""
     for path, text in texts.items():
         if not path.exists() or path.read_text("utf-8") != text:
             path.write_text(text, "utf-8")
@@ -55,7 +55,7 @@ def update(texts: Mapping[Path, str]) -> None:
 
 
 def commit() -> str:
-    """Return the short commit of the checkout, with a + if rtl has uncommitted changes."""
+    """Return the checkout's short commit hash, followed by + if rtl has uncommitted changes."""
 
     def git(*words):
         return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reproduce the paper: derivation, table 4, figures 6 and 7, table 6 (make paper).
+"""Reproduce the paper: derivation, table 4, figures 6 and 7, table 6: `make paper`.
 
-Each part but table6 writes only pages that have changed. A failed check stops the command. Table 5 is `make fpga`.
+All parts except table6 write only pages that have changed. A failed check stops the command. Table 5: `make fpga`.
 
 Figures 6 and 7 are the dataflow graph and the pipeline schedule of p_e_x (13), as SVG. A balancing delay lasts from the
-clock in which a node is ready to the last clock in which a consumer starts. graphviz draws the graph. The picture holds
-a digest of the graph, so a test without graphviz detects an outdated picture.
+clock in which a node is ready to the last clock in which a consumer starts. Graphviz draws the graph. The picture
+contains a digest of the graph's text, so a test detects an outdated picture without graphviz.
 """
 
 import hashlib
@@ -53,7 +53,7 @@ def derivation_page(name: str, steps: Mapping[str, Step]) -> str:
 
 
 def derivation() -> dict[Path, str]:
-    """Run all derivations; return a dict: page -> text. Raises ProofError if statements do not hold."""
+    """Run all derivations; return a dict: page -> text. Raises ProofError if a statement does not hold."""
     steps = {name: derive(functions) for name, functions in STEPS.items()}
     if wrong := [line for proved in steps.values() for line in failures(proved)]:
         raise ProofError("\n".join(wrong))
@@ -61,7 +61,7 @@ def derivation() -> dict[Path, str]:
 
 
 def by_section(datapath: str) -> dict[str, Counter]:
-    """Return the operations of each section of a datapath. The RTL has an instance or an operator for each operation.
+    """Return a dict: section of a datapath -> operations by kind. Each is an instance or operator in the RTL.
 
     Each + or - of a rounded or exact sum counts as an addition. Additions inside another unit, such as the rounding of
     a product, do not count. Sine and cosine of an angle come from one unit and count as two operations."""
@@ -82,7 +82,7 @@ def by_section(datapath: str) -> dict[str, Counter]:
 
 
 def operations() -> dict[Path, str]:
-    """Return a dict: page of table 4 -> text, with the operations counted in the dataflows."""
+    """Return a dict: page of table 4 -> its text, with the operations counted in the dataflows."""
     by_name = by_section("paper")
     counts = {"guard": by_name["guard"], "everything": sum(by_name.values(), Counter())}
     counts |= {"rtl": counts["everything"] - counts["guard"], "lean": sum(by_section("lean").values(), Counter())}
@@ -91,7 +91,7 @@ def operations() -> dict[Path, str]:
 
 
 def drawn(nodes: Mapping[str, Node]) -> dict[str, Any]:
-    """Return the values that both templates need: nodes, arrows (operand, node), longest path and its arrows."""
+    """Return the values for both figures' templates: nodes, arrows (operand, node), longest path and its arrows."""
     arrows = [(o, name) for name, node in nodes.items() for o in operands(node)]
     path = [node.name for node in longest_path(nodes)]
     steps = [*pairwise(path)]
@@ -99,12 +99,12 @@ def drawn(nodes: Mapping[str, Node]) -> dict[str, Any]:
 
 
 def digest(text: str) -> str:
-    """Return the digest of a graph, which its picture holds."""
+    """Return the digest of a graph's text, which the picture contains."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def svg(text: str) -> str:
-    """Return the picture of a graph, drawn by graphviz' ``dot``. Raises InputError if dot is not installed."""
+    """Draw a graph's text with graphviz' ``dot``; return the picture. Raises InputError if dot is not installed."""
     if shutil.which("dot") is None:
         raise InputError("graphviz' dot is missing: `make paper ONLY=figures` installs it (Debian's package graphviz)")
     drawn = subprocess.run(["dot", "-Tsvg"], input=text, capture_output=True, text=True, check=True).stdout
@@ -113,7 +113,7 @@ def svg(text: str) -> str:
 
 
 def schedule(nodes: Mapping[str, Node]) -> str:
-    """Return the pipeline schedule of nodes as SVG: stages, delays, critical path and wires."""
+    """Return the nodes' pipeline schedule as SVG: stages, delays, critical path and wires."""
     in_order = sorted(nodes.values(), key=lambda node: (start(node), node.time))
     waits = delays(nodes)
     return render(
@@ -129,7 +129,7 @@ def schedule(nodes: Mapping[str, Node]) -> str:
 
 
 def pictures() -> dict[str, str]:
-    """Return a dict: file name of a picture -> SVG, or the DOT text from which it is drawn."""
+    """Return a dict: file name of a picture -> its SVG, or the DOT text from which it is drawn."""
     elbow = flow.cone(fixed.nodes("paper", WIDTH), "p_e_x")
     title = f"p_e_x (13), figure 6 of the paper, W = {WIDTH}"
     graph = render("graph.dot", title=title, sections=SECTIONS, proved=ranges.analyse(WIDTH)[0], **drawn(elbow))
@@ -137,7 +137,7 @@ def pictures() -> dict[str, str]:
 
 
 def figures() -> dict[Path, str]:
-    """Return a dict: path -> figure or page. Raises RangeError if a node does not fit its format."""
+    """Return a dict: path -> text of a figure or page. Raises RangeError if a node does not fit its format."""
     if wrong := ranges.analyse(WIDTH)[1]:
         raise RangeError("\n".join(wrong.values()))
     drawn = {SHOWN / name: svg(text) if text.startswith("digraph") else text for name, text in pictures().items()}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write an HTML page that runs the core's Verilog (`make playground`).
 
-Compiles the cores, ``ik_axis``, to WebAssembly by Yosys' CXXRTL and zig's C++ compiler. This takes a few minutes the
+Compiles the cores (``ik_axis``) to WebAssembly with Yosys' CXXRTL and zig's C++ compiler. This takes a few minutes the
 first time; the result is cached in build/playground. Writes OUT/index.html, a self-contained page that opens from disk
 without network. It shares the 3D view (arm.js) and the style sheet with the report.
 """
@@ -58,7 +58,7 @@ ARMS |= {name: ROBOTS[name] for name in ("iiwa14", "human")}
 
 @dataclass(frozen=True)
 class Machine:
-    """Datapath and word length of an ``ik_axis``."""
+    """An ``ik_axis`` core with a datapath and word length."""
 
     datapath: str
     width: int
@@ -86,7 +86,7 @@ NAMES = list(dict.fromkeys(machine.datapath for machine in MACHINES))
 
 
 def chosen(datapaths: list[str] | None, width: int | None) -> list[Machine]:
-    """Return the cores with these datapaths and this width; None means any. Raises InputError if no core matches."""
+    """Return the cores with these datapaths and this word length; None: any. Raises InputError if no core matches."""
     machines = [of for of in MACHINES if of.datapath in (datapaths or NAMES) and of.width == (width or of.width)]
     if not machines:
         raise InputError(f"unknown core; valid: {', '.join(machine.name for machine in MACHINES)}")
@@ -94,7 +94,7 @@ def chosen(datapaths: list[str] | None, width: int | None) -> list[Machine]:
 
 
 def tools() -> dict[str, str]:
-    """Return the versions of the build tools. Raises InputError if one is not installed."""
+    """Return a dict: build tool -> version. Raises InputError if a tool is not installed."""
     try:
         return {"Yosys": metadata.version(YOSYS), "zig": metadata.version(ZIG)}
     except metadata.PackageNotFoundError as error:
@@ -102,7 +102,7 @@ def tools() -> dict[str, str]:
 
 
 def script(machine: Machine, to: Path) -> str:
-    """Return the Yosys script that writes a core to `to` as C++, with a header. Paths are relative to the checkout."""
+    """Return the Yosys script that writes a core as C++ file `to` and a header. Paths are relative to the checkout."""
     read = " ".join(os.path.relpath(path, ROOT) for path in closure("ik_axis") if path.suffix == ".v")
     folders = " ".join(f"-I{os.path.relpath(folder, ROOT)}" for folder in includes(ROOT))
     values = " ".join(f"-set {key} {value}" for key, value in machine.parameters.items())
@@ -152,7 +152,7 @@ def _compiled(machine: Machine, source: Path, steps: str) -> bytes:
 
 
 def table(machine: Machine) -> dict[str, Any]:
-    """Return the page's data of a core: latency and period in clocks, sections, and nodes in dataflow order."""
+    """Return the page's data for a core: latency and period in clocks, sections, and nodes in dataflow order."""
     path = CONFIGURATIONS[machine.datapath]
     sections = {"inputs": "words of the target"} | path.sections
     nodes = [
@@ -176,7 +176,7 @@ def table(machine: Machine) -> dict[str, Any]:
 
 
 def _robot(name: str, arm: Arm) -> dict[str, Any]:
-    """Return the page's data of an arm whose tool is along the tip's z axis, with a target that its limits allow."""
+    """Return the page's data for a robot whose tool is along the tip's z axis, with a target within its limits."""
     axis = next(axis for axis in NAMED_AXES if np.array_equal(matrix(to_z(axis)), matrix(conjugate(arm.mount))))
     tool, place = float(np.linalg.norm(arm.tool)), np.array((0.35, 0.1, -0.15)) * (arm.d1 + arm.d2) / 0.6
     point = arm.base + place + (tool, 0.0, 0.0)
@@ -190,7 +190,7 @@ def _robot(name: str, arm: Arm) -> dict[str, Any]:
 
 
 def data(machines: Sequence[Machine]) -> dict[str, Any]:
-    """Return the page's data, except the WebAssembly of the cores."""
+    """Return the page's data without the WebAssembly of the cores."""
     made = {name: trajectories.make(name) for name in trajectories.TRAJECTORIES}
     rows = {name: np.column_stack([getattr(one, field) for field in FIELDS]).tolist() for name, one in made.items()}
     return {

@@ -42,7 +42,7 @@ function drawRings(g, view) {
   g.globalAlpha = 1;
 }
 
-// Returns what the pointer takes at a place: {} the hand's point, {ring, i} point i of a ring, or null.
+// Returns the handle at the pointer: {} for the hand's point, {ring, i} for point i of a ring, null for none.
 function handleAt({ offsetX: x, offsetY: y, pointerType }) {
   const part = partAt(x, y);
   if (!part) return null;
@@ -55,7 +55,7 @@ function handleAt({ offsetX: x, offsetY: y, pointerType }) {
   return onRing ? nearest : own < 36 ? {} : null;
 }
 
-// Turns the hand about an axis of its own, its point at rest.
+// Turns the hand by an angle about its axis k (0: x); the hand's point does not move.
 function turnHand(k, angle) {
   const point = pointOf(place(), ui.target.turn);
   const by = [Math.cos(angle / 2), 0, 0, 0];
@@ -65,7 +65,7 @@ function turnHand(k, angle) {
   afterwards();
 }
 
-// Turns the hand by pixels of the picture; the pointer holds point i of a ring.
+// Turns the hand as the pointer drags point i of a ring by (dx, dy) pixels.
 function turnBy({ ring, i }, dx, dy) {
   const points = rings(viewOf(state.parts[0]))[ring];
   const along = sum(points[(i + 1) % STEPS].at, points.at(i - 1).at, -1).map((v) => (v * STEPS) / (4 * Math.PI)); // pixels per rad
@@ -73,15 +73,15 @@ function turnBy({ ring, i }, dx, dy) {
   turnHand(ring, (dx * along[0] + dy * along[1]) / Math.max(least, along[0] ** 2 + along[1] ** 2));
 }
 
-// Returns the angles of branch 0 in another branch; its bits: shoulder, elbow, wrist.
+// Converts joint angles of branch 0 to another branch; bits of a branch: shoulder, elbow, wrist.
 function branched(th, branch) {
   const [s, e, w] = [branch & 1, branch >> 1 & 1, branch >> 2];
   const [turned, negated] = [[s, 0, s ^ e, 0, e ^ w, 0, w], [0, s, 0, e, 0, w, 0]];
   return th.map((angle, k) => (negated[k] ? -angle : angle) + Math.PI * turned[k]);
 }
 
-// Chooses as ik_choose does: of eight branches, the one whose largest step from the joints shown is smallest; joints outside
-// their limits count as the largest step of all. Returns the branch, its joints (rad), and whether they are outside.
+// Chooses a branch as ik_choose does: the one whose largest step from the joints shown is smallest. A joint outside its
+// limits counts as a step above all others. Returns branch and joints: angle (rad), whether outside, step (rad).
 function jointsOf(qs, qe, hand) {
   const th = sevenAngles(qs, qe, multiply(hand, conjugate(robot().tip)));
   let best = { most: Infinity };

@@ -23,7 +23,7 @@ function asked(target, table) {
   return { ...target, words, exponent, fits, place: [target.x, target.y, target.z] };
 }
 
-// Compares a result with the exact solution: joints in the user's frame, errors relative to the reach and in rad.
+// Compares a result with the exact solution; returns joints in the user's frame, and errors / reach and in rad.
 function judged(one, { width }) {
   const scale = 2 ** (2 - width - one.exponent);
   const given = one.words.map((word) => word * scale);

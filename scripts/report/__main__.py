@@ -2,16 +2,16 @@
 """Run trajectories through the core and write an HTML report (`make report`).
 
 Writes OUT/report.html: the arm (for a clip, the whole figure) posed by the core's quaternions, figures 1 to 5 of the
-paper, joint angles, the error of every target with its tolerance and prediction, the score, the pipeline over time.
+paper, joint angles, every target's error, tolerance and predicted error, the score, and the pipeline over time.
 The page is self-contained (report.html, .css and the scripts of this folder, and the data as JSON) and opens from disk
-without network. It links to the result files, which are written to OUT as by `scripts.run`. The page shows several
-datapaths side by side; the files of each are then in a folder such as OUT/lean.
+without network. It links to the result files, which are written to OUT as by `scripts.run`. With several datapaths,
+the page shows them side by side, and each has a folder of files, such as OUT/lean.
 If a trajectory fails, the page is written with a notice.
 
 The entities of figures 1 to 5 are computed in double precision from the core's input words, not from its results. A
-clip's figure has every bone in every frame; the core poses its arms. The page draws with z up, so the clip's axes are
-permuted cyclically until its up axis is z. Points are integers in a small unit, relative to the root, which keeps a
-page of 3000 frames at a few megabytes.
+clip's figure has every bone in every frame; the core poses the arms. The page draws with z up, so the clip's axes are
+permuted cyclically until the up axis is z. Points are integers in a small unit, relative to the root, so that a page
+of 3000 frames has only a few megabytes.
 """
 
 import html
@@ -59,7 +59,7 @@ def _numbers(array: np.ndarray, digits: int = DIGITS) -> Any:
 def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[str, Any]:
     """Return the page's data for one trajectory: lists over its targets, lengths in the user's unit.
 
-    The results of the first datapath are at the top level, the others' results in "beside", under the same names.
+    The results of the first datapath are at the top level; results of others are in "beside", under the same names.
     """
     targets, width = item.targets, done[0][1].width
     # Decode the input words, so that the swivel plane is the one passed to the core.
@@ -94,14 +94,14 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
 
 
 def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
-    """Return the page's data of hand poses. Angles are in degrees.
+    """Return the page's data for hand poses. Angles are in degrees unless rad is stated.
 
-    * names, joints (N, 7), limits (7, 2): of the robot, or else of th1 to th7; a missing limit is None
+    * names, joints (N, 7), limits (7, 2): those of the robot, otherwise of th1 to th7; a missing limit is None
     * over: bits of the joints outside their limits, bit 0 for the first joint; error: orientation error in rad
-    * arcs (N, 8): for each branch, intervals of the swivel angle for which all joints are within their limits; free
-      (N,): of the target's branch; branch (N,); None or absent without a robot
-    * steps (N,): largest step of a joint from the row before, rad, None without joints; jumps: numbers of the rows that
-      jump or have no joints; most: the goal, rad
+    * arcs (N, 8): for each branch, intervals of the swivel angle in which all joints are within their limits; free
+      (N,): the same for the target's branch; branch (N,); without a robot, these are None or absent
+    * steps (N,): largest step of a joint from the previous row, rad, None without joints; jumps: numbers of the rows
+      that jump or have no joints; most: largest permitted step, rad
     * goal, point, turn (not for clips): requested point, reached point (both from the shoulder), reached orientation
     """
     targets, robot, hand = item.targets, item.robot, result.per_target.hand
@@ -127,7 +127,7 @@ def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
 
 
 def _arcs(item: Prepared, branch: np.ndarray) -> list[Any]:
-    """Return for each target the intervals of the swivel angle, degrees, for which a branch is within the limits."""
+    """Return, for each target, intervals of the swivel angle (degrees) in which `branch` (N,) is within the limits."""
     targets = item.targets
     lengths = targets.d1, targets.d2, 0.0
     swivels = feasible_swivel(targets.core_wrist, targets.core_hand, *lengths, item.robot.bounds, branch)
@@ -136,7 +136,7 @@ def _arcs(item: Prepared, branch: np.ndarray) -> list[Any]:
 
 
 def step_figures(item: Prepared) -> list[tuple[str, ...]]:
-    """Return rows of the table of figures: largest step of a joint, and the rows that jump or have no joints."""
+    """Return rows for the table of figures: largest step of a joint, rows that jump or have no joints."""
     if not item.path:
         return []
     kind, names = ("targets", range(len(item.targets))) if item.targets.rows is None else ("rows", item.targets.rows)
@@ -148,7 +148,7 @@ def step_figures(item: Prepared) -> list[tuple[str, ...]]:
 
 
 def _run_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
-    """Return the page's data of one datapath's results for a trajectory."""
+    """Return the page's data for one datapath's results on a trajectory."""
     width, scores = result.width, result.per_target
     qs, qe = quaternions(item, ran, width)
     tolerance, moving = result.hand_error_tolerance, trajectory.speeds_of(item, result)
@@ -231,13 +231,13 @@ def _vector(mv: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def place(up: str) -> np.ndarray:
-    """Return the rotation (3, 3) from a clip's frame to the page's frame (z up). up: the clip's up axis, e.g. "-y"."""
+    """Return the rotation (3, 3) from the frame of a clip with up axis `up`, such as "-y", to the page's (z up)."""
     turn = np.roll(np.eye(3), 2 - "xyz".index(up[-1]), axis=0)
     return turn if up[0] != "-" else np.diag((1.0, -1.0, -1.0)) @ turn
 
 
 def _parts(clip: Clip, moves: tuple[Motion, ...]) -> list[int]:
-    """Return the body part of the bone that ends at each node. An end site is HEAD if its joint's name has "head"."""
+    """Return, for each node, the body part of the bone that ends there. End sites of joints named *head* are HEAD."""
     parts = [HEAD if node.end and "head" in clip.names[node.parent].lower() else BODY for node in clip.nodes]
     for move in moves:
         arm = move.limb
@@ -257,12 +257,12 @@ def _facing(item: Prepared, turn: np.ndarray) -> float:
 
 
 def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
-    """Return the page's data of a clip's figure, in the page's frame.
+    """Return the page's data for a clip's figure, in the page's frame.
 
-    * nodes: for each frame a flat list, the root and then all other nodes relative to the root, posed by the core
-    * own: for each frame a flat list, elbow and wrist of each arm as in the clip, relative to the root
-    * unit: length of one step of nodes and own; floor: height of the floor
-    * middle: height of the view's centre; None if it follows the root vertically, as it always does horizontally
+    * nodes: a flat list per frame: the root, then all other nodes relative to the root, as posed by the core
+    * own: a flat list per frame: elbow and wrist of each arm as in the clip, relative to the root
+    * unit: length of one step in nodes and own; floor: height of the floor
+    * middle: height of the view's centre, which follows the root horizontally; None if also vertically
     * radius: largest distance of any point from the view's centre
     """
     clip, moves = item.clip, item.moves
@@ -305,8 +305,8 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
 def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
     """Return angles (N, 4) in degrees: azimuth and elevation of the upper arm, swivel angle, elbow flexion.
 
-    Azimuth is measured from forward (x) to the left, elevation from the horizontal. Both are in the torso's frame for
-    a clip, else in the frame of the targets. Flexion is 0 for a straight arm.
+    Azimuth is measured from forward (x) to the left, elevation from the horizontal. Both refer to the torso's frame for
+    a clip, otherwise to the frame of the targets. Flexion is 0 for a straight arm.
     """
     qs, qe = quaternions(item, ran, width)
     upper = rotate(qs, (0.0, 0.0, 1.0))
@@ -323,7 +323,7 @@ def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
 
 
 def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> dict[str, list[str]]:
-    """Return the files to link to, by trajectory name; "" has the files of all trajectories. folders: one per
+    """Return a dict: trajectory name -> files to link to; "" -> files common to all trajectories. folders: one per
     datapath."""
     names = [item.targets.name for item in prepared]
     links: dict[str, list[str]] = {name: [] for name in (*names, "")}
@@ -337,7 +337,7 @@ def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> 
 def page(
     shown: Sequence[dict[str, Any]], links: dict[str, list[str]], *, names: Sequence[str], width: int, simulator: str
 ) -> str:
-    """Return the HTML page. links: the files to link to, as returned by `_links`."""
+    """Return the HTML page. shown: data of each trajectory. links: result of `_links`. names: datapaths."""
     data = json.dumps({"trajectories": shown, "files": links}, allow_nan=False, separators=(",", ":"))
     *others, last = names
     listed = f"{', '.join(others)} and {last} datapaths" if others else f"{last} datapath"

@@ -170,8 +170,8 @@ function drawJoints() {
   drawSeries(element("joints"), "angle (\u00b0)", series, degreeScale);
 }
 
-// Draws a strip for each of the seven joints, with a band of its limits, and one for the swivel angle, with the angles
-// for which all joints are within their limits.
+// Draws a strip for each of the seven joints, with a band within the limits, and a strip for the swivel angle, with the
+// angles at which all joints are within their limits.
 function drawSeven() {
   const { hands, phi } = state.shown;
   if (!hands) {
@@ -250,7 +250,7 @@ function drawSteps() {
   ], scale);
 }
 
-// Draws a ring for each branch, the innermost for branch 0: swivel angle 0 at the top, clockwise as seen from the shoulder.
+// Draws a ring for each branch, branch 0 innermost. Swivel angle 0 is at the top, clockwise as seen from the shoulder.
 function drawCircle() {
   const { shown: { hands, phi }, at: n, colours: c } = state;
   if (!hands?.arcs) {
@@ -284,7 +284,7 @@ const periodOf = (t) => (t.target.length > 1 ? (t.cycles - t.latency - 1) / (t.t
 const longest = () => Math.max(...state.runs.map((run) => run.cycles));
 const clocks = (t) => Math.max(...state.runs.map((run) => run.cycles).filter((count) => count < 8 * t.cycles));
 
-// Draws targets as rows from entry to exit, `latency` clocks later; between the two edges a target is in the core.
+// Draws each target as a row from entry to exit, which is `latency` clocks later; between them it is in the core.
 function drawPipeline(t, i) {
   const { colours: c, at } = state;
   const count = t.target.length;

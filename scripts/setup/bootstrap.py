@@ -5,11 +5,11 @@
 
 Makes `.venv` from requirements/run.lock, which is sufficient for `make run`. An EXTRA adds the packages of
 requirements/EXTRA.lock; checkout adds the packages of tests and pages. Missing programs are installed with apt-get if
-allowed (as root, or by sudo without a password). Otherwise one line names the packages of missing required programs,
-and the exit status is 2; optional programs are left out. With nothing to do it prints nothing and takes a few
-milliseconds.
+allowed (as root, or by sudo without a password). Otherwise missing optional programs are left out; if required programs
+are missing, one line names their packages and the exit status is 2. If everything is set up, nothing is printed, and
+the check takes a few milliseconds.
 
-    .venv/cga-ik.json   stamp, written once .venv is complete, and again after each extra
+    .venv/cga-ik.json   stamp, written when .venv is complete, and again after each extra
     build/setup.log     output of pip and apt-get
 
 This file must parse on Python 3.7, so that an old Python gets a message instead of a SyntaxError.
@@ -81,7 +81,7 @@ def run_logged(command):
 
 
 def apt_prefix():
-    """Return the words to put before apt-get, [] or ["sudo", "-n"]; None if apt-get is missing or not allowed."""
+    """Return the words before apt-get, [] or ["sudo", "-n"]; None if apt-get is missing or not permitted."""
     if which("apt-get") and os.geteuid() == 0:
         return []
     sudo = which("apt-get") and which("sudo") and subprocess.call(["sudo", "-n", "true"], **QUIET) == 0
@@ -103,13 +103,13 @@ def install_packages(packages, required=True):
 
 
 def missing(needs, optional=False):
-    """Return the programs of these needs that are not installed: the required or, if `optional`, the optional ones."""
+    """Return the required programs of these needs that are not installed; with `optional`, the optional programs."""
     programs = [program for need in needs for program in PROGRAMS[need] if (program in OPTIONAL) == optional]
     return [program for program in programs if which(program) is None and not os.path.isfile(program)]
 
 
 def stamp_of(ready):
-    """Return the stamp of .venv with these needs ready: the needs, paths, and digests of the present lock files."""
+    """Return the stamp for the needs that are ready: the needs, paths, and digests of the present lock files."""
     stamp = {"ready": sorted(ready), "python": os.path.realpath(PYTHON), "venv": os.path.abspath(".venv")}
     for name in ["lock"] + [extra for extra in EXTRAS if extra in ready]:
         with open(LOCK.format("run" if name == "lock" else name), "rb") as f:
@@ -118,8 +118,8 @@ def stamp_of(ready):
 
 
 def read_ready():
-    """Return the needs that are set up, or None if .venv is incomplete, moved, or of another run.lock. An extra whose
-    lock file has changed is not ready."""
+    """Return the needs that are set up; None if .venv is incomplete, was moved, or is from another run.lock. An extra
+    whose lock file has changed is not set up."""
     try:
         with open(STAMP) as f:
             stamp = json.load(f)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test scripts/console.py: make variables, exit status, signals, progress. Test all commands: bad input gives one line
-on stderr and exit status 2; --help lists the exit statuses."""
+"""Test scripts/console.py: make variables, exit status, signals, progress. Test that all commands print one line on
+stderr and exit with status 2 for bad input, and that --help lists the exit statuses."""
 
 import importlib
 import os
@@ -94,7 +94,7 @@ sys.exit(main())
     ("number", "send", "message"), [(signal.SIGINT, os.killpg, "interrupted"), (signal.SIGKILL, os.kill, "terminated")]
 )
 def test_a_signal_ends_command_and_simulator(tmp_path, number, send, message):
-    """Send SIGINT to the process group, as a terminal does, and SIGKILL to make alone."""
+    """Send SIGINT to the process group, as a terminal does, or SIGKILL to make alone."""
     (tmp_path / "command.py").write_text(COMMAND)
     (tmp_path / "Makefile").write_text(f"run:\n\t@PYTHONPATH={ROOT} exec {sys.executable} command.py\n")
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "start_new_session": True, "text": True}
@@ -164,7 +164,7 @@ BAD_INPUT = [
     ("table6 --only fortran", "c-lean-double-chain"),
     ("test quick --only ik_mull", "no module ik_mull; near: ik_mul,"),
 ]
-"""Rows: command line, words of its error message, and, if needed, content of the input file `in.*`."""
+"""Rows: command line, words of its error message, and optionally content of the input file `in.*`."""
 
 
 @pytest.mark.parametrize("row", BAD_INPUT, ids=lambda row: row[0][:60])

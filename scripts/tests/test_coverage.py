@@ -25,7 +25,7 @@ def test_each_kind_of_target_has_an_example(datapath):
 
 
 def simulate(root, *points, fails=False):
-    """Write a coverage file as Verilator does, for points (file, page, line, what, count)."""
+    """Write a coverage file in Verilator's format. points: (file, page, line, what, count) each."""
     lines = []
     for file, page, row, what, count in points:
         fields = {"f": file, "l": row, "n": 3, "page": page, "o": what, "h": "top.u"}
@@ -52,7 +52,7 @@ def test_simulations_that_pass_are_added(tmp_path, monkeypatch):
 
 
 def test_only_unchanged_files_of_a_copy_count(tmp_path, monkeypatch):
-    """A copy with AXI rules adds to the counts of the original file; the echo does not add to ik_lean's counts."""
+    """The counts of a copy with AXI rules are added to its original's; the echo's are not added to ik_lean's."""
     monkeypatch.setenv("IK_COVERAGE", str(tmp_path / "counts"))
     root = echoing(tmp_path / "echo")["root"]
     (rules,) = [path for path in with_rules([root / "rtl/ik_axis.v"], tmp_path) if path.parent == tmp_path]
@@ -62,7 +62,7 @@ def test_only_unchanged_files_of_a_copy_count(tmp_path, monkeypatch):
 
 @pytest.fixture
 def judge(tmp_path, monkeypatch, command):
-    """Return a function that runs the command on counts of one line of the FIFO; all files and bins are reached."""
+    """Return a function that runs the command on counts of one FIFO line. All files and bins count as reached."""
     for name in ("COUNTS", "WAIVERS", "PAGE"):
         monkeypatch.setattr(coverage, name, tmp_path / name)
 

@@ -72,7 +72,7 @@ def test_integration(tmp_path, command):
 
 @pytest.mark.needs("cc")
 def test_from_c(tmp_path):
-    """Compile the C examples with the driver, under the driver's strict options; no symbol may be undefined."""
+    """Compile the C examples and the driver with the driver's strict options; no symbol may be undefined."""
     example = "\n".join(line[4:] for line in FROM_C.splitlines() if line.startswith("    "))
     assert ctypes.CDLL(str(compiled(tmp_path, "-Wl,-z,defs", text=example + "\n"))).reach
 
@@ -82,7 +82,7 @@ TOPS = "ik_axis", "ik_axis_bytes", "ik_arm", "ik_arm_bytes", "ik_axi"
 
 @pytest.mark.parametrize("module", TOPS)
 def test_ports_of_a_module(module):
-    """Check that the VHDL component has the same ports; the clock's attribute must name all buses and the reset."""
+    """Check that the VHDL component has the module's ports; the clock's attribute must name all buses and the reset."""
     text = read(f"rtl/{module}.v").partition("\n);")[0]
     buses, reset = re.search(r'"ASSOCIATED_BUSIF (\S+), ASSOCIATED_RESET (\w+)"', text).groups()
     text = re.sub(r"//.*", "", text)
@@ -120,7 +120,7 @@ def test_fusesoc_has_files_and_version_of_the_project():
 
 
 def newest_version():
-    """Return the number of the newest version in the changelog, and its date or "unreleased"."""
+    """Return the newest version number in the changelog, and the version's date or "unreleased"."""
     return re.search(r"^## \[(\d.*)\] - (\d{4}-\d\d-\d\d|unreleased)$", read("CHANGELOG.md"), re.M).groups()
 
 
@@ -148,7 +148,7 @@ endmodule
 
 @VERILATOR
 def test_a_dependent_core(tmp_path):
-    """Check that a dependent core keeps its parameter and inherits waivers: lint reports only its own finding."""
+    """Check that a core that depends on ours keeps its parameter and our waivers: lint finds only the core's fault."""
     env = copied(tmp_path)
     (tmp_path / "dependent.core").write_text(DEPENDENT)
     (tmp_path / "top.v").write_text(TOP)
@@ -219,8 +219,8 @@ def test_types_of_the_package(installed, tmp_path):
 @pytest.mark.slow
 @pytest.mark.cost(90)
 def test_debugging(tmp_path):
-    """Run all commands of the page in a copy of the checkout; simulations must find the bug, and every line that the
-    page shows must be printed."""
+    """Run all commands of the page in a copy of the checkout. Simulations must find the bug and print every line that
+    the page shows."""
     skipped = shutil.ignore_patterns(".git", ".venv", "build", "shared", "__pycache__")
     checkout = shutil.copytree(ROOT, tmp_path / "checkout", ignore=skipped)
     (checkout / ".venv").symlink_to(ROOT / ".venv")

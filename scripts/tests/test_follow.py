@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test `make follow`, recordings, aligned VCDs and save files, with the model as simulator and with the RTL."""
+"""Test `make follow`, recordings, aligned VCDs and save files, with the fake simulator and with the RTL."""
 
 import re
 from pathlib import Path
@@ -58,21 +58,21 @@ def traced(save_file):
 
 
 def marker(save_file):
-    """Return the time of a save file's marker and the labels of the traces in red."""
+    """Return the time of a save file's marker, and the labels of its red traces."""
     text = save_file.read_text(encoding="utf-8")
     (at,) = re.findall(r"^\*\S+ (-?\d+)", text, re.M)
     return int(at), re.findall(r"^\[color\] 1\n(?:[@\[].*\n)*[+#]\{(.*?)\}", text, re.M)
 
 
 def name_of(line: str) -> str:
-    """Return the name of the node in a line that `!` marks."""
+    """Return the name of the node in a line that is marked by `!`."""
     _, _, _, name, *others = line.split()
     return others[0] if name.startswith("(") else name  # skip the number of the paper's equation
 
 
 @pytest.mark.parametrize("datapath", ["lean", "paper"])
 def test_every_node_stands_in_its_line(command, files, simulator, datapath):
-    """Check each node's line: clocks, number in the paper, name, words, values, equation. No file is written."""
+    """Check each node's line (clocks, number in the paper, name, words, values, equation); no file is written."""
     status, out, err = command(follow.main, "--target", "42", "--datapath", datapath)
     nodes = nodes_of(reach(), datapath)
     assert (status, err, files()) == (0, [], [])
@@ -91,7 +91,7 @@ def test_every_node_stands_in_its_line(command, files, simulator, datapath):
 
 
 def test_a_node_that_differs_is_marked_and_explained(command, simulator):
-    """Check that the first differing node is shown with its operands; for another target, stderr names target 3."""
+    """Check that target 3's first differing node is shown with its operands; with --target 4, stderr names 3."""
     simulator.wrong = [("qs_w", 3), ("w_1", 3), ("wi_c", 3)]
     status, out, err = command(follow.main, "--target", "3")
     assert (status, err) == (1, [])
@@ -112,7 +112,7 @@ def test_a_node_that_differs_is_marked_and_explained(command, simulator):
 
 
 def test_a_hand_pose(command, simulator):
-    """Check that all nodes of the whole arm and its core are printed, with the joint limits of the robot."""
+    """Check that all nodes of the whole arm and of its core are printed, and that the robot's limits are used."""
     simulator.wrong = [("w_1", 2), ("th6", 2)]
     words = "--trajectory", "pick_and_place", "--target", "2", "--waves", "--out", "o"
     status, out, _ = command(follow.main, *words)
@@ -134,7 +134,7 @@ def test_a_hand_pose(command, simulator):
 
 
 def test_x_is_a_difference(tmp_path, simulator):
-    """Check that a short X value is extended, as a VCD omits leading digits, and that words after the end are X."""
+    """Check that an abbreviated X is extended (VCDs omit leading digits) and that words after the end are X."""
     words = np.stack([reach()[0]] * 3)
     nodes = nodes_of(words)
     vcd = tmp_path / "x.vcd"
@@ -165,8 +165,8 @@ SHOWN = {
 @pytest.mark.cost(10)
 @pytest.mark.parametrize("datapath", ["lean", pytest.param("paper", marks=pytest.mark.slow)])
 def test_a_recording_of_the_rtl(command, tmp_path, datapath):
-    """Check that every node is recorded at its clock, without internals of delay lines and operators; save files name
-    signals of the VCD and show words as numbers."""
+    """Check that all nodes are recorded at their clocks, and no internals of delay lines and operators; that save files
+    name signals of the VCD and show words as numbers."""
     words, vcd = random_reachable(3, 32, seed=3), tmp_path / "waves.vcd"
     nodes = nodes_of(words, datapath)
     (ran,) = simulate([words], simulator=simulator_of_tests(), datapath=datapath, width=32, waves=vcd)

@@ -11,7 +11,7 @@ from tb.formal.task import Outcome, Task
 
 @pytest.fixture
 def proofs(tmp_path, monkeypatch):
-    """Replace the proofs with `good` and `bad`, in a temporary folder; return a dict: proof -> number of its runs."""
+    """Replace the proofs with `good` and `bad`, and folders with tmp_path; return a dict: proof -> number of runs."""
     runs = {"good": 0, "bad": 0}
 
     def task(name, failed):
@@ -61,7 +61,7 @@ def test_names_of_proofs_are_different():
 
 
 def test_stale_digests(command, monkeypatch):
-    """Check that every page has digests, and that changed, new and removed digests are stale."""
+    """Check that every page has digests, and that a changed, new or removed digest makes its page stale."""
     for _, recorded, present in check_proofs.PAGES.values():
         written, now = recorded(), present()
         assert written and now and all(len(value) == 16 for value in (*written.values(), *now.values()))

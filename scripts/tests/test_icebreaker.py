@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test examples/icebreaker at its pins, and its host script: with the simulated board the script writes the same files
-as `make run`; it reports faults of the board."""
+"""Test examples/icebreaker at its pins, and the host script: with a simulated board, it writes the same files as
+`make run`, and it reports faults of the board."""
 
 import binascii
 import json
@@ -74,7 +74,7 @@ def words_in(content):
 
 
 def answered(tag, flags, results):
-    """Return the frame of an answer: start byte, tag, flags, result words, checksum."""
+    """Return an answer's frame: start byte, tag, flags, result words, checksum."""
     payload = bytes([tag, flags]) + b"".join(int(word).to_bytes(3, "little", signed=True) for word in results)
     return ANSWER + payload + binascii.crc_hqx(payload, 0xFFFF).to_bytes(2, "big")
 

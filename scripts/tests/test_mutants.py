@@ -15,7 +15,7 @@ FILE = "rtl/lib/ik_half.v"
 
 
 def test_a_campaign_resumes_and_tries_survivors_again(command, monkeypatch, tmp_path):
-    """Campaign without netlists and benches, in which mutant 3 survives."""
+    """Replace netlists and benches; mutant 3 survives."""
     monkeypatch.setattr(Netlist, "key", "key")
     netlist = Netlist("lean 18", "ik_axis", (), 1)
     options = "mutate -mode inv -module ik_half -cell u -port a -portbit {}"
@@ -53,7 +53,7 @@ def place(tmp_path):
 
 
 def square(lean, mode: str, port: str, bit: int):
-    """Return a mutant of u_x_sq, a square in ik_lean_guard."""
+    """Return a mutant of u_x_sq, a square in ik_lean_guard: `mode` of Yosys' `mutate`, applied to a bit of a port."""
     (module,) = (name for name in lean.modules if source_name(name) == "ik_lean_guard")
     command = f"mutate -mode {mode} -module {module} -cell u_x_sq -port {port} -portbit {bit}"
     return dataclasses.replace(lean.mutants[0], command=command)

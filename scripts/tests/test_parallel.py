@@ -56,7 +56,7 @@ def test_processes_keep_the_order_and_end_with_the_block(tmp_path):
 
 @pytest.fixture
 def farm(tmp_path):
-    """Return a cluster with one worker, which is a process in a group of its own."""
+    """Return a cluster with one worker process, which has its own process group."""
     from distributed import LocalCluster
 
     with LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=None) as cluster:
@@ -72,7 +72,7 @@ def farm(tmp_path):
 @pytest.mark.release
 @pytest.mark.needs("farm")
 def test_a_farm_keeps_the_order_and_reports_what_fails(farm, monkeypatch, tmp_path):
-    """The work fails, a worker has other sources, workers die, the scheduler is lost or absent."""
+    """Check the errors if work fails, a worker has other sources, workers die, or the scheduler is lost or absent."""
 
     def results_of(work, items):
         with parallel.shared(1, farm.scheduler_address) as ordered_map:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test `make run`: files, tables, failures and clips with the bit-true model as simulator; scores with the RTL."""
+"""Test `make run`: files, tables, failures and clips with the fake simulator; scores with the RTL."""
 
 import csv
 import json
@@ -67,7 +67,7 @@ def test_options_reach_the_simulator(cli, simulator, files):
     ],
 )
 def test_many_targets_are_simulated_by_verilator(cli, simulator, monkeypatch, words, there, simulator_used, said):
-    """Without SIM=, and unless waves are asked for. A line on stderr names the way."""
+    """Verilator is chosen if neither --sim nor --waves is given. A line on stderr names the simulator."""
     monkeypatch.setattr(console, "LONG", 100)
     monkeypatch.setattr(console, "installed", lambda need: there)
     status, _, err = cli("--trajectory", "circle", *words.split())
@@ -87,7 +87,7 @@ def test_all_trajectories_have_a_line_and_a_file_each(cli, simulator, files):
 
 
 def test_columns_axis_and_length_unit_of_a_file(cli):
-    """Check that results are in the frame and unit of the file and keep its other columns."""
+    """Check that results.csv has the file's frame, unit of length and other columns."""
     text = "\ufefft;X;y;Z;d2;note\r\n0,5;0,3;0,1;0,2;0,4;first\r\n\r\n1,0;0,3;0,1;-0,2;0,4;\r\n"
     Path("t.CSV").write_text(text, encoding="utf-8", newline="")
     assert cli("--trajectory", "t.CSV", "--axis=0.3,1,0", "--phi=-1e-1", "--d1", "0.5", "--d2", "9")[::2] == (0, [])
@@ -165,7 +165,7 @@ def test_an_error_while_files_are_written_leaves_all_as_they_were(cli, simulator
 
 @pytest.fixture
 def clip_cli(cli):
-    """Return a function that runs t.bvh and checks that the written clip is unchanged, except for arms with --phi."""
+    """Return a function that runs t.bvh and checks that the written clip is unchanged; with --phi, arms may differ."""
 
     def run_clip(*options, limit=1e-6):
         answer = cli("--trajectory", "t.bvh", "--out", "o", *options)
@@ -180,7 +180,7 @@ def clip_cli(cli):
 
 
 def off_plane(pole):
-    """Return the largest distance between unit normals of the planes of arm and pole (N, 3), both from the shoulder."""
+    """Return the largest distance between unit normals of the planes shoulder-wrist-elbow and shoulder-wrist-pole."""
     wrist, elbow = table("x", "y", "z"), table("elbow_x", "elbow_y", "elbow_z")
     normals = np.cross(wrist, elbow), np.cross(wrist, pole)
     one, other = (normal / np.linalg.norm(normal, axis=1)[:, None] for normal in normals)
@@ -242,7 +242,7 @@ def test_constant_angle_is_the_mean_of_the_clip(clip_cli):
 
 
 def test_a_clip_with_more_channels_and_equal_names(clip_cli):
-    """Test legs, equal names, position channels in all joints, and a wrong frame count, which gives one warning."""
+    """Test legs, equal names and position channels in all joints. A wrong frame count gives one warning."""
     path = figure.write(Path("t.bvh").absolute(), frames=9, rich=True, two_legs=True)
     text = path.read_text().replace("LeftShoulder", "Collar").replace("RightShoulder", "Collar")
     path.write_text(text.replace("Frames: 9", "Frames: 7"))
@@ -269,7 +269,7 @@ def test_the_score_of_a_clip_is_that_of_the_written_file(clip_cli, monkeypatch):
 
 
 def test_hands_of_a_clip(clip_cli, simulator):
-    """Check that the written hands agree with the seven angles and are scored against the hands of the clip."""
+    """Check that written hands agree with the seven angles and are scored against the original clip's hands."""
     clip = clips.read(figure.write(Path("t.bvh").absolute(), frames=9))
     assert clip_cli("--phi", "1")[0] == 0
     assert (simulator.calls[0]["datapath"], simulator.calls[0]["limits"]) == ("arm", [(-(2**31), 2**31 - 1)] * 7)
@@ -289,7 +289,7 @@ def test_hands_of_a_clip(clip_cli, simulator):
 
 
 def test_options_of_a_clip(clip_cli, simulator):
-    """Test --joints with unusual names, --datapath, which runs wrists only, and --twist core."""
+    """Test --joints with unusual names; --datapath, with which only wrists run; and --twist core."""
     figure.write(Path("t.bvh").absolute(), "own", frames=9)
     words = "--arm", "right", "--joints", ",".join(figure.joints("own", "right")[1:])
     assert clip_cli(*words, "--datapath", "lean")[0] == 0
@@ -301,7 +301,7 @@ def test_options_of_a_clip(clip_cli, simulator):
 
 
 def test_a_straight_arm_stays_straight(clip_cli):
-    """Check that rounding does not bend the T pose, with which clips begin."""
+    """Check that rounding does not bend the arms in the T pose, a clip's usual first frame."""
     clip = clips.read(figure.write(Path("t.bvh").absolute()))
     clip.table[:] = 0
     Path("t.bvh").write_bytes(clip.content())
@@ -355,7 +355,7 @@ else:
     @pytest.mark.sim
     @pytest.mark.parametrize("datapath", ["lean", pytest.param("paper", marks=pytest.mark.slow)])
     def test_icarus_and_the_native_harness_write_the_same_files(datapath, tmp_path, monkeypatch):
-        """Set LONG to 0, so that Verilator runs its native harness, as for long files."""
+        """Set LONG to 0, so that even short files use Verilator's native harness."""
         monkeypatch.setattr(simulate, "LONG", 0)
         score, other = (run_in(datapath, tmp_path / sim, sim, "out_of_reach") for sim in ("icarus", "verilator"))
         assert score["out_of_reach"] == other["out_of_reach"] | {"simulator": "icarus"}

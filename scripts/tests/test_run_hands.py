@@ -32,7 +32,7 @@ def write_poses(points, hands, **columns):
 
 @pytest.mark.parametrize(("width", "axis"), [(32, "z"), (18, "0,-1,1")])
 def test_hand_poses_of_a_file(cli, simulator, width, axis):
-    """Check that the joints equal the result of `solve`, and that results.csv is itself a file of the same poses."""
+    """Check that the joints equal those of `solve`, and that results.csv can be read as a file of the same poses."""
     tool, branch = np.linspace(0.0, 0.2, 40), np.arange(40) % 8
     points, q, phi = poses(40, tool=tool[:, None])
     write_poses(points, q, phi=phi, tool=tool, branch=branch)
@@ -55,8 +55,8 @@ def test_hand_poses_of_a_file(cli, simulator, width, axis):
 
 @pytest.mark.parametrize("robot", ["human", "t.urdf"])
 def test_poses_of_a_robot(cli, simulator, robot):
-    """Check that the computed joints put the robot's tip at the given pose.  If the file has no phi, also check that
-    all joints are within the limits, which these poses permit; else rows outside fail the run."""
+    """Check that the computed joints put the robot's tip at the given pose. Without phi in the file, all joints must be
+    within the limits, which these poses permit; with phi, rows outside the limits fail the run."""
     path = urdf(Path("t.urdf"), CHAINS["reversed"], limits=[(-0.5, 5.6), *[(-2.0, 2.0)] * 5, None])
     arm = ROBOTS.get(robot) or Arm.from_urdf(path)
     low, high = arm.limits.T
@@ -95,7 +95,7 @@ def test_an_unsuitable_urdf_file(cli):
 
 
 def test_a_nearly_exact_robot(cli):
-    """Check that the core solves the nearest exact arm, and that the warning has the distance from the true one."""
+    """Check that the core solves the nearest exact arm, and that a warning has its distance from the given robot."""
     arm = ROBOTS["rm75"]
     points, q = arm.forward(np.linspace((0.1, -0.5, 0.3, 1.2, 0.1, 0.8, 0), (0.9, -0.2, 0.1, 0.9, 0.3, 1.1, 0.5), 30))
     write_poses(points, q)
@@ -109,8 +109,8 @@ def test_a_nearly_exact_robot(cli):
 
 
 def test_the_core_chooses_the_planned_branch(cli, simulator):
-    """Check that the core's joints are the planned ones, also with th6 = 0, where it splits th5 and th7 as planned; and
-    that other joints and another branch are counted."""
+    """Check that the core's joints are the planned joints, even with th6 = 0, where the split into th5 and th7 is free,
+    and that targets with other joints or another branch are counted."""
     arm, words = ROBOTS["iiwa14"], ("--trajectory", "t.csv", "--out", "o", "--robot", "iiwa14")
     tilt = np.linspace(-0.3, 0.3, 31)
     still = 0 * tilt
@@ -140,8 +140,8 @@ SLOW = np.array((0.4, 0.7, -0.3, 1.1, 0.2, 0.6, 0.5)) * np.linspace(1, -1, 40)[:
 
 
 def test_speeds_of_joints(cli):
-    """Check largest speeds and warnings for a column t in two paths whose rows alternate, for RATE= and for a robot
-    without limits."""
+    """Check largest speeds and warnings in three cases: a column t in two paths with alternating rows, RATE=, and a
+    robot without limits."""
     arm, label, seconds = ROBOTS["lwr4"], np.tile((1, 2), 20), np.cumsum(np.linspace(0.01, 0.1, 20)).repeat(2)
     words = "--trajectory", "t.csv", "--out", "o", "--robot", "lwr4"
     write_poses(*arm.forward(SLOW.reshape(2, 20, 7).swapaxes(0, 1).reshape(40, 7)), path=label, T=seconds)
@@ -189,7 +189,7 @@ def test_wrong_angles_and_flags_fail(cli, simulator):
 
 @pytest.mark.parametrize("name", trajectories.HANDS)
 def test_built_in_hands(cli, name):
-    """Check that the poses are within reach and limits, and give the same results from a file."""
+    """Check that the poses are within reach and limits, and have the same results when read from a file."""
     targets = trajectories.make(name)
     Path("t.csv").write_text(format_csv(targets))
     robot = ["--robot", trajectories.ROBOTS[name]] if name in trajectories.ROBOTS else []
@@ -203,7 +203,7 @@ def test_built_in_hands(cli, name):
 
 @pytest.mark.cost(10)
 def test_a_robot_in_the_rtl(command, tmp_path):
-    """Check in Icarus that limits reach the ports: more than half of the poses are outside the robot's limits."""
+    """Check in Icarus that the ports get the robot's limits, which more than half of the poses exceed."""
     tight = urdf(tmp_path / "t.urdf", CHAINS["reversed"], limits=[(-0.2, 0.1)] * 7)
     points, q = Arm.from_urdf(tight).forward(np.random.default_rng(1).uniform(-0.2, 0.1, (9, 7)))
     write_poses(points, q, phi=np.linspace(-3, 3, 9), branch=np.zeros(9))
@@ -215,7 +215,7 @@ def test_a_robot_in_the_rtl(command, tmp_path):
 
 
 def test_progress_of_a_plan(cli, monkeypatch):
-    """Check that rows and swivel angles are counted while the paths of a file are planned."""
+    """Check that progress counts rows and swivel angles while the paths of a file are planned."""
     calls = []
 
     def meter(name, total):
@@ -229,7 +229,7 @@ def test_progress_of_a_plan(cli, monkeypatch):
 
 
 def test_rows_alone_name_their_jumps(cli):
-    """With PLAN=rows each row is farthest from its limits, and rows that then jump are named."""
+    """Check that PLAN=rows plans each row alone, and that warnings name the rows that therefore jump."""
     arm = ROBOTS["iiwa14"]
     write_poses(*arm.forward(SLOW))
     words = "--trajectory", "t.csv", "--out", "o", "--robot", "iiwa14"

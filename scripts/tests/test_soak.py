@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test the soaks: counts, stops, kept files. The bit-true model replaces the simulator."""
+"""Test the soaks: counts, stops, files of kept targets. The bit-true model replaces the simulator."""
 
 import signal
 from functools import partial
@@ -34,7 +34,7 @@ def cli(simulator, command, monkeypatch, tmp_path):
 
 
 def test_targets_depend_on_seed_and_number_alone(cli, simulator):
-    """A shorter run has the first targets of a longer one; --from resumes with the same targets and target numbers."""
+    """A short run has the first targets of a long run; --from resumes with the same targets and target numbers."""
     whole = []
     for words in (["1200"], ["500"], ["700", "--from", "1", "--out", "later"]):
         assert cli("--targets", *words)[0] == 0
@@ -73,7 +73,7 @@ def test_a_stopped_soak_reports_where_to_resume(cli, simulator, files):
 
 
 def test_poses_of_the_whole_arm(cli, simulator, files):
-    """Chunks have all branches, and poses with and without each flag; a wrong over-limit flag is a failure."""
+    """Chunks contain all branches, and poses with and without each flag. A wrong over-limit flag is a failure."""
     words = ["--datapath", "fold_arm", "--width", "20", "--targets", "800"]
     assert cli(*words)[::2] == (0, []) and files() == ["build/soak/hardest.csv"]
     poses = np.concatenate(simulator.words)
@@ -92,7 +92,7 @@ def test_poses_of_the_whole_arm(cli, simulator, files):
 
 
 def test_a_node_that_differs(cli, simulator):
-    """A node differs although the results are correct: the soak fails, and --from repeats the chunk."""
+    """A soak with a wrong node but correct results fails; --from repeats the chunk."""
 
     def spoil(run):
         if np.array_equal(simulator.words[-1], failing):
@@ -124,12 +124,12 @@ def test_results_are_compared_apart_from_the_scoreboard(cli, simulator):
 
 
 def turned(answer, words, width):
-    """Change Qs of three reachable targets, which moves their hands."""
+    """Change Qs, and thus the hand, of three reachable targets."""
     answer.results[np.flatnonzero(expected_flags(words, width) & UNREACHABLE == 0)[:3], 3] += 1 << 10
 
 
 def stretched(answer, words, width):
-    """Change Qe of a clamped target: its norm is wrong, but its hand error is not judged."""
+    """Change Qe of a clamped target: the norm becomes wrong; hand errors of clamped targets are not judged."""
     answer.results[np.flatnonzero(expected_flags(words, width) & UNREACHABLE)[2], [4, 5]] += 60
 
 
@@ -159,7 +159,7 @@ def test_the_paper_datapath_has_no_tolerance_and_its_excess_is_reported(cli, sim
 
 
 def test_keep(cli, simulator):
-    """The page keeps the last run of each datapath, word length and seed; flag counts equal those in exact integers."""
+    """The page keeps the last run of each datapath, word length and seed, with the exactly computed flag counts."""
     for words in (["800", "18"], ["400", "24"], ["400", "18", "--seed", "2"], ["400", "18"]):
         assert cli("--keep", "--targets", words[0], "--width", *words[1:])[0] == 0
     assert worst_targets.LIST.read_bytes() == Path("build/soak/hardest.csv").read_bytes()

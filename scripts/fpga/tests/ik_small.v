@@ -33,7 +33,7 @@ module ik_small (
   ik_ring #(.W(22), .N(300)) u_ring (.clk(clk), .rst(rst), .d(shifted), .q(late));
   generate
     if (PART) begin : g_part
-      // an operand that is no register, a register that logic reads too, products that logic reads, a register that starts with 1
+      // an operand from logic, a register with other readers, products read by logic, a register that starts with 1
       reg signed [17:0] f, g;
       reg [35:0] first, second, third = {36{1'b1}};
       wire signed [17:0] mixed = word[17:0] ^ a[17:0];

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of reports, wrapper, figures and page; a small design, mapped to each family, is simulated next to its RTL."""
+"""Test reports, wrapper, figures and page; simulate a small design, mapped to each family, next to its RTL."""
 
 import pickle
 import re
@@ -92,7 +92,7 @@ def test_wrapper_connects_every_port(module):
 
 
 def test_a_hand_pose_is_shifted_in_and_held():
-    """Check the poses held in the shift register: limits, pose, branch and tag, in the order of the ports."""
+    """Check that held poses are in the shift register: limits, pose, branch and tag, in the order of the ports."""
     ports = simulation.Ports(closure("ik_arm")[0].read_text())
     assert "if (!in[4]) in_q" in ports.wrapper({"W": 18}, "fpga_top") and ports.single["input"][3] == "hold"
     pins = ports.stimuli(3000, 18)
@@ -109,7 +109,7 @@ def test_page_is_made_from_the_figures():
 
 
 def on_farm(work, jobs):
-    """Map as a farm does: pickle jobs and results, as if they went to another process."""
+    """Map `work` over `jobs` as a farm does: jobs and results are pickled."""
     return (pickle.loads(pickle.dumps(work(pickle.loads(pickle.dumps(job))))) for job in jobs)
 
 
@@ -117,8 +117,8 @@ RECORDED = designs.load()
 
 
 def test_recorded_figures_give_the_same_runs_and_placements(monkeypatch, tmp_path):
-    """Replace the tools by the figures in fpga.json, and check that a command makes exactly the runs recorded there. A
-    repeated command takes all figures from fpga.json. A run that times out has no figures and is reported."""
+    """Replace the tools with the figures in fpga.json; check that a command executes exactly the runs recorded there
+    and a repeated command executes none. A run that times out has no figures and is reported."""
     late, ran = set(), []
     chosen = [design for design in designs.DESIGNS if design.name in RECORDED["designs"]]
     for name in ("FIGURES", "PAGE"):
@@ -177,7 +177,7 @@ def test_designs_are_selected_by_datapath_and_word_length():
 
 @pytest.fixture
 def figures(monkeypatch, tmp_path):
-    """Return a function: family -> figures of the small design, without placement."""
+    """Return a function of a family that returns the small design's figures, without placement."""
     text = Path(__file__).with_name("ik_small.v").read_text()
     inner = [path for name in ("ik_exact", "ik_delay", "ik_ring", "ik_quadratic") for path in closure(name)]
     small = tmp_path / "ik_small.v"

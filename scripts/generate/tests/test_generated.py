@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Check that generated files are up to date, that headers have the model's values, and that the files named in
-documents exist."""
+"""Check that generated files are up to date, that headers have the model's values, and that every file named
+in a document exists."""
 
 import re
 import subprocess
@@ -67,7 +67,7 @@ def test_files_are_up_to_date(generator):
 
 
 def evaluated(header: str, datapath: str, width: int, folder: Path) -> dict[str, int]:
-    """Return a dict: localparam of a header -> value, evaluated by Icarus."""
+    """Return a dict: localparam of a header -> its value, as evaluated by Icarus."""
     names = re.findall(r"\b([A-Z]\w*) = ", "\n".join(re.findall(r"^localparam integer .*", header, re.M)))
     shown = "\n".join(f'$display("{name} %0d", {name});' for name in names)
     tile = MODELS[datapath].tile
@@ -83,7 +83,7 @@ def evaluated(header: str, datapath: str, width: int, folder: Path) -> dict[str,
     [("lean", "lean", 100), ("lean16", "lean", 1100), ("paper", "paper", 0), ("arm", "arm", -1), ("arm16", "arm", -1)],
 )
 def test_header_expressions_give_the_models_clocks(datapath, header, key, tmp_path):
-    """Check the clocks and fraction bits of all nodes at every word length."""
+    """Check the clocks and fraction bits of all nodes at all word lengths."""
     text = headers.node_formats(header).replace('`include "ik_lean_formats.vh"', headers.lean_formats())
     latencies = dict(re.findall(r"(\d+): datapath_latency = (\d+);", headers.latencies()))
     runs = headers.traced(datapath)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Derivation of the lean dataflow from the paper's equations (10)-(18).
 
-The lean side is the dataflow of model/dataflow/lean.py, evaluated on symbols (:func:`evaluate`). The paper's side is
-its printed equations with misprints corrected. Steps and their statements appear in docs/generated/lean.md.
+The dataflow is that of model/dataflow/lean.py, evaluated on symbols (:func:`evaluate`). The paper's equations are as
+printed, with misprints corrected. Steps and their statements appear in docs/generated/lean.md.
 """
 
 import itertools
@@ -34,7 +34,7 @@ SQUARES = (
     "sqrt_2**2 = d2",
 )
 ROOTS = {"rho": "rho", "s": "dist", "far": "sqrt_a", "near": "sqrt_b", "1": "sqrt_1", "2": "sqrt_2"}
-"""Suffix of a root's nodes in the dataflow -> symbol for the root's value."""
+"""Suffix in the names of a root's nodes -> symbol for the root's value."""
 
 HALF = {"c >= 0": ("(1 + c)/2", "s/2"), "c < 0": ("s/2", "(1 - c)/2")}
 """Branch -> parts of the quaternion h(c, s), as in :func:`model.dataflow.lean_operations.half_part`."""
@@ -46,7 +46,7 @@ REACHABLE = dict.fromkeys(("clamp", "closed", "away", "at_shoulder", "minus", "l
 
 
 def symbolic(node: Node) -> bool:
-    """Return True if a node is computed without a root, its normalization, a sine or a comparison."""
+    """Return True if computing a node takes no root, normalization for a root, sine or comparison."""
     return node.kind in ("choose", "mul3") and not _compares(node.op)
 
 
@@ -56,7 +56,7 @@ def _compares(term: Term) -> bool:
 
 
 def evaluate(section: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `values` and the values of those nodes of a section that can be computed from them.
+    """Return `values` plus the values of those nodes in a section that can be computed from `values`.
 
     Operations are evaluated in real numbers, as in :class:`model.bounds.predict.Real`. Shift counts of roots are 0,
     because any count cancels.
@@ -83,7 +83,7 @@ def sums() -> dict[str, sp.Expr]:
 
 
 def to_triangle(step: Step) -> None:
-    """Set the values of the nodes up to section `triangle`, as expressions of x, y, z, d1, d2 and six roots."""
+    """Set the values of all nodes up to section `triangle`, as expressions in x, y, z, d1, d2 and six roots."""
     step.values |= sums()
     step.suppose(*SQUARES)
     for name, root in ROOTS.items():
@@ -96,7 +96,7 @@ def to_triangle(step: Step) -> None:
 
 
 def frame(step: Step) -> None:
-    """Set the unit vectors n, m, e and `direction` (p/|p|), and the target p of (10)-(17) in polar form."""
+    """Set unit vectors n, m, e and `direction` (p/|p|), and in polar form the target p of (10)-(17)."""
     step.suppose(*CIRCLES)
     step.values |= {"n": parse(NORMAL), "m": parse(ACROSS), "direction": parse("vec(cos_el*u_x, cos_el*u_y, sin_el)")}
     step.values["e"] = step.value("cos_a*direction + sin_a*m")
@@ -105,13 +105,13 @@ def frame(step: Step) -> None:
 
 
 def rotation_matrix(quaternion: Iterable) -> sp.Matrix:
-    """Return the matrix of v -> Q v Q~ for a quaternion Q of any length, computed in the algebra."""
+    """Return the matrix of v -> Q v Q~, computed in the algebra, for a quaternion Q of any length."""
     images = (normal(cga.rotate(cga.quaternion(*quaternion), e)) for e in (cga.e1, cga.e2, cga.e3))
     return sp.Matrix.hstack(*images)
 
 
 def turn(axis: str, c: sp.Expr, s: sp.Expr) -> sp.Matrix:
-    """Return the right-handed rotation about axis x or z by the angle with cosine c and sine s."""
+    """Return the matrix of a right-handed rotation about axis x or z by the angle with cosine c and sine s."""
     if axis == "z":
         return sp.Matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     return sp.Matrix([[1, 0, 0], [0, c, -s], [0, s, c]])
@@ -251,8 +251,8 @@ def half(step: Step) -> None:
 
 
 def product_lines(swap: bool = False) -> list[sp.Expr]:
-    """Return the lean quaternion w_1, i_1, j_1, k_1 before its division, as expressions of the half-angle quaternions.
-    ``swap``: bend_s, not bend_c, is the larger part of its quaternion."""
+    """Return lean's undivided quaternion w_1, i_1, j_1, k_1 as expressions in the parts of the half-angle quaternions.
+    ``swap``: bend_s, not bend_c, is the larger part of quaternion bend."""
     names = "az_c az_s tilt_c tilt_s bend_c bend_s"
     values = dict(zip(names.split(), symbols(names), strict=True)) | {"cos_h": COS_H, "sin_h": SIN_H}
     larger, smaller = ("bend_s", "bend_c") if swap else ("bend_c", "bend_s")

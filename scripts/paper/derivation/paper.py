@@ -22,12 +22,12 @@ L_SW = "l_sw**2 = p_w_x**2 + p_w_y**2 + p_w_z**2"
 
 
 def normal(plane) -> sp.Matrix:
-    """Return the coefficients of e1, e2, e3 in a plane or a vector."""
+    """Return the coefficients of e1, e2, e3 in a plane or vector."""
     return sp.Matrix([cga.coefficient(plane, blade) for blade in ("e1", "e2", "e3")])
 
 
 def of_axes(name: str, values) -> dict[str, sp.Expr]:
-    """Return a dict: name_x, name_y, name_z -> component of a vector."""
+    """Return a dict: name_x, name_y, name_z -> component of the vector ``values``."""
     return {f"{name}_{axis}": value for axis, value in zip("xyz", values, strict=True)}
 
 
@@ -49,7 +49,7 @@ def swivel_plane(step: Step) -> None:
 
 
 def derived_pair() -> dict[str, sp.Expr]:
-    """Return a dict: name in (12) -> coefficient of PP*."""
+    """Return a dict: coefficient's name in (12) -> that coefficient of PP*."""
     PP = geometry.elbow_point_pair(cga.point(*P_W), cga.plane(*PI, 0), D1, D2)[3]
     pair = cga.dual(PP)
     assert (PP.grades, sp.expand(pair.e45)) == ((3,), 0), "the text of the page"
@@ -61,8 +61,8 @@ def point_pair(step: Step) -> None:
 
 
 def elbow(step: Step) -> tuple[sp.Matrix, sp.Expr]:
-    """Return the elbow point of a point pair of nine symbols, and the radicand in it. The step gets tmp_sqr as the
-    radicand's root."""
+    """Return the elbow point of a point pair whose nine coefficients are symbols, and the point's radicand, whose root
+    is named tmp_sqr in ``step``."""
     keys = tuple(cga.ALGEBRA.canon2bin[blade] for blade in BLADES)
     pair = cga.ALGEBRA.multivector(keys=keys, values=[s * symbol(n) for s, n in zip(SIGNS, PAIR, strict=True)])
     point = cga.euclidean_coordinates(geometry.elbow_point(-cga.dual(pair)))  # a second dual gives back -X
@@ -106,7 +106,7 @@ def elbow_point(step: Step) -> None:
     denominator = sp.fraction(p_e[0])[1]
     rows = {"inf_pp": denominator, "tmp1": square, "tmp_sqr": symbol("tmp_sqr"), **of_axes("p_e", p_e)}
     step.rows("(13)", rows)
-    # The elbow point of the pair (12) if the plane contains p_w. It is multiplied by inf_pp to avoid quotients.
+    # The elbow point of the pair (12) if the plane contains p_w, multiplied by inf_pp to avoid quotients.
     put = {symbol(name): value for name, value in derived_pair().items()}
     inf_pp, tmp1 = (sp.expand(value.subs(put)) for value in (denominator, square))
     forward = (p_e * denominator).applyfunc(lambda value: sp.expand(sp.cancel(value).subs(put)))

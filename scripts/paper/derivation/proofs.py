@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proof engine of both derivations: statements are text, and are decided by expansion modulo given relations.
+"""Proof engine of both derivations. Statements are text; they are decided by expansion modulo given relations.
 
 A statement is "left = right" in the names of the model. It is evaluated with sympy for the proof and written as LaTeX
 for the page.
@@ -26,7 +26,7 @@ MISPRINTS = {("(11)", "pi_swivel_x"): SQUARE, ("(11)", "pi_swivel_y"): SQUARE}
 
 
 def corrected(number: str, name: str) -> str:
-    """Return the right side of a row of the paper, corrected if it has a misprint."""
+    """Return the right side of row ``name`` of equation ``number`` in the paper, with any misprint corrected."""
     return PRINTED[number][name].replace(*MISPRINTS.get((number, name), ("", "")))
 
 
@@ -86,7 +86,7 @@ def parse(text: str, values: Mapping[str, Any] | None = None, evaluate: bool = T
 
 
 def latex(expression: sp.Expr, order: str | None = None) -> str:
-    """Return the LaTeX of a sympy expression. The power of a sine or cosine is written before the angle."""
+    """Return the LaTeX of a sympy expression, with a power of a sine or cosine written before the angle."""
     text = sp.latex(expression, order=order, symbol_names={v: name_tex(v.name) for v in expression.free_symbols})
     return re.sub(r"\\(cos|sin)( a|\\phi|\\frac\\phi2)(\^\{\d\})", r"\\\1\3\2", text)
 
@@ -101,7 +101,7 @@ SHOWN = {
     "dot": lambda a, b: sp.Mul(a, sp.Symbol(r"\cdot"), b),
     "cross": lambda a, b: sp.Mul(a, sp.Symbol(r"\times"), b),
 }
-"""Function in a formula -> function that returns a sympy object with the LaTeX notation."""
+"""Function in a formula -> function that returns a sympy object with the right LaTeX."""
 
 
 def tex(text: str) -> str:
@@ -124,14 +124,14 @@ def parts(left: Any, right: Any) -> list[sp.Expr]:
 
 
 class ProofError(Exception):
-    """Statements that do not hold, one a line."""
+    """A statement does not hold. The message has a line for each such statement."""
 
 
 class Step:
     """Section of a derivation: values of names, relations, recognized roots, and checked statements.
 
-    A relation is "a*v**k = expression" for a symbol v that occurs neither in a nor in the expression nor in an earlier
-    relation; a is not 0. `roots` maps a quantity that is not negative to its square.
+    A relation is "a*v**k = expression" with a nonzero factor a and a symbol v that occurs in neither a, the expression
+    nor an earlier relation. `roots` maps a nonnegative quantity to its square.
     """
 
     def __init__(self) -> None:
@@ -150,8 +150,8 @@ class Step:
             self.relations[text] = (v, k, parse(left) / v**k, sp.expand(parse(right, self.values)))
 
     def reduce(self, part: sp.Expr) -> sp.Expr:
-        """Return a polynomial, multiplied by powers of the factors a, with each v**k replaced by its relation. The
-        returned form is unique, so it is 0 exactly if the polynomial is 0 by the relations."""
+        """Multiply a polynomial by powers of the relations' factors a, and replace each v**k by its relation. The
+        returned form is unique: it is 0 if and only if the polynomial is 0 by the relations."""
         part = sp.expand(part)
         for v, k, factor, right in reversed(self.relations.values()):
             with contextlib.suppress(sp.PolynomialError):  # v in an unrecognized root
@@ -159,7 +159,7 @@ class Step:
         return part
 
     def rest(self, expression: sp.Expr) -> sp.Expr:
-        """Return the reduced numerator of an expression. It is 0 exactly if the expression is 0."""
+        """Return the reduced numerator of an expression, which is 0 if and only if the expression is 0."""
         expression = sp.sympify(expression)
         if any(power.exp.is_negative for power in expression.atoms(sp.Pow)):
             expression, below = sp.fraction(sp.together(expression))
@@ -167,14 +167,14 @@ class Step:
         return self.reduce(expression)
 
     def root(self, square: sp.Expr) -> sp.Expr:
-        """Return the quantity in `roots` with this square, or without such a quantity the sympy root."""
+        """Return the quantity in `roots` whose square is ``square``; if there is none, the sympy root."""
         for quantity, known in self.roots.items():
             if self.rest(square - known) == 0:
                 return quantity
         return sp.sqrt(square)
 
     def named(self, expression: Any) -> Any:
-        """Return a coefficient of the algebra, with roots and absolute values replaced by quantities in `roots`."""
+        """Return an expression from the algebra with roots and absolute values replaced by quantities in `roots`."""
         expression = sp.nsimplify(expression, rational=True).xreplace(HALF_PHI)
         for _ in range(2):  # replacing a root can leave another absolute value
             expression = expression.replace(sp.Abs, self.absolute)
@@ -182,18 +182,18 @@ class Step:
         return expression.replace(halves, lambda part: self.root(part.base) ** (2 * part.exp))
 
     def absolute(self, v: sp.Expr) -> sp.Expr:
-        """Return |v|: the square in `roots` that equals v or -v, otherwise the root of v**2."""
+        """Return |v|: the square in `roots` that equals v or -v; if there is none, the root of v**2."""
         for known in self.roots.values():
             if self.rest(v - known) == 0 or self.rest(v + known) == 0:
                 return known
         return self.root(v**2)
 
     def value(self, text: str, **more: Any) -> Any:
-        """Return the value of a formula, with its roots replaced by quantities in `roots`."""
+        """Return a formula's value with roots replaced by quantities in `roots`. more: values of further names."""
         return parse(text, {"sqrt": self.root, "Abs": self.absolute} | self.values | more).xreplace(HALF_PHI)
 
     def prove(self, *statements: str, label: str = "", **values: Any) -> None:
-        """Prove statements "left = right", or chains of equations, by expansion. label: LaTeX shown for a statement."""
+        """Prove statements "left = right", or chains of equations, by expansion. label: LaTeX to show for them."""
         for text in statements:
             first, *others = [self.value(side, **values) for side in text.split(" = ")]
             rests = [rest for other in others for part in parts(first, other) if (rest := self.rest(part)) != 0]
@@ -201,7 +201,7 @@ class Step:
             self._add(f"${label or tex(text)}$", wrong)
 
     def refute(self, text: str, point: Mapping[str, Any], label: str = "", **values: Any) -> None:
-        """Refute a statement at an exact point of all relations, which give the coordinates not in ``point``."""
+        """Refute a statement by exact evaluation at ``point``. Relations determine coordinates missing in ``point``."""
         left, right = (self.value(side, **values) for side in text.split(" = "))
         at = {symbol(name): sp.sympify(value) for name, value in point.items()}
         for v, k, factor, power in self.relations.values():
@@ -220,8 +220,8 @@ class Step:
         self._add(statement, wrong)
 
     def rows(self, number: str, derived: Mapping[str, Any], factor: int = 1, point: Mapping[str, Any] = {}) -> None:
-        """Prove that the rows of an equation, with misprints corrected, equal the derived rows times ``factor``. Refute
-        each misprint at ``point``."""
+        """Prove that the rows of equation ``number``, with misprints corrected, equal the derived rows times
+        ``factor``. Refute each misprint at ``point``."""
         wrong = []
         for name, text in PRINTED[number].items():
             value = self.value(corrected(number, name))
@@ -252,7 +252,7 @@ class Step:
 
 
 def derive(steps: Iterable[Callable[[Step], None]]) -> dict[str, Step]:
-    """Run the function of each step; return a dict: name of the function -> step."""
+    """Run each function on a new step; return a dict: name of the function -> step."""
     found = {}
     for function in steps:
         function(step := Step())

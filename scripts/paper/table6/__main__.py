@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Table 6 of the paper again: its arm solved by today's software and by the core (make paper ONLY=table6).
+"""Measure table 6 of the paper with today's software and with the core: `make paper ONLY=table6`.
 
     python -m scripts.paper.table6 [--only KEY | --hardware | --page]
 
 Times the software on the 100 targets of `reach` and on random targets, counts the clocks of the RTL for `reach`, and
 writes docs/generated/table6.json and its page, table6.md. --only measures the named software again and dates its rows.
-For example, `--only jax-gpu` on a machine with a GPU adds the rows that need a GPU; a later run without one keeps them.
+For example, `--only jax-gpu` on a machine with a GPU adds the rows that need a GPU; later runs without a GPU keep them.
 --hardware counts clocks and keeps the software times; --page only writes the page.
 """
 
@@ -72,7 +72,7 @@ def machine() -> dict[str, Any]:
 
 
 def seconds(again: Callable[[int], Any]) -> float:
-    """Return the seconds that `again(times)` takes per repetition: the median of several measurements."""
+    """Return the median time (s) per repetition in several measurements. `again(n)` executes n repetitions."""
 
     def measured(times: int) -> float:
         begin = time.perf_counter()
@@ -88,12 +88,12 @@ def seconds(again: Callable[[int], Any]) -> float:
 
 
 def figure(value: float) -> float:
-    """Round to four significant digits, as stored in table6.json."""
+    """Round a value to four significant digits, for table6.json."""
     return float(f"{value:.4g}")
 
 
 def row(contender: Contender, reach: Targets, random: Targets) -> dict[str, Any]:
-    """Return a contender's row: what it lacks, or its times and errors. Targets without an answer are only counted."""
+    """Return a contender's row: its times and errors, or what it lacks. Targets without an answer are only counted."""
     cells: dict[str, Any] = {"key": contender.key, "group": contender.group, "name": contender.name}
     if contender.lacks:
         return cells | {"lacks": contender.lacks}
@@ -123,15 +123,15 @@ def stream_to_stream() -> dict:
 
 
 def memory_to_memory() -> dict:
-    """Return the figures of :func:`stream_to_stream` for jobs of `ik_axi`: register CLOCKS after jobs of one and of all
-    targets, clocks of channel R per target in a long job, and the error of the results in memory."""
+    """Return the figures of :func:`stream_to_stream` for `ik_axi`: register CLOCKS after a job of one target and after
+    a job of all, clocks of channel R per target in a long job, and the largest error of the results in memory."""
     (row,) = measured(SIMULATORS[0], {"DATAPATH": 1, "DATA_W": BUS}, LATENCY)
     clocks = {name: row[name] for name in ("first", "last", "each")}
     return {**clocks, "reach_error": reach_error(np.array(row["results"]))}
 
 
 def reach_error(results: np.ndarray) -> float:
-    """Return the largest hand error / reach of result words (N, 6) for the targets of `reach`."""
+    """Return the largest hand error / reach in result words (N, 6) for the targets of `reach`."""
     words, exponent = to_words(make("reach"), WIDTH)
     return figure(hand_errors(result_values(results, WIDTH), from_words(words, exponent, WIDTH, "reach")).max())
 
@@ -141,7 +141,7 @@ PATHS = {STREAMS: stream_to_stream, f"memory to memory, {BUS} bits, latency {LAT
 
 
 def random_error(words: np.ndarray) -> float:
-    """Return the largest hand error / reach of the bit-true model, which equals the RTL, over input words (N, 6)."""
+    """Return the largest hand error / reach for input words (N, 6), by the bit-true model, which equals the RTL."""
     parts = np.array_split(words, -(-len(words) // CHUNK))
     answers = (result_values(fixed.run(part, WIDTH, DATAPATH).results, WIDTH) for part in parts)
     errors = (hand_errors(a, from_words(p, 0, WIDTH, "random")) for a, p in zip(answers, parts, strict=True))
@@ -149,7 +149,7 @@ def random_error(words: np.ndarray) -> float:
 
 
 def core(words: np.ndarray) -> Iterator[dict[str, Any]]:
-    """Yield the core's rows, one for each path. words: random targets (N, 6)."""
+    """Yield the core's rows, one for each of PATHS. words: input words of random targets (N, 6)."""
     click.echo(f"{DATAPATH} RTL, {len(words)} random targets through its model ...", err=True)
     worst = figure(random_error(words))
     for path, clocks in PATHS.items():
@@ -162,7 +162,7 @@ BUSY = 0.3  # load per processor core above which the page warns that the comput
 
 def page(figures: dict, fpga: dict) -> str:
     def clock_of(row: dict) -> float:
-        """Return the clock (MHz) of a hardware row: the datapath's or, for memory to memory, ``ik_axi``'s."""
+        """Return a hardware row's clock (MHz): the clock of the datapath or, for memory to memory, of ``ik_axi``."""
         return clock(fpga, row["datapath"] if row["path"] == STREAMS else "memory", row["width"])
 
     machine = figures["machine"]

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Software in table 6: C, numpy, JAX and EAIK. Each solves its targets repeatedly.
 
-The lean equations for arrays are the equations of equations.c, without flags, for targets in reach. Each sum is
+The lean equations for arrays are those of equations.c, without flags, and need targets in reach. Each sum is
 rounded.
 
-The others find one pose from the hand's position and the swivel angle. EAIK solves another problem: in closed form, it
-finds all sets of joint angles of this arm from the full pose of the hand. EAIK gets the forearm's frame in the model's
-answer, which contains the swivel angle. Among its solutions, the smallest hand error counts.
+C, numpy and JAX find one pose from the hand's position and the swivel angle. EAIK solves another problem: in closed
+form, it finds all sets of joint angles of this arm from the full pose of the hand. EAIK's input is the forearm's frame
+in the model's answer, which contains the swivel angle. Among EAIK's solutions, the smallest hand error counts.
 """
 
 import ctypes
@@ -34,7 +34,7 @@ from scripts.console import InputError
 SOURCE = Path(__file__).parent / "equations.c"
 
 FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math")
-"""Without the last two flags, roots and selections prevent vectorization. These two flags do not change the results."""
+"""The last two flags let loops with roots and selections be vectorized. They do not change the results."""
 
 SCALAR = ("-fno-tree-vectorize", "-fno-tree-slp-vectorize")  # flags that disable vectorization in gcc and clang
 
@@ -62,7 +62,7 @@ def compiler_version() -> str:
 
 @cache
 def shared_object(equations: str, real: str, extra: tuple[str, ...]) -> ctypes.CDLL:
-    """Compile and load a set of equations (lean or paper) for a C type. Raises InputError if compilation fails."""
+    """Compile and load equations (lean or paper) with C type ``real``. Raises InputError if compilation fails."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         command = [compiler(), "-shared", "-fPIC", "-o", f"{folder}/equations.so", *FLAGS, *extra]
         command += [f"-DSOLVE={equations}", f"-DREAL={real}", str(SOURCE), "-lm"]
@@ -76,8 +76,8 @@ def shared_object(equations: str, real: str, extra: tuple[str, ...]) -> ctypes.C
 def solver(
     columns: list[np.ndarray], equations: str = "lean", real: str = "double", way: str = "batch"
 ) -> Callable[..., np.ndarray]:
-    """Return a C function solve(times=1) that solves targets ``times`` times and returns the answers, (N, 6) or, of
-    seven joints, (N, 7). columns: x, y, z, phi, d1, d2 of the targets, (N,) each; of hand poses also tool and qh."""
+    """Return a function solve(times=1) that solves targets in C ``times`` times and returns the answers: (N, 6), or for
+    hand poses seven joints (N, 7). columns: x, y, z, phi, d1, d2, (N,) each; for hand poses also tool and qh."""
     name, extra = (WAYS | {"arm": ARM})[way]
     function = getattr(shared_object(equations, real, extra), name)
     inputs = [np.ascontiguousarray(column, dtype=REALS.get(real, np.longdouble)) for column in columns]
@@ -98,8 +98,8 @@ the hand errors / reach (N,), nan for a target without an answer."""
 
 @dataclass(frozen=True)
 class Contender:
-    """Software in the comparison. ``bind`` binds it to targets. ``lacks`` names the program that is missing on this
-    computer; such software is not measured. ``most`` limits the number of random targets."""
+    """Software in the comparison. ``bind`` binds the software to targets. ``lacks`` says what is missing on this
+    computer; the software is then not measured. ``most`` limits the number of random targets."""
 
     key: str
     group: str
@@ -110,7 +110,7 @@ class Contender:
 
 
 def found(module: str) -> ModuleType | None:
-    """Import an optional package and return it; return None if it is missing or does not load."""
+    """Import and return an optional module; return None if it is missing or does not load."""
     try:
         return importlib.import_module(module)
     except (ImportError, OSError, RuntimeError):
@@ -123,8 +123,8 @@ def columns(targets: Targets) -> list[np.ndarray]:
 
 
 def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> Bound:
-    """Return a :class:`Bound` whose first part calls ``solve``, which solves all targets, a number of times; ``errors``
-    maps the result of ``solve`` to hand errors."""
+    """Return a :class:`Bound` from ``solve``, which solves all targets once, and ``errors``, which maps the result of
+    ``solve`` to hand errors (N,)."""
 
     def again(times: int = 1) -> Any:
         with np.errstate(all="ignore"):
@@ -136,7 +136,7 @@ def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> 
 
 
 def lean(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any) -> tuple:
-    """Return the six results of the lean equations for arrays of a library: numpy or jax.numpy."""
+    """Solve the lean equations for arrays of ``library``, numpy or jax.numpy; return the six results."""
     sqrt, where = library.sqrt, library.where
     d_sum, d_dif = d1 + d2, d1 - d2
     rho_sq = x * x + y * y
@@ -148,7 +148,7 @@ def lean(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any) -> tu
     cos_bend, sin_bend = (s + d_sum * d_dif) * inv_law, root_far * root_near * inv_law
 
     def half(c: Any, s: Any) -> tuple[Any, Any, Any]:
-        """Return the parts of the quaternion h(c, s) of model/dataflow/lean_operations.py, and its squared length."""
+        """Return the parts and the squared length of quaternion h(c, s) in model/dataflow/lean_operations.py."""
         square = 0.5 + 0.5 * abs(c)
         return where(c >= 0, square, 0.5 * s), where(c >= 0, 0.5 * s, square), square
 
@@ -165,7 +165,7 @@ def lean(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any) -> tu
 
 
 def joints(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any, tool: Any, *hand: Any) -> tuple:
-    """Return the seven joints of hand poses, as ``arm`` of equations.c does."""
+    """Return the seven joint angles of hand poses, as function ``arm`` in equations.c does."""
     w, i, j, k = hand
     x, y = x - 2 * (i * k + w * j) * tool, y - 2 * (j * k - w * i) * tool
     *qs, s, c = lean(library, x, y, z - ((w * w + k * k) - (i * i + j * j)) * tool, phi, d1, d2)
@@ -181,8 +181,8 @@ def joints(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any, too
 
 
 def poses(targets: Targets) -> list[np.ndarray]:
-    """Return the columns of hand poses, (N,) each: random orientations, and a tool as long as the forearm, in front of
-    the targets' wrists."""
+    """Return the columns, (N,) each, of hand poses with the targets' wrists, random orientations, and tools as long as
+    the forearms."""
     hand = np.random.default_rng(1).standard_normal((4, len(targets)))
     w, i, j, k = hand = hand / np.linalg.norm(hand, axis=0)
     tool = targets.d2
@@ -191,7 +191,7 @@ def poses(targets: Targets) -> list[np.ndarray]:
 
 
 def arm_errors(answers: Any, targets: Targets) -> np.ndarray:
-    """Return the errors of the hand's point / (d1 + d2 + tool), (N,), of joints (7, N) for :func:`poses`."""
+    """Return the errors of the hand's point / (d1 + d2 + tool), (N,), for joints (7, N) that solve :func:`poses`."""
     pose, zero = np.array(poses(targets)), np.zeros(len(targets))
     tool = np.stack((zero, zero, targets.d2), axis=1)
     point, _ = reached(np.asarray(answers, dtype=float), targets.d1, targets.d2, tool)
@@ -202,7 +202,7 @@ KINDS = {
     "": (lean, columns, lambda answers, targets: hand_errors(np.stack(answers, axis=1), targets)),
     "-arm": (joints, poses, arm_errors),
 }
-"""Part of a key -> function of the equations for arrays, function that returns the inputs, function of the errors."""
+"""Part of a contender's key -> functions: equations for arrays, inputs of targets, hand errors of answers."""
 NAMES = {"": "lean", "-arm": "whole arm, seven joints"}
 
 
@@ -229,7 +229,7 @@ def _bind_jax(device: Any, kind: type, key: str, targets: Targets) -> Bound:
 
 
 def _jax() -> Iterator[Contender]:
-    """Yield contenders that solve the lean equations compiled by XLA. Targets and answers stay on the device."""
+    """Yield the contenders of JAX: XLA compiles the lean equations; targets and answers stay on the device."""
     jax = found("jax")
     for platform, where, lacks in (("cpu", "CPU, all cores", "no CPU backend here"), ("gpu", "GPU", "no GPU here")):
         device = None
@@ -248,7 +248,7 @@ def _jax() -> Iterator[Contender]:
 
 
 def _hand_poses(targets: Targets) -> np.ndarray:
-    """Return the forearm's frame at the wrist in the model's pose, (N, 4, 4)."""
+    """Return the frames (N, 4, 4) of the forearm at the wrist in the model's solutions of the targets."""
     pose = solve_lean(*columns(targets))
     qs = np.stack([pose[f"qs_{unit}"] for unit in "wijk"], axis=1)
     qe = np.stack([pose["qe_w"], pose["qe_i"], *np.zeros((2, len(targets)))], axis=1)
@@ -260,8 +260,8 @@ def _hand_poses(targets: Targets) -> np.ndarray:
 
 
 def _bind_eaik(targets: Targets) -> Bound:
-    """Bind EAIK. Targets and lengths are scaled to a reach of 1, because EAIK's tolerances are lengths. The robots, one
-    per pair of lengths, are made here, before the timing starts."""
+    """Bind EAIK to targets, scaled to a reach of 1 because EAIK's tolerances are lengths. The robots, one per pair of
+    bone lengths, are made here, before the timing starts."""
     targets = replace(targets, **{name: getattr(targets, name) / targets.reach for name in LENGTHS})
     x, y, z = np.eye(3)
     none, robot_of = np.zeros(3), found("eaik.IK_HP").HPRobot

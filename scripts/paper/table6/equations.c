@@ -119,13 +119,13 @@ void batch(ARGUMENTS) {
 }
 
 #ifdef ARM  // not for every C library: it needs atan2 of every type
-// Quaternion Rz(a) Rx(b) Rz(c) to its angles; s + d and s - d may differ from a and c by a turn.
+// Converts a quaternion Rz(a) Rx(b) Rz(c) to the angles a, b, c. The results for a and c may be off by a turn.
 INLINE void zxz(REAL w, REAL i, REAL j, REAL k, REAL *a, REAL *b, REAL *c) {
   REAL s = atan2(k, w), d = atan2(j, i);
   *a = s + d, *b = 2 * atan2(sqrt(i * i + j * j), sqrt(w * w + k * k)), *c = s - d;
 }
 
-// Independent hand poses to seven joints, by the equations of model/reference/joints.py around those of one target.
+// Converts independent hand poses to seven joints, by SOLVE and the equations of model/reference/joints.py.
 void arm(long times, long n, const REAL *restrict x, const REAL *restrict y, const REAL *restrict z,
          const REAL *restrict phi, const REAL *restrict d1, const REAL *restrict d2, const REAL *restrict tool,
          const REAL *restrict h_w, const REAL *restrict h_i, const REAL *restrict h_j, const REAL *restrict h_k,

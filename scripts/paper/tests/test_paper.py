@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that derivations hold, that all pages of `make paper` but table 6 are up to date, and that errors in print,
-algebra or dataflow are found."""
+"""Test that derivations hold, that all pages of `make paper` except table 6 are up to date, and that errors in the
+paper, the algebra or the dataflow are found."""
 
 import re
 from copy import copy
@@ -44,7 +44,7 @@ def test_a_wrong_factor_in_print_is_found(monkeypatch, name, step):
 
 
 def doubled(op):
-    """Return a copy of an operation with twice its value."""
+    """Return a copy of an operation with its value doubled."""
     twice = copy(op)
     twice.words = lambda values: 2 * op.words(values)
     return twice
@@ -117,7 +117,7 @@ def test_an_operand_with_too_few_fraction_bits_is_named(monkeypatch, command):
 
 
 def test_figures_and_page_are_up_to_date():
-    """Compare texts; of a picture that graphviz draws, compare the digest of its graph."""
+    """Compare texts; for a picture that graphviz draws, compare the digest of the graph."""
     drawn = main.pictures()
     for name, text in drawn.items():
         shown, digest = (main.SHOWN / name).read_text("utf-8"), f"<!-- of the graph {main.digest(text)} -->\n"

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that table 6's software agrees with the model, its C program in long double with the bit-true model, and its
-page with the figures. No test asserts a time."""
+"""Test that table 6's software agrees with the model, equations.c in long double with the bit-true model, and the page
+with the figures. No test asserts a time."""
 
 import json
 
@@ -43,7 +43,7 @@ def difference(answers, expected):
 @pytest.mark.parametrize("real", REALS)
 @pytest.mark.parametrize("way", WAYS)
 def test_c_gives_the_models_answers(way, real):
-    """Compare the paper's equations away from singular poses only: the model computes three sums in another form."""
+    """Compare the paper's equations only for regular poses, because the model computes three sums in another form."""
     cases = ("lean", solve_lean, REACH), ("paper", equations.solve, REACH), ("lean", solve_lean, RANDOM)
     for name, solve, targets in cases:
         answers = solver(columns(targets), name, real, way)(2)
@@ -87,7 +87,7 @@ def test_the_page_shows_its_figures():
 
 
 def test_clocks_on_the_page_are_those_of_the_present_core():
-    """Check the clocks that a path adds to the datapath's latency: 0 for streams, the same in all rows of a path."""
+    """Check the clocks that each path adds to the datapath's latency: 0 for streams, and the same in all rows."""
     around = {}
     for row in figures()["hardware"]:
         around.setdefault(row["path"], set()).add(row["first"] - fixed.latency(row["datapath"], row["width"]))
@@ -139,11 +139,11 @@ def test_the_named_rows_are_dated_and_kept_without_their_software(command, monke
 
 
 UNEQUAL = 2.0**-24
-"""Ratio of the lengths below which the paper's equations, which add squares of lengths, lose too many of 64 bits."""
+"""Ratio of lengths below which the paper's equations lose too many of 64 bits, because they add squared lengths."""
 
 
 def in_long_double(words: np.ndarray, width: int, equations: str) -> np.ndarray:
-    """Solve input words (N, 6) in C; return the results (N, 6)."""
+    """Solve input words (N, 6) in C in long double; return the results (N, 6)."""
     unit = np.longdouble(2) ** (1 - width)
     scale = np.array([2, 2, 2, 4 * np.arctan(np.longdouble(1)), 2, 2]) * unit
     return solver(list((words * scale).T), equations, "long double")().astype(float)
@@ -153,7 +153,7 @@ def in_long_double(words: np.ndarray, width: int, equations: str) -> np.ndarray:
 @pytest.mark.parametrize("width", [16, 32])
 @pytest.mark.parametrize("equations", ["lean", "paper"])
 def test_the_model_agrees_with_c(width, equations):
-    """Bound the largest difference of the bit-true model from C in long double."""
+    """Bound the largest difference between the bit-true model and C in long double."""
     words = chunk(0, width, 3)
     words = words[expected_flags(words, width) == 0]
     if equations == "paper":

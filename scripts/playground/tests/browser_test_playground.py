@@ -23,7 +23,7 @@ from tb.sim.native_run import nodes_of
 
 BUILT = [Machine("lean", 32), Machine("fold", 32)]
 EVERY = [m if m in BUILT else pytest.param(m, marks=pytest.mark.slow) for m in playground.MACHINES]
-"""All cores. Those outside of BUILT take minutes to compile: ``make test-browser ONLY=core``."""
+"""All cores. Those not in BUILT, tested by ``make test-browser ONLY=core``, take minutes to compile."""
 FLOW = "document.querySelector('button[data-flow={}]').click()"
 MACHINE = "playground.ui.machines[0]"
 LEAN = fixed.latency("lean", 32)
@@ -59,7 +59,7 @@ def loaded(written, chromium):
 
 @pytest.fixture
 def page(loaded):
-    """Return the page with the lean core, stopped, and with all controls as after loading."""
+    """Return the page with the lean core, stopped, and all controls in their initial states."""
     loaded.resize(*WIDE)
     loaded.run(RESET)
     yield loaded
@@ -71,7 +71,7 @@ def step(page, clocks):
 
 
 def rows_of(name):
-    """Return the rows of a trajectory, x to d2. The page scales each row separately."""
+    """Return a trajectory's rows: x, y, z, phi, d1, d2. The page scales each row separately."""
     return next(trajectory["rows"] for trajectory in playground.data([])["trajectories"] if trajectory["name"] == name)
 
 
@@ -105,7 +105,7 @@ def test_every_core_equals_the_model(page, browser, tmp_path, machine):
 
 
 def test_double_precision(page):
-    """The page's double-precision solution and flags equal the model's."""
+    """The page's solutions and flags in double precision equal the model's."""
     words = stimuli.mixed(400, 32, seed=17)
     answers = page.run(f"{json.dumps(words.tolist())}.map((words) => playground.solve(words, 32))")
     asked = from_words(words, 0, 32, "mixed")
@@ -199,9 +199,9 @@ NOW += "(playground.state.runs[0].now)"
 @pytest.mark.parametrize("touch", [False, True])
 @pytest.mark.parametrize("name", playground.ARMS)
 def test_the_hand_turns_and_the_joints_follow(page, name, touch):
-    """A ring, by pointer or keys, turns the hand about the ring's axis, while the hand's point stays. The joint angles
-    equal the arm's in double precision, in a branch within its limits if there is one, and the page marks joints beyond
-    them."""
+    """Dragging a ring or pressing keys turns the hand about the ring's axis; the hand's point stays. The joint angles
+    equal the arm's in double precision, in a branch within the limits if there is such a branch, and the page marks
+    joints beyond their limits."""
     arm = playground.ARMS[name]
     page.choose("robot", name)
     step(page, LEAN + 2)
@@ -266,7 +266,7 @@ def test_a_receiver_that_stalls_loses_nothing(page):
 
 
 def test_a_target_is_followed_through_its_nodes(page):
-    """The column shows the model's words of all nodes that the target has passed; a click on the lane shows a node."""
+    """The column shows the model's words of each node that the target has passed; a click on the lane shows a node."""
     cells = "[...document.getElementById('column').rows].map((row) => [1, 3].map((k) => row.cells[k].textContent))"
     step(page, 10)
     model = fixed.run(np.array([page.run("playground.ui.followed.words")]), 32, "lean").bits.nodes
@@ -351,7 +351,7 @@ def test_without_webassembly_the_page_reports_it(written, browser):
 
 
 def test_page_is_one_file(written, page):
-    """The page loads no other file and contains no local path; each core takes less than 1 MiB."""
+    """The page loads no other file and contains no local path. Each core takes less than 1 MiB."""
     assert page.requests == [written.as_uri()]
     assert str(ROOT) not in written.read_text(encoding="utf-8")
     for machine in BUILT:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test the report in headless Chromium. `make test-browser` runs this and installs Chromium; `make test` does not."""
+"""Test the report in headless Chromium. `make test-browser` installs Chromium and runs this; `make test` does not."""
 
 import json
 import time
@@ -45,27 +45,27 @@ def write_without_rtl(folder, *options):
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory):
-    """Address of the page of all trajectories."""
+    """Return the address of a page with all trajectories."""
     return write_without_rtl(tmp_path_factory.mktemp("report"), "--trajectory", "all")
 
 
 @pytest.fixture(scope="session")
 def clip(tmp_path_factory):
-    """Address of the page of a clip whose swivel angles are changed to 1.5 rad."""
+    """Return the address of the page of a clip whose swivel angles are changed to 1.5 rad."""
     path = figure.write(tmp_path_factory.mktemp("clip") / "t.bvh", frames=61)
     return write_without_rtl(path.parent, "--trajectory", str(path), "--phi", "1.5")
 
 
 @pytest.fixture(scope="session")
 def three(tmp_path_factory):
-    """Address of the page of 20 targets, run through the RTL of three datapaths."""
+    """Return the address of a page of 20 targets, run through the RTL of three datapaths."""
     path = tmp_path_factory.mktemp("three") / "t.csv"
     path.write_text("x,y,z\n" + "".join(f"0.3,{n / 50},0.1\n" for n in range(20)))
     return write(path.parent, "--trajectory", str(path), "--datapath", "lean,fold,paper")
 
 
 def stays(page, seconds=0.1):
-    """Assert that the page shows the same target for some time; return the target."""
+    """Assert that the page shows the same target for `seconds`; return the target."""
     before = page.run(AT)
     time.sleep(seconds)
     assert page.run(AT) == before
@@ -73,14 +73,14 @@ def stays(page, seconds=0.1):
 
 
 def walk(page, steps, script=AT):
-    """Press keys or click elements (#id); after each, assert that the script has the expected value."""
+    """Press a key or click an element (#id) in each step, then assert that `script` has the step's expected value."""
     for action, expected in steps:
         (page.click if action.startswith("#") else page.press)(action)
         assert page.run(script) == expected, action
 
 
 def assert_plots_move_to_the_pointer(page, plots, last, script=AT):
-    """Assert that a click on a plot of targets 0 to `last` selects the target at the pointer."""
+    """Assert that a click on a plot, whose axis is targets 0 to `last`, selects the target at the pointer."""
     for plot in plots:
         page.press("Home")
         page.click(plot)
@@ -172,7 +172,7 @@ def test_controls(written, browser):
 
 @pytest.mark.parametrize(("size", "scheme"), SIZES, ids=str)
 def test_every_trajectory_is_drawn_and_fits(written, browser, size, scheme):
-    """Limbs are inside the picture and large enough to see; figures 1 to 5 are whole; no two pictures are equal."""
+    """Limbs are inside the picture and large enough to see; figures 1 to 5 are complete; no two pictures are equal."""
     page = browser(written + "#target=50", size, color_scheme=scheme)
     pictures, figures = set(), set()
     for name in NAMES:
@@ -213,7 +213,7 @@ def test_a_clip_is_played_by_frames(clip, browser):
 
 @pytest.mark.parametrize(("size", "scheme"), SIZES[::2], ids=str)
 def test_a_clip_is_drawn_and_fits(clip, browser, size, scheme):
-    """The whole figure is in the picture; bones have the same directions in figure 1 and in the scene (nearly)."""
+    """The whole figure is in the picture; bones have nearly the same directions in figure 1 and in the scene."""
     page = browser(clip + "#frame=0", size, color_scheme=scheme)
     pictures = set()
     for frame in (0, 20, 40, 55):  # the motion ends in the pose of its beginning
@@ -270,7 +270,7 @@ def test_hand_poses_are_drawn_and_fit(browser, size, scheme, tmp_path):
 
 @pytest.mark.parametrize(("size", "scheme"), SIZES[:3], ids=str)
 def test_datapaths_side_by_side(three, browser, size, scheme):
-    """Each datapath has its own colour, plots, verdict and score; plots of errors have one scale."""
+    """Each datapath has its own colour, plots, verdict and score; all plots of errors have the same scale."""
     page = browser(three + "#target=10", size, color_scheme=scheme)
     assert_fits(page)
     folder, names = Path(three.removeprefix("file://")).parent, ("lean", "fold", "paper")
@@ -297,7 +297,7 @@ THOUSANDS = "".join(f"0.3,{k / 15_000},-0.2,3\n" for k in range(3000))
 
 @pytest.mark.parametrize("rows", ["0.3,0.1,-0.2,3\n", "0.3,0.1,-0.2,3\n" * 2, SINGULAR, THOUSANDS])
 def test_other_targets(simulator, browser, rows, tmp_path):
-    """The page shows any number of targets, and singular ones; a name with markup is shown as text."""
+    """The page shows any number of targets, even singular targets; a name with markup is shown as text."""
     name = "<img src=x onerror=console.log(1)>&'" + "long" * 30
     (tmp_path / f"{name}.csv").write_text("x,y,z,phi\n" + rows)
     assert report.main(["--trajectory", str(tmp_path / f"{name}.csv"), "--out", str(tmp_path)]) == 0

@@ -37,7 +37,7 @@ def cli(simulator, command):
 
 
 def data_in(path, key="trajectories"):
-    """Return an entry of a page's data, which the first `</script` ends, as in a browser."""
+    """Return entry `key` of a page's data. As in a browser, the data end at the first `</script`."""
     text = Path(path).read_text(encoding="utf-8")
     (content,) = re.findall(r'<script type="application/json" id="data">(.*?)</script', text, re.S)
     return json.loads(content)[key]
@@ -56,7 +56,7 @@ def shown(cli):
 
 
 def test_data_agree_with_the_score(cli, command, simulator):
-    """Plots have the maxima of score.json; elbow and wrist follow from the quaternions and lie in the swivel plane."""
+    """Plots have score.json's maxima. Elbow and wrist follow from the quaternions and lie in the swivel plane."""
     assert cli("--trajectory", "all") == (0, [f"wrote {PAGE}"], [])
     assert len(simulator.calls) == 1 and PAGE.stat().st_size < 2_000_000
     command(run.main, "--trajectory", "all", "--datapath", "lean")
@@ -103,8 +103,8 @@ def test_several_datapaths(cli, command, simulator):
 
 
 def test_hands_of_a_robot(shown):
-    """Points, orientations, joints and limits are right; an arc has an angle if and only if no joint is over its
-    limit."""
+    """Points, orientations, joints and limits are right. A swivel angle is in an arc if and only if no joint exceeds
+    its limits."""
     poses = trajectories.make("pick_and_place")
     poses = replace(poses, phi=np.linspace(-3, 3, 100), others=poses.others | {"branch": ["0"] * 100})
     Path("t.csv").write_text(format_csv(poses))
@@ -149,7 +149,7 @@ def test_hands_on_the_datapaths(shown, simulator, datapaths, names):
 
 
 def test_hands_without_a_robot(shown):
-    """Joints are th1 to th7 without limits; a clip's hands are part of the drawn figure."""
+    """Joints are th1 to th7 and have no limits; a clip's hands are part of the drawn figure."""
     figure.write(Path("t.bvh"), frames=9)
     for name in ("writing", "t.bvh"):
         data = shown("--trajectory", name)
@@ -226,7 +226,7 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
 
 @pytest.mark.parametrize("axis", ["torso", "0.3,1,0"])
 def test_joint_angles(shown, axis):
-    """Compare the upper arm's elevation and azimuth, which refer to the torso's axes, and the flexion between the
+    """Compare the upper arm's elevation and azimuth relative to the torso's axes, and the elbow's flexion, with the
     bones."""
     mine = clips.read(figure.write(Path("t.bvh").absolute(), up="z", frames=40))
     data = shown("--trajectory", "t.bvh", f"--axis={axis}")
@@ -246,7 +246,7 @@ TURNS = ("folded", "rest", "half", "middle", "yz2", "theta4", "theta3")
 
 
 def numbers(entities):
-    """Return the page's entities by name: vectors (N, 3), angles and lengths (N,). Undefined entities are nan."""
+    """Return a dict: name of an entity on the page -> vectors (N, 3), angles or lengths (N,). nan: undefined."""
     return {name: np.array(values, dtype=float) for named in entities for name, values in named.items()}
 
 
@@ -295,7 +295,7 @@ def test_each_figure_leads_to_the_next(shown, name, axis):
 
 
 def test_entities_are_undefined_at_singular_poses(shown):
-    """Targets: wrist on the axis, arm straight, out of reach, wrist at the shoulder, elbow on the axis."""
+    """The targets: wrist on the axis, arm straight, out of reach, wrist at the shoulder, elbow on the axis."""
     Path("t.csv").write_text("x,y,z,phi\n0,0,0.5,1\n0.6,0,0,1\n0.6,0.6,0,1\n0,0,0,1\n0.27,0,0.33,0\n")
     e = numbers(shown("--trajectory", "t.csv")["paper"])
     has = {name: np.isfinite(value).reshape(5, -1).all(axis=1).tolist() for name, value in e.items()}

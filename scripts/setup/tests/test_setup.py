@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test scripts/setup/bootstrap.py without network, the imports of commands and tests, and the Makefile."""
+"""Test scripts/setup/bootstrap.py (without network), imports of commands and tests, and the Makefile."""
 
 import ast
 import json
@@ -23,7 +23,7 @@ def script(path, text):
 
 @pytest.fixture
 def path(tmp_path, monkeypatch):
-    """Enter an empty checkout that is set up for Icarus. Return the only folder of PATH; its programs do nothing."""
+    """Enter an empty checkout that is set up for Icarus. Return the only folder in PATH; its programs do nothing."""
     root, path = tmp_path / "check out", tmp_path / "bin"
     for folder in (root / ".venv" / "bin", root / "requirements", path):
         folder.mkdir(parents=True)
@@ -40,7 +40,7 @@ def path(tmp_path, monkeypatch):
 
 @pytest.fixture
 def pip(path, monkeypatch):
-    """Replace pip; return the list of installed lock files. Once "bad" is in the list, each installation fails."""
+    """Replace pip; return the list of installed lock files. If a test adds "bad" to it, installations fail."""
     installed = []
     monkeypatch.setattr(
         bootstrap, "pip_install", lambda lock: installed.append(lock) or "no hash" * ("bad" in installed)
@@ -87,7 +87,7 @@ def test_an_extra_is_added_once_and_again_after_its_lock_has_changed(pip):
 
 
 def test_an_extra_that_does_not_install(pip, capsys):
-    """Fail for fpga, but only print a line for table6, which is optional. Other needs stay ready."""
+    """Failure to install fpga is an error; for table6, which is optional, it prints a line. Other needs stay ready."""
     pip.append("bad")
     assert "no hash" in refused(capsys, bootstrap.set_up, ["fpga"])
     bootstrap.set_up(["table6"])
@@ -162,7 +162,7 @@ VALUE = "a folder/with spaces 'b \" $(touch made)$(shell touch made)`touch made`
 
 
 def test_only_words_of_the_command_line_are_passed_and_as_they_were_typed(tmp_path):
-    """make runs in a copy of the checkout in which set-up does nothing and commands print their arguments."""
+    """Run make in a copy of the checkout in which set-up does nothing and commands print their arguments."""
     root = tmp_path / "a checkout"
     for folder in ("scripts/setup", ".venv/bin"):
         (root / folder).mkdir(parents=True)
