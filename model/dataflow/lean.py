@@ -22,7 +22,7 @@ round down, results are rounded half up to W - 2 fraction bits.
 
 Proofs.  Each range has its reason and, as ``proof``, the facts from which z3 derives it (:mod:`tb.formal.lean_proofs`),
 separated by semicolons:
-``=node`` is the node's equation and ``node`` its range.  ``~node`` states that the node's word is within its error.
+``=node`` is the node's equation and ``node`` its range.  ``~node`` states that its word's error is within the bound.
 ``#node`` states that the node's word, which is exact, is 0, one ulp, or at least two ulps.  Other names are lemmas,
 stated after their nodes.  A range without ``proof`` follows from the node's equation and its operands' ranges.
 """
@@ -282,7 +282,7 @@ def triangle(d: Dataflow, f: LeanFormats) -> None:
     facts = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": "bend; bend_sq"}
     d.node("bend_c", ops.half_part(cos_a, sin_a, toward, bend_sq, clamp), f.inner, **facts)
     d.node("bend_s", ops.half_part(cos_a, sin_a, ~toward, bend_sq, clamp), f.inner, **facts)
-    # These operands permit three products instead of four: c + s, and the larger part minus the smaller.
+    # With c + s, and the larger part minus the smaller, the rotation takes three products instead of four.
     d.mask("bend_swap", Select(clamp, away, cos_a < 0))
     for name, sign in (("bend_dif", -1), ("bend_sum", 1)):
         facts = {"rounding": FLOOR, "within": PAIR, "grows": SUM, "proof": f"case; ={name}; bend_sq; sin_a"}
@@ -306,7 +306,7 @@ def triangle_lemmas(d: Dataflow) -> None:
     # straight: B = 4 d1 d2
     uses = f"n_ab in lengths; A + B; =m_far; =m_near; =e_near; =a_far; =d_sum_sq; =d_sum; =ulp; {LENGTHS}"
     d.lemma("n_ab, A = 0", f"implies(a_far == 0, {law})", uses)
-    # d1 and, if at least an ulp, 1/e_far are whole ulps, so 1/e_far is not between d1 and d1 + ulp
+    # d1 is a whole number of ulps, and so is 1/e_far if at least an ulp: it is not between d1 and d1 + ulp
     d.lemma("e_far of d1", "1 < ulp*e_far or 1 <= e_far*d1 or e_far*(d1 + ulp) <= 1")
     # A = 4 d1 d2; |d1 - d2| is one ulp, or at least two
     uses = f"A + B; =m_far; =e_far; =b_near; =d_dif_sq; =d_dif; s > 0; #d_dif; e_far of d1; =ulp; {LENGTHS}"
@@ -366,8 +366,8 @@ def turn(d: Dataflow, f: LeanFormats, phi: Node) -> None:
 
 
 def last_rotation(d: Dataflow, f: LeanFormats, *pairs: tuple[str, str]) -> None:
-    """Build w_1 .. k_1, each pair from three products: w c + i s = (w + i) c - i (c - s), and
-    i c - w s = (w + i) c - w (c + s)."""
+    """Build w_1, i_1, k_1, j_1, each of the ``pairs`` from three products.  With c = bend_c and s = bend_s:
+    w c + i s = (w + i) c - i (c - s) and i c - w s = (w + i) c - w (c + s)."""
     n = d.nodes
     part: Record = {"within": PART, "grows": SUM, "proof": "q_1; =wi_1_len; =kj_1_len; length_sq"}
     for one, two in pairs:
@@ -387,7 +387,7 @@ def last_rotation(d: Dataflow, f: LeanFormats, *pairs: tuple[str, str]) -> None:
 
 
 def length_lemmas(d: Dataflow) -> None:
-    """State the lemmas on the length of the product.  Proofs treat each sum of squares in them as one number."""
+    """State the lemmas on the length of the product of rotations.  Proofs treat each sum of squares as one number."""
     for name in ("wi", "kj"):
         d.definitions[f"{name}_len"] = norm(*(f"{part}_0" for part in name))
         d.definitions[f"{name}_1_len"] = norm(*(f"{part}_1" for part in name))
@@ -405,8 +405,8 @@ def length_lemmas(d: Dataflow) -> None:
 
 
 def root(d: Dataflow, f: LeanFormats, name: str, value: Node, width: int) -> tuple[Node, Node, Node]:
-    """Build and return e_<name> (count of even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)), all of the
-    low ``width`` bits of ``value``."""
+    """Normalize the low ``width`` bits of ``value``; build and return the nodes e_<name> (count of shifts by two bits),
+    m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m_<name>))."""
     whole = f"={value.name}" if value.kind == "input" else value.name  # an input's range is its equation
     even = Even(value, width)
     count = d.node(f"e_{name}", EvenCount(even), d.count)

@@ -2,7 +2,7 @@
 """Lean dataflow and whole arm as steps of the fold datapath.
 
 :class:`Lowering` collects the steps of all nodes; each node's operation adds its steps (``Operation.lower``).  The code
-here depends on the names of inputs and results, and on ``bend_swap``.
+here depends on the names of inputs and results, and of the node ``bend_swap``.
 
 Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
 bits.  The first bit of a word of ``weight`` w weighs -2^w.  The product of two words, of weights w and w', has
@@ -24,7 +24,7 @@ from .steps import ALWAYS, DOUBLE, HALF, NEVER, ONE, PLAIN, ZERO, Normal, Pick, 
 EXACT_WEIGHT = 2  # weight of input words and their sums, the operands of squares
 
 ONE_WEIGHT = 1
-"""Weight of ``ONE`` and ``HALF``; the plain window of a product with ``ONE`` is the other word."""
+"""Weight of ``ONE`` and ``HALF``; the plain window of a product with ``ONE`` is the other factor."""
 
 RESULT_WEIGHT = 1  # weight of a result's first bit
 
@@ -37,7 +37,7 @@ Groups = dict[str, list[tuple[int, Step]]]
 
 @dataclass(frozen=True)
 class Sum:
-    """Sum of the term ``term`` and a group's first term or an earlier sum."""
+    """Sum of the term ``term`` and either a group's first term or an earlier sum."""
 
     name: str
     term: str
@@ -74,7 +74,7 @@ class Lowering:
         self.picks: dict[Any, Pick] = {}  # pairs, squared lengths, and words that a flag replaces by a constant
         self.vectors: dict[str, timing.Vector] = {}  # of the angle unit
         self.joints: dict[str, timing.Joint] = {}
-        self.rounded: set[str] = set()  # nodes that their steps round half up or down, as the node does
+        self.rounded: set[str] = set()  # nodes whose steps round half up or down, as the node does
         self.angle_clocks = next(of for longest, of in timing.ANGLE_CLOCKS.items() if width <= longest)
 
     def build(self) -> None:
@@ -125,7 +125,7 @@ class Lowering:
     # ---- sums and products ---------------------------------------------------------------------------------------
 
     def _weight(self, node: Node) -> int:
-        """Return the weight of the LSB of an inner word, which is at the same bit of a memory word for all of them."""
+        """Return the weight that puts a node's LSB at the bit of a memory word where all inner words have theirs."""
         return self.inner - 1 - node.format.frac
 
     def sum(self, node: Node, terms: tuple[tuple[int, Any], ...]) -> None:
@@ -146,7 +146,7 @@ class Lowering:
     def plus(self, node: Node, a: Node, b: Node, less: bool = False) -> None:
         name, first, second, minus = node.name, a.name, b.name, ALWAYS if less else NEVER
         if first in ARMS:  # T is half of a length, and is normalized
-            half = f"{first}/2"  # a step of its own: normalized T and sum would be written in the same clock
+            half = f"{first}/2"  # a separate step, or normalized T and sum would be written in the same clock
             for term, arm in ((first, first), (half, first), (second, second)):
                 self.terms[term] = Step(term, arm, HALF, write=None)
             self.sums[half].append(Sum(name, second, minus, write=Write(name, DOUBLE)))
@@ -237,7 +237,7 @@ class Lowering:
         count = "e" + node.name.removeprefix("m")
         self.norms[value.name] = Normal("unit", node.name, count), None
         self.weight[node.name], self.made_of[low.name] = 0, {count}
-        self.signs.discard(value.name)  # the count decides
+        self.signs.discard(value.name)  # the count, not the sign, decides
 
     def result(self, node: Node, raw: Node, negative: Node) -> None:
         self._answer(node, raw.name, Selector(negative.name))
@@ -265,8 +265,8 @@ class Lowering:
         self.terms[node.name] = Step(node.name, cosine.name, HALF, "word", "length", addend_by=by, minus=minus)
 
     def half_part(self, node: Node, cosine: Node, sine: Node, large: Term, none: Node | None) -> None:
-        """Record one part of a rotation.  The call for the second part adds the writes of both: the squared length's
-        step writes the larger part, a step of its own the smaller one."""
+        """Record one part of a rotation.  The call for the second part adds the writes of both: the step of the squared
+        length writes the larger part, and a new step the smaller part."""
         self.weight[node.name] = 1
         lengths = (name for name, term in self.terms.items() if term.addend == "length")
         length = next(name for name in lengths if cosine.name in self.terms[name].reads)
@@ -321,7 +321,7 @@ class Lowering:
     # ---- groups --------------------------------------------------------------------------------------------------
 
     def groups(self) -> Groups:
-        """Return all groups of steps.  A step whose addend is another step's T is in the other step's group."""
+        """Return all groups of steps.  A step whose addend is another step's T is in that step's group."""
         read = {name for step in self.terms.values() for name in step.reads}
         groups: Groups = {}
         for name, step in self.terms.items():
@@ -334,7 +334,7 @@ class Lowering:
         return groups
 
     def _extend(self, group: list[tuple[int, Step]], at: int, step: Step) -> None:
-        """Add a step to a group, and the steps whose addend is its T."""
+        """Add a step to a group at clock ``at``, and then the steps whose addend is the T of that step."""
         normal, counted = self.norms.get(step.name, (None, step.count))
         a, b = self.picks.get(step.a, step.a), self.picks.get(step.b, step.b)
         sign = step.name if step.name in self.signs else ""
@@ -349,14 +349,14 @@ class Lowering:
             self._extend(group, at + 2 + number, replace(made, addend=addend, addend_by=NEVER, carry=carry))
 
 
-HALF_ROW = "1/2 of r_z"  # step of the constant in the third row
+HALF_ROW = "1/2 of r_z"  # step that supplies the constant 1/2 of the node r_z
 
 
 class ArmLowering(Lowering):
-    """Whole arm as steps, which include the lean dataflow's steps, and as vectors of the angle unit.
+    """Whole arm as steps, including the lean dataflow's, and as vectors of the angle unit.
 
     The hand's words have weight 1, as results do, so that their products have the weight of inner words' products.  The
-    sums of their squares wrap at 8.  A wrist coordinate is summed as half its value.
+    sums of their squares wrap at 8.  Half of each wrist coordinate is summed.
     """
 
     INPUTS, SIDE, RESULTS = ARM_FIELDS, BRANCHES, ARM_RESULT_FIELDS
@@ -376,7 +376,7 @@ class ArmLowering(Lowering):
         self._chain(half, (node.name, off.name, -1), write=Write(node.name, source="wrist"))
 
     def elbow(self, node: Node, raw: Node, sign: int) -> None:
-        """Write the result word to memory, and output it in a later step: all results leave within one lap."""
+        """Write the result word to memory and output it in a later step, so that all results leave within one lap."""
         super().elbow(node, raw, sign)
         self.terms[raw.name] = replace(self.terms[raw.name], result=raw.name)
         self.terms[node.name] = Step(node.name, node.name, ONE, result=node.name)
