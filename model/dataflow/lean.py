@@ -22,7 +22,7 @@ round down, results are rounded half up to W - 2 fraction bits.
 
 Proofs.  Each range has its reason and, as ``proof``, the facts from which z3 derives it (:mod:`tb.formal.lean_proofs`),
 separated by semicolons:
-``=node`` is the node's equation and ``node`` its range.  ``~node`` states that its word's error is within the bound.
+``=node`` is the node's equation and ``node`` its range.  ``~node`` states that the word's error is within its bound.
 ``#node`` states that the node's word, which is exact, is 0, one ulp, or at least two ulps.  Other names are lemmas,
 stated after their nodes.  A range without ``proof`` follows from the node's equation and its operands' ranges.
 """
@@ -418,6 +418,6 @@ def root(d: Dataflow, f: LeanFormats, name: str, value: Node, width: int) -> tup
 
 
 def limited(d: Dataflow, name: str, within: Within, fmt: Format, why: Limited = TWO) -> Node:
-    """Build ``name``: ``name``_raw, limited to the largest word of ``fmt``. Lengths that are powers of two may give a
-    value one ulp above it: 2, or 1 for inv_12."""
+    """Build the node ``name``: the node ``name``_raw, limited to the largest word of ``fmt``. Lengths that are powers
+    of two may make ``name``_raw an ulp larger than that word: 2, or 1 for inv_12."""
     return d.node(name, ops.limited(d.nodes[f"{name}_raw"]), fmt, ends=SATURATE, within=within, limited=why)

@@ -111,8 +111,8 @@ SUM = Growth(added=True, exact=True)
 class Node(Term):
     """Named value of a dataflow.
 
-    * ``time``: clocks from the clock in which the target is at the input; -1 if the RTL has no signal for the node
-    * ``after``: node for which the operation waits without using it, to align results
+    * ``time``: clock in which the node is valid, 0 if with the target at the input; -1 if the RTL has no signal for it
+    * ``after``: node that is not an operand, but for which the operation waits, to align results
     * ``rounding``, ``ends``: treatment of the bits below and above the format; ``limited``: intended saturation
     * ``within``: range in exact arithmetic; ``proof``: facts that prove it (:mod:`tb.formal.lean_proofs`)
     * ``grows``: error growth; ``as_words``: operands whose words count as exact
@@ -305,7 +305,7 @@ class Dataflow:
     # ---- statements between nodes ----------------------------------------------------------------------------------
 
     def words(self, *names: str) -> None:
-        """Treat the words of these nodes as exact in later nodes.  Those start no earlier than the last one named."""
+        """Treat the words of the named nodes as exact in later nodes, none of which starts before the last name's."""
         self._since = self.nodes[names[-1]]
         self._as_words |= {*names}
 

@@ -5,8 +5,8 @@
 here depends on the names of inputs and results, and of the node ``bend_swap``.
 
 Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
-bits.  The first bit of a word of ``weight`` w weighs -2^w.  The product of two words, of weights w and w', has
-2 ``bits`` bits; bit 2 ``bits`` - 2 weighs 2^(w + w').  Its :data:`PLAIN` or :data:`DOUBLE` window is written back.
+bits.  The first bit of a word of ``weight`` w weighs -2^w.  The product of two words, with weights w and w', has
+2 ``bits`` bits; bit 2 ``bits`` - 2 weighs 2^(w + w').  A :data:`PLAIN` or :data:`DOUBLE` window is written back.
 """
 
 from collections import defaultdict
@@ -50,7 +50,7 @@ class Sum:
 class Lowering:
     """Lean dataflow as steps: call :meth:`build`, then :meth:`groups`.
 
-    ``lower`` of an operation calls the operation's ``method`` with the node and its terms.
+    The ``lower`` of an operation calls the method here that its ``method`` names, with the node and its terms.
     """
 
     INPUTS: tuple[str, ...] = FIELDS
@@ -70,7 +70,7 @@ class Lowering:
         self.counts: dict[str, tuple[int, tuple[tuple[int, str], ...]]] = {}  # constant, (factor, register) terms
         self.signs: set[str] = set()  # nodes whose signs select
         self.made_of: dict[str, set[str]] = {}  # mask -> the signs, zeros and counts that it depends on
-        self.pairs: dict[str, tuple[str, str]] = {}  # the two parts of a rotation, whose places a flag selects
+        self.pairs: dict[str, tuple[str, str]] = {}  # squared length -> a rotation's parts, whose places a flag swaps
         self.picks: dict[Any, Pick] = {}  # pairs, squared lengths, and words that a flag replaces by a constant
         self.vectors: dict[str, timing.Vector] = {}  # of the angle unit
         self.joints: dict[str, timing.Joint] = {}
@@ -103,7 +103,7 @@ class Lowering:
     # ---- masks ---------------------------------------------------------------------------------------------------
 
     def operand_registers(self, mask: Node, of: Node) -> set[str]:
-        """Return the registers that a mask needs of its operand: a mask's registers, or a word's sign and zero flag."""
+        """Return the registers that a mask needs for operand ``of``: a mask's registers, or a word's sign and zero."""
         if of.format == self.flow.bit:
             return self.made_of[of.name]
         if of.name in POSITION:  # a register with the mask's name holds whether the sum of their squares is 0
@@ -125,11 +125,11 @@ class Lowering:
     # ---- sums and products ---------------------------------------------------------------------------------------
 
     def _weight(self, node: Node) -> int:
-        """Return the weight that puts a node's LSB at the bit of a memory word where all inner words have theirs."""
+        """Return the weight of a node whose LSB is at the bit of a memory word at which an inner word ends."""
         return self.inner - 1 - node.format.frac
 
     def sum(self, node: Node, terms: tuple[tuple[int, Any], ...]) -> None:
-        """Add two terms in one step.  A sum of three or more terms, with 1/2, or that wraps, takes a chain of steps."""
+        """Add the steps of a sum: one step for two terms; a chain for more terms, for 1/2 + .., or if the sum wraps."""
         (_, first), (sign, second), *others = terms
         if not (others or isinstance(first, Constant) or node.ends):
             self.plus(node, first, second, sign < 0)
@@ -159,7 +159,7 @@ class Lowering:
             self._further(node, first, second, minus)
 
     def _chain(self, first: str, *terms: tuple[str, str, int], write: Write | None = None, result: str = "") -> None:
-        """Add ``terms``, (name of the sum, term, sign), to a first one; write the last sum or make it a result."""
+        """Add ``terms`` (name of the sum, term, sign) to ``first`` in turn; write the last sum or make it a result."""
         for name, term, sign in terms:
             self.sums[first].append(Sum(name, term, NEVER if sign > 0 else ALWAYS))
             last, first = first, name
@@ -219,7 +219,7 @@ class Lowering:
         return weight
 
     def _counted(self, name: str, offset: int) -> timing.Counted:
-        """Return the count ``name`` plus ``offset``; the register of a length's count holds 1 more than its node."""
+        """Return the count ``name`` plus ``offset``; the register of a length's count holds 1 more than the count."""
         constant, terms = self.counts.get(name, (0, ((1, name),)))
         arms = {normal.count for normal, _ in self.norms.values() if normal.kind == "arm"}
         further = sum(factor for factor, register in terms if register in arms)
