@@ -9,8 +9,8 @@ from geometry, its error growth and any intended saturation (:mod:`model.dataflo
 * :class:`Ranges`, paper dataflow: interval arithmetic, narrowed by rules at some nodes. The input words are split into
   :func:`cases`; a node's range is the union over the cases.
 * :class:`LeanRanges`, lean dataflow and whole arm: the nodes state all ranges, and `make formal` proves ranges and
-  errors (``tb/formal/lean_proofs.py``). Unused words may lose high bits: for a clamped target, K
-  and the nodes computed from it; for a bad hand, its products.
+  errors (``tb/formal/lean_proofs.py``). Unused words may lose high bits: for a clamped target, K and the nodes computed
+  from K; for a bad hand, the hand's products.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ SQRT2, SQRT3 = math.sqrt(2), math.sqrt(3)
 @dataclass(frozen=True)
 class Bound:
     """Bounds of a node.  Its value in exact arithmetic lies in [low, high].  Its word differs from this value by at
-    most ``error``, and lies in [floor, ceiling], the range of the operation on its operands' words."""
+    most ``error``, and lies in [floor, ceiling], the operation's range over its operands' words."""
 
     low: float
     high: float
@@ -100,7 +100,7 @@ class Case:
 
     @property
     def p_e(self) -> float:
-        """Upper bound of |p_e| = max(d1, |k_e| / (2 |p_w|)), divided by the cosine of the tilt."""
+        """Upper bound of |p_e|: the maximum of d1 and |k_e| / (2 |p_w|), divided by the cosine of the tilt."""
         return (self.d_high + self.excess / (2 * self.p[0])) / math.sqrt(1 - self.tilt**2)
 
     @property
@@ -300,7 +300,7 @@ def _grid(node: Node, corners) -> dict[str, np.ndarray]:
 
 
 def on_grid(word: tuple[float, float], fmt: Format) -> tuple[float, float]:
-    """Return the lowest and the highest value inside a range that are words of ``fmt``."""
+    """Return the values of the lowest and the highest word of ``fmt`` inside the range ``word``."""
     low = math.ceil((word[0] - SLACK * abs(word[0])) / fmt.ulp)
     high = math.floor((word[1] + SLACK * abs(word[1])) / fmt.ulp)
     return low * fmt.ulp, max(low, high) * fmt.ulp
@@ -336,8 +336,8 @@ def analyse(width: int) -> tuple[dict[str, Proved], dict[str, str]]:
 
 
 class LeanRanges:
-    """Bounds of the lean dataflow or of the whole arm, by node name.  ``errors`` has the error bound of each word,
-    ``failed`` a message for each node that does not fit its format."""
+    """Bounds of the lean dataflow or of the whole arm, by node name.  ``errors``: node -> error bound of its word;
+    ``failed``: node that does not fit its format -> message."""
 
     def __init__(self, width: int, datapath: str = "lean") -> None:
         self.flow, self.bounds, self.failed = dataflow(datapath, width), dict[str, Bound](), dict[str, str]()

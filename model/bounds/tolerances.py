@@ -62,8 +62,8 @@ def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
 
 def pose_errors(words: np.ndarray, results: np.ndarray, flags: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the errors (N,) of the hand's point and orientation, divided by their tolerances, for hand poses (N, 11).
-    They are nan where the wrist is out of reach or saturated, where rounding does not explain the difference of |Qh|
-    from 1, and where two angles are split at a singular pose."""
+    They are nan where the wrist is out of reach or saturated, where |Qh| differs from 1 by more than rounding explains,
+    and where two angles are split at a singular pose."""
     th, tool = results[:, :7].T * (2 * np.pi / (1 << width)), words[:, 6:7] * (0.0, 0.0, 1.0)
     point, hand = reached(th, words[:, 4], words[:, 5], tool)
     permitted = arm(words, width)

@@ -37,7 +37,7 @@ from .mul3 import Mul3
 from .nodes import SAME, SATURATE, SUM, WRAP, Dataflow, Growth, Limited, Node, Record, Within
 
 SECTIONS = {"hand": "wrist target of a hand pose", **CORE_SECTIONS, "frame": "wrist quaternion", "joints": "angles"}
-"""Section name -> description; the core's sections are the lean datapath's."""
+"""Section name -> description, including the lean datapath's sections."""
 
 LENGTH = Within(0.0, 1.01, "the squared length of a good hand")
 ROW = Within(-0.51, 0.51, "half a component of a unit vector, times |Qh|^2 < 1.01")
@@ -104,7 +104,7 @@ class Outside(Function):
 
 
 class OutsideFormat(Function):
-    """Mask of wrists that have a coordinate outside the format of its node."""
+    """Mask of wrists with a coordinate outside the format of the coordinate's node."""
 
     def __init__(self, *wrists: Node) -> None:
         def mask(*words):
@@ -119,7 +119,7 @@ class OutsideFormat(Function):
 
 
 def parts(before: str, after: str = "", of: str = "wijk") -> tuple[str, ...]:
-    """Return the name ``before``, part, ``after`` for each part in ``of`` of a quaternion."""
+    """Return the names ``before`` + part + ``after`` for the parts of a quaternion that ``of`` lists."""
     return tuple(f"{before}{part}{after}" for part in of)
 
 
@@ -129,7 +129,7 @@ def equations(*names: str) -> str:
 
 
 def hand(d: Dataflow, target: dict[str, Node]) -> None:
-    """Build the quaternion h (Qh, or 1 for a bad hand), the wrist point (x, y, z), and a flag of each."""
+    """Build the quaternion h (Qh, or 1 for a bad hand), the wrist point (x, y, z), ``bad_hand`` and ``saturated``."""
     f = LeanFormats(d.width)
     d.at("hand")
     good = "=qh_len; good hand; |Qh|"

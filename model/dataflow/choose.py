@@ -48,9 +48,9 @@ def near(angle: Node, most: int) -> Function:
 
 
 def step(gap: Node, out: Node, whole: bool) -> Function:
-    """Return the size of ``gap``, a difference of arcs, in 2^-12 turns; all ones where the angle is outside (``out``).
+    """Return the size of ``gap``, a difference of arcs, in 2^-12 turns; all ones where the mask ``out`` is set.
 
-    ``whole``: the joint has no limits, so the difference is taken modulo a turn.
+    ``out``: the angle is outside its limits.  ``whole``: the joint has no limits, so the gap is taken modulo a turn.
     """
     turn = 2 << gap.frac
 
@@ -124,7 +124,7 @@ GROUP = Format(STEP_BITS + 1, STEP_BITS - 1, str(STEP_BITS - 1), signed=False)
 
 
 def _turns(d: Dataflow, steps: dict[int, list[Node]]) -> dict[str, Node]:
-    """Return a dict: bit of the branch -> mask that changes it; ``steps``: joint -> its two steps."""
+    """Return a dict: branch bit -> mask of targets for which the bit changes; ``steps``: joint -> its two steps."""
     n = d.nodes
 
     def extreme(name: str, function: str, a: Node, b: Node) -> Node:

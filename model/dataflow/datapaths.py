@@ -23,7 +23,7 @@ class Datapath:
     * ``flow(dataflow, target)``: builds the whole dataflow; ``sections``: section -> description
     * ``widths``: supported word lengths; ``tile``: bits of the longer operand of its multipliers
     * ``times(width)``: node -> clock in which it is valid; None if the datapath is the dataflow's pipeline
-    * ``period``: clocks from one target to the next at W = 24; ``behind``: clocks of the FIFO behind the datapath
+    * ``period``: clocks from one target to the next at W = 24; ``behind``: clocks of the FIFO or choice behind it
     * ``inputs``, ``results``: words of a target and of a result, lowest bits first; ``side``: target bits above the tag
     * ``flags``: node -> mask of its flag among a result's ``flag_bits`` flag bits, which are above the tag
     * ``core``: instance of the datapath ``lean`` within this datapath; empty if there is none
@@ -87,7 +87,7 @@ class Datapath:
         return Path("rtl") / self.rtl
 
     def instance(self, node: Node) -> str:
-        """Return the instance that holds a node's signal, levels joined by dots; empty for the datapath's module."""
+        """Return the instance that holds a node's signal, levels joined by dots; empty for the datapath itself."""
         if node.section == "choose" or node.name in REFERENCES:
             return "g_choose.u_choose" if node.operands else "g_choose"
         inside = self.core and node.instance and node.section in lean.SECTIONS

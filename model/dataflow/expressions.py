@@ -8,7 +8,7 @@ Python's operators build expressions: ``cc - ss``, ``(d1 <= 0) | (d2 <= 0)``.  A
   to real numbers, which are never rounded.
 * ``formula(domain)``: SMT-LIB over the reals.  ``domain``, of :mod:`tb.formal.lean_proofs`, supplies the names of nodes
   and the formulas of comparisons; it may raise :class:`FreeError`.
-* ``text(level)``: right side of an equation, in parentheses if ``level``, the context's binding strength, is higher.
+* ``text(level)``: right side of an equation; in parentheses if the context's binding strength, ``level``, is higher.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ set, so no length becomes 0."""
 
 
 class FreeError(Exception):
-    """Error: proofs have no formula for this comparison, which is of a rounded word with another value than 0."""
+    """Error: proofs have no formula for a comparison of a rounded word, except for its sign alone."""
 
 
 def round_shift(words, shift: int):
@@ -59,7 +59,7 @@ def integral(words) -> bool:
 
 
 def magnitude(words):
-    """Return |c| of words c; for a negative integer c, its one's complement |c| - 1."""
+    """Return the magnitudes of words; a negative integer c gives its one's complement, |c| - 1."""
     return np.where(words < 0, ~words, words) if integral(words) else np.abs(words)
 
 
@@ -345,7 +345,7 @@ class Function(Operation):
 
 
 class Select(Operation):
-    """``yes`` where the mask is set, else ``no``."""
+    """Selection: ``yes`` where the mask is set, else ``no``."""
 
     smt = "(ite {2} {0} {1})"
 

@@ -46,7 +46,7 @@ class Bits:
 
 @dataclass(frozen=True)
 class Answer:
-    """Outputs of a datapath for N targets: ``results``, words (N, 6) or, of the whole arm, (N, 17) in the order of
+    """Outputs of a datapath for N targets: ``results``, words (N, 6), or (N, 17) for the whole arm, in the order of
     :attr:`.Datapath.results`; ``flags`` (N,); ``bits``, every node."""
 
     results: np.ndarray

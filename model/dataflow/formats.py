@@ -19,7 +19,7 @@ INNER_FRAC = 33
 """Maximum fraction bits of the lean datapath's inner words: with two integer bits, a word fits two tiles of 18 bits."""
 
 ROOT_FRACS = 22, 31
-"""Fraction bits of the lean datapath's roots: number up to W = 18, where the table's short form suffices; maximum."""
+"""Fraction bits of the lean datapath's roots: up to W = 18, where the table's short form suffices; most for W > 18."""
 
 
 def effective_width(width: int) -> int:
@@ -100,7 +100,7 @@ class Latency:
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """Return the clocks of ``kind`` as a Verilog expression; a table's small form takes as many as the long."""
+        """Return the clocks of ``kind`` as a Verilog expression; a table's small and long form take equally many."""
         if kind in cls.FORMS:
             frac, table, more = cls.FORMS[kind]
             short, long = (table.clocks(table.short_frac + longer) + more for longer in (0, 1))

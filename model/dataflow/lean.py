@@ -14,7 +14,7 @@ every root is normalized by an even shift, so the root's relative precision does
 root, and every node computed from it, then has a power of two as its unit.
 
 Formats.  An inner word has F = W + 5 fraction bits, but at least 22 and at most 33, and two integer bits: [-2, 2).  A
-root has 22 fraction bits up to W = 18, and at most 31; its argument, a mantissa m, has 3 more.  The root is
+root has 22 fraction bits up to W = 18, else F, at most 31; its argument, a mantissa m, has 3 more.  The root is
 1/(2 sqrt(m)), in (1/2, 1]; 1 where m = 0.
 
 Rounding.  ``Mul3`` omits or estimates the product of the two low parts and rounds half up.  Roots are faithful, shifts
@@ -23,7 +23,7 @@ round down, results are rounded half up to W - 2 fraction bits.
 Proofs.  Each range has its reason and, as ``proof``, the facts from which z3 derives it (:mod:`tb.formal.lean_proofs`),
 separated by semicolons:
 ``=node`` is the node's equation and ``node`` its range.  ``~node`` states that the word's error is within its bound.
-``#node`` states that the node's word, which is exact, is 0, one ulp, or at least two ulps.  Other names are lemmas,
+``#node`` states that an exact word's magnitude is 0, one ulp, or at least two ulps.  Other names are lemmas,
 stated after their nodes.  A range without ``proof`` follows from the node's equation and its operands' ranges.
 """
 
@@ -366,8 +366,8 @@ def turn(d: Dataflow, f: LeanFormats, phi: Node) -> None:
 
 
 def last_rotation(d: Dataflow, f: LeanFormats, *pairs: tuple[str, str]) -> None:
-    """Build w_1, i_1, k_1, j_1, each of the ``pairs`` from three products.  With c = bend_c and s = bend_s:
-    w c + i s = (w + i) c - i (c - s) and i c - w s = (w + i) c - w (c + s)."""
+    """Build w_1 and i_1, and likewise k_1 and j_1, from three products.  With c = bend_c and s = bend_s, they are
+    w_0 c + i_0 s = (w_0 + i_0) c - i_0 (c - s) and i_0 c - w_0 s = (w_0 + i_0) c - w_0 (c + s)."""
     n = d.nodes
     part: Record = {"within": PART, "grows": SUM, "proof": "q_1; =wi_1_len; =kj_1_len; length_sq"}
     for one, two in pairs:

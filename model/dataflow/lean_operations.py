@@ -247,7 +247,7 @@ def half_length(c: Term, unit: Term | None = None) -> Choice:
 def half_part(c: Term, s: Term, large: Term, length: Term | None = None, none: Term | None = None) -> Choice:
     """Return a part of h: the squared length where ``large`` holds, else half the sine, or 0 where ``none`` is set.
 
-    The squared length is the node ``length`` or, without that, computed from ``c``.
+    The squared length is the node ``length`` or, if that is None, computed from ``c``.
     """
     return Choice(Select(large, length or _half_length(c), _halved(s, none)), "half_part", c, s, large, none)
 

@@ -60,9 +60,9 @@ class Within:
 
 @dataclass(frozen=True)
 class Rule:
-    """Rule for one node of the paper datapath; its functions take a :class:`model.bounds.ranges.Case`.  ``limit``
-    returns a range that narrows the one computed from the operands, for the reason ``why``; ``word``, the range of the
-    rounded word; ``error``, an upper limit of the error computed from the operands."""
+    """Rule for one node of the paper datapath.  Its functions take a :class:`model.bounds.ranges.Case` and return
+    ``limit``: a range that narrows the one computed from the operands (``why`` is the reason); ``word``: the range of
+    the rounded word; ``error``: an upper limit of the error computed from the operands."""
 
     why: str
     limit: Callable[[Any], Interval]
@@ -111,7 +111,7 @@ SUM = Growth(added=True, exact=True)
 class Node(Term):
     """Named value of a dataflow.
 
-    * ``time``: clock in which the node is valid, 0 if with the target at the input; -1 if the RTL has no signal for it
+    * ``time``: clock in which the node is valid; the target is at the input in clock 0; -1 without a signal in the RTL
     * ``after``: node that is not an operand, but for which the operation waits, to align results
     * ``rounding``, ``ends``: treatment of the bits below and above the format; ``limited``: intended saturation
     * ``within``: range in exact arithmetic; ``proof``: facts that prove it (:mod:`tb.formal.lean_proofs`)
@@ -305,7 +305,7 @@ class Dataflow:
     # ---- statements between nodes ----------------------------------------------------------------------------------
 
     def words(self, *names: str) -> None:
-        """Treat the words of the named nodes as exact in later nodes, none of which starts before the last name's."""
+        """Treat the named nodes' words as exact in later nodes, none of which starts before the last named node."""
         self._since = self.nodes[names[-1]]
         self._as_words |= {*names}
 

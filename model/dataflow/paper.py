@@ -49,7 +49,7 @@ def upto(size: Callable[[Any], float]) -> Callable[[Any], Interval]:
 
 
 def used(limit: Callable[[Any], Interval]) -> Callable[[Any], Interval]:
-    """Return the function ``limit``, changed to permit any word of clamped targets: it is unused and may wrap."""
+    """Return the function ``limit``, changed to permit any word of clamped targets, which is unused and may wrap."""
     return lambda c: ANYTHING if c.clamped else limit(c)
 
 
@@ -323,7 +323,7 @@ def elbow_quaternion(d: Dataflow) -> None:
 
 
 def _half(d: Dataflow, name: str, twice: Sum) -> None:
-    """Build half of ``twice``, which is 1 + c or 1 - c of (6) and (7), limited to [0, 1].  Unsigned, so that 1 fits."""
+    """Build half of ``twice``, 1 + c or 1 - c of (6) and (7), limited to [0, 1].  It is unsigned, so that 1 fits."""
     fmt = Format(d.width, d.width - 1, "W - 1", signed=False)
     half = twice / 2
     limited = Function(lambda words: np.clip(words, 0, 1 << half.frac), "min(max({}, 0), 1)", half)

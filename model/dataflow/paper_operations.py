@@ -61,7 +61,7 @@ def cordic(phi, width: int):
 def sincos_bound(width: int) -> float:
     """Return an upper bound of the error of ``ik_sincos`` in ulps, 2^-(width-2).
 
-    With G guard bits, in units g = 2^-G ulp:
+    The errors that add up, in units g = 2^-G ulp, with G guard bits:
 
     * Each iteration i >= 1 drops less than 1 g of x and of y, a vector shorter than sqrt(2) g.  Each later iteration j
       stretches this vector by sqrt(1 + 4^-j).  The shift of iteration 0 is exact.
@@ -226,7 +226,7 @@ def leading_bits(*vector: Node) -> Function:
 
 
 class Normalized(Operation):
-    """Word of a vector, shifted left by the vector's :func:`leading_bits`; the all-zero vector becomes (1/2, 0, ..)."""
+    """Word ``index`` of a vector, shifted left by ``count``; the all-zero vector becomes (1/2, 0, ..)."""
 
     kind, latency = "normalize", "norm"
 

@@ -62,7 +62,7 @@ def test_wrists(width, datapath):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_hands(width):
-    """Check the whole arm's theorem, the angles of its CORDICs, and the wrist computed from Qs and Qe normalized."""
+    """Check the whole arm's theorem, the angles of its CORDICs, and the wrist computed from normalized Qs and Qe."""
     words, branch = hands(width, 1)
     answer, of = fixed.run(words, width, "arm", branch), {name: float(k) for name, k in accuracy(width, "arm").items()}
 
@@ -112,7 +112,7 @@ GROUPS = {
     "Qs rounding": "qs_w qs_i qs_j qs_k",
     "Qe": "inv_12_raw inv_12_far_raw inv_12_near_raw elbow_w elbow_i qe_w qe_i",
 }
-"""Constant, or first word of the two constants NAME k and NAME w -> nodes whose errors they cover."""
+"""NAME -> nodes whose errors are covered by the constant NAME or by the constants NAME k and NAME w."""
 
 
 @pytest.mark.parametrize("width, datapath", CORES)

@@ -148,7 +148,7 @@ NOISE = 1e-14  # an rms error up to this is noise of double precision
 
 
 def nodes(width: int, datapath: str) -> Figures:
-    """Return each node's rms rounding error. It is absolute: an error in ulps would not reveal a shortened word."""
+    """Return each node's rms rounding error. It is not in ulps, because that would not reveal a shortened word."""
     words = everywhere(width)
     reached = expected_flags(words, width) & UNREACHABLE == 0
     off = Local(fixed.run(words, width, datapath).bits).off

@@ -50,7 +50,7 @@ class Sum:
 class Lowering:
     """Lean dataflow as steps: call :meth:`build`, then :meth:`groups`.
 
-    The ``lower`` of an operation calls the method here that its ``method`` names, with the node and its terms.
+    An operation's ``lower`` calls the method of this class that the operation names, with the node and its terms.
     """
 
     INPUTS: tuple[str, ...] = FIELDS
@@ -125,7 +125,7 @@ class Lowering:
     # ---- sums and products ---------------------------------------------------------------------------------------
 
     def _weight(self, node: Node) -> int:
-        """Return the weight of a node whose LSB is at the bit of a memory word at which an inner word ends."""
+        """Return the weight of a node whose LSB is at the same bit of a memory word as the LSB of an inner word."""
         return self.inner - 1 - node.format.frac
 
     def sum(self, node: Node, terms: tuple[tuple[int, Any], ...]) -> None:
@@ -251,7 +251,7 @@ class Lowering:
         self.terms[raw] = replace(step, minus=minus, result=node.name, write=write, addend=addend)
 
     def _result_addend(self, node: Node, half: str) -> str:
-        """Return the addend of a result: ``half`` an ulp of an inner word; and of the result, if rounded half up."""
+        """Return a result's addend: ``half``, half an ulp of an inner word; for HALF_UP plus half a result's ulp."""
         self.rounded.add(node.name)
         return half.replace("half", "result") if node.rounding == HALF_UP else half
 
@@ -356,7 +356,7 @@ class ArmLowering(Lowering):
     """Whole arm as steps, including the lean dataflow's, and as vectors of the angle unit.
 
     The hand's words have weight 1, as results do, so that their products have the weight of inner words' products.  The
-    sums of their squares wrap at 8.  Half of each wrist coordinate is summed.
+    sums of their squares wrap at 8.  The steps sum half of each wrist coordinate.
     """
 
     INPUTS, SIDE, RESULTS = ARM_FIELDS, BRANCHES, ARM_RESULT_FIELDS

@@ -30,7 +30,7 @@ def lower(width: int, name: str = "fold") -> tuple[Lowering, Groups]:
 @dataclass(frozen=True)
 class Schedule:
     """Program schedule.  ``period``: clocks of a lap.  ``loads``: input -> clock in which it is loaded.  ``starts``:
-    group -> clock of its first step's issue; angle of a vector of words -> clock of the vector's hand-over."""
+    group -> clock of its first step's issue; angle of a vector of results -> clock of the vector's hand-over."""
 
     period: int
     loads: dict[str, int]

@@ -37,7 +37,7 @@ pairs.  count: by the step's count.  unit: by pairs, without the bits below an i
 @dataclass(frozen=True)
 class Selector:
     """Condition that selects an operand, an addend or a sign: the mask ``node``, or the sign of the word ``node`` if
-    ``negative``.  It is negated if ``inverted``, and 0 while the mask ``unless`` is 1."""
+    ``negative``.  The condition is negated if ``inverted``, and 0 while the mask ``unless`` is 1."""
 
     node: str = ""
     negative: bool = False
@@ -90,7 +90,7 @@ class Write:
 
 @dataclass(frozen=True)
 class Normal:
-    """Normalization: the normalized T goes to the memory, its shift count to a register."""
+    """Normalization: normalized T is written to the memory word ``to``, the shift count to the register ``count``."""
 
     kind: str
     to: str
@@ -171,7 +171,7 @@ class AngleClocks(NamedTuple):
 
 
 ANGLE_CLOCKS = {24: AngleClocks(12, 15, 16), 32: AngleClocks(16, 17, 18)}
-"""Longest word length of each program of the whole arm -> the clocks; ``again`` is at least ``shown`` + 1."""
+"""Longest word length that a program of the whole arm is for -> clocks; ``again`` is at least ``shown`` + 1."""
 COMPARED = 2  # clocks from a joint's angle until its comparison with the limits
 
 

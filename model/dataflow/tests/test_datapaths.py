@@ -86,7 +86,7 @@ class Run:
             self.below(getattr(self, name), ANGLE_ULPS[self.width] * ulp(self.width), f"{name} error (rad)")
 
     def check_words(self, permitted, where: str = "") -> None:
-        """Assert norms (``permitted``: of Qs, Qe, ulps), signs, exact flags, and words that fit their formats."""
+        """Assert norms of Qs and Qe within ``permitted`` ulps, their signs, exact flags, and words inside formats."""
         for name, off, tolerance in zip(("Qs", "Qe"), self.norms, permitted, strict=True):
             self.below(off, tolerance, f"|{name}|^2 - 1 in ulps:")
         results, flags = self.answer.results, expected_flags(self.words, self.width)
@@ -155,7 +155,7 @@ def test_every_input_has_a_unit_answer_and_exact_flags(datapath, width):
 
 @pytest.mark.parametrize(("datapath", "width"), [*(("lean", w) for w in WORST), ("paper", 18), ("paper", 32)])
 def test_clamps_as_double_precision_does(datapath, width):
-    """Check clamped targets against double precision: Qe is exactly -i or 1."""
+    """Check clamped targets against double precision, and that Qe is exactly -i or 1."""
     words = stimuli.unreachable(6000, width, 6)
     if datapath == "lean":
         words = np.concatenate([words, walks(width)])
@@ -227,7 +227,7 @@ def test_the_equation_is_what_the_operation_computes(datapath):
     ("datapath", "section"), [(name, section) for name in ("choose", "paper") for section in MODELS[name].sections]
 )
 def test_the_verilog_has_the_equation_of_each_operator(datapath, section):
-    """Check that each equation in a comment is the model's, and that each operator has it with the paper's number."""
+    """Check that equations in comments are the model's, and that each operator has one, with the paper's number."""
     path = MODELS[datapath]
     if section == "results":
         return

@@ -48,7 +48,7 @@ def test_floor_root_is_isqrt(operands):
 
 @st.composite
 def factors(draw):
-    """Draw two factors, a shift for which the mixed products have all bits of the sum, both widths and a tile."""
+    """Draw two factors, a shift so large that the mixed products reach the sum's LSB, both widths and a tile."""
     widths = draw(st.integers(3, 35)), draw(st.integers(3, 35))
     tile = draw(st.sampled_from([TILE, 25, 16, 5]))
     least = 2 + max(map(sum, zip(cuts(*widths, tile), reversed(unseen(*widths, tile)), strict=True)))
@@ -146,8 +146,8 @@ def vectors(width: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def turned_exactly(x, y, width):
-    """Return vectors, and those near them that the first M iterations turn without rounding, as complex numbers in the
-    right half plane in LSBs of X; and the sum of the angle words (rad)."""
+    """Return the vectors as complex numbers in the right half plane, in LSBs of X; nearby ones that M iterations turn
+    to the same result without rounding; and the sum of the angle words (rad)."""
     x, y, real = x << angles.GUARD, y << angles.GUARD, np.longdouble
     given = np.where(x < 0, -1, 1) * (x.astype(real) + 1j * y.astype(real))
     x, y, head = np.where(x < 0, ~x, x), np.where(x < 0, -y, y), angles.iterations(width)[0]
