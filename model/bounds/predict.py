@@ -65,7 +65,7 @@ def predicted_error(words: np.ndarray, width: int, datapath: str = DEFAULT) -> n
     combinations of ends are tried as well. The rounding of the input words, half an ulp each, is added.
     """
     bits = fixed.run(words, width, datapath).bits
-    nodes = [node for node in bits.nodes.values() if node.error != EXACT]  # those that rounding can move
+    nodes = [node for node in bits.nodes.values() if node.error != EXACT]  # nodes that rounding can move
     length = 2.0 ** (2 - width)
     d1, d2 = (bits.nodes[name].value * length for name in ARMS)
     count = len(d1)

@@ -23,7 +23,7 @@ class Datapath:
     * ``flow(dataflow, target)``: builds the whole dataflow; ``sections``: section -> description
     * ``widths``: supported word lengths; ``tile``: bits of the longer operand of its multipliers
     * ``times(width)``: node -> clock in which it is valid; None if the datapath is the dataflow's pipeline
-    * ``period``: clocks from one target to the next at W = 24; ``behind``: clocks of the FIFO or choice behind it
+    * ``period``: clocks between targets at W = 24; ``behind``: clocks of the FIFO or choice behind the datapath
     * ``inputs``, ``results``: words of a target and of a result, lowest bits first; ``side``: target bits above the tag
     * ``flags``: node -> mask of its flag among a result's ``flag_bits`` flag bits, which are above the tag
     * ``core``: instance of the datapath ``lean`` within this datapath; empty if there is none

@@ -36,7 +36,7 @@ set, so no length becomes 0."""
 
 
 class FreeError(Exception):
-    """Error: proofs have no formula for a comparison of a rounded word, except for its sign alone."""
+    """Comparison of a rounded word by more than the word's sign: proofs have no formula for it."""
 
 
 def round_shift(words, shift: int):
@@ -76,7 +76,7 @@ class Term:
     """Node, constant or expression, with Python's operators."""
 
     frac: int = 0
-    leaves: tuple[Node, ...] = ()  # nodes of the term, in the order in which it reads them
+    leaves: tuple[Node, ...] = ()  # nodes of the term, in the order in which the term reads them
 
     words: Callable[[Values], Any]
     formula: Callable[[Any], str]

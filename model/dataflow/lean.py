@@ -282,7 +282,7 @@ def triangle(d: Dataflow, f: LeanFormats) -> None:
     facts = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": "bend; bend_sq"}
     d.node("bend_c", ops.half_part(cos_a, sin_a, toward, bend_sq, clamp), f.inner, **facts)
     d.node("bend_s", ops.half_part(cos_a, sin_a, ~toward, bend_sq, clamp), f.inner, **facts)
-    # With c + s, and the larger part minus the smaller, the rotation takes three products instead of four.
+    # Given c + s, and the larger part minus the smaller, the rotation takes three products instead of four.
     d.mask("bend_swap", Select(clamp, away, cos_a < 0))
     for name, sign in (("bend_dif", -1), ("bend_sum", 1)):
         facts = {"rounding": FLOOR, "within": PAIR, "grows": SUM, "proof": f"case; ={name}; bend_sq; sin_a"}
@@ -306,7 +306,7 @@ def triangle_lemmas(d: Dataflow) -> None:
     # straight: B = 4 d1 d2
     uses = f"n_ab in lengths; A + B; =m_far; =m_near; =e_near; =a_far; =d_sum_sq; =d_sum; =ulp; {LENGTHS}"
     d.lemma("n_ab, A = 0", f"implies(a_far == 0, {law})", uses)
-    # d1 is a whole number of ulps, and so is 1/e_far if at least an ulp: it is not between d1 and d1 + ulp
+    # 1/e_far is less than an ulp or, like d1, a whole number of ulps, so it is not between d1 and d1 + ulp
     d.lemma("e_far of d1", "1 < ulp*e_far or 1 <= e_far*d1 or e_far*(d1 + ulp) <= 1")
     # A = 4 d1 d2; |d1 - d2| is one ulp, or at least two
     uses = f"A + B; =m_far; =e_far; =b_near; =d_dif_sq; =d_dif; s > 0; #d_dif; e_far of d1; =ulp; {LENGTHS}"

@@ -249,7 +249,7 @@ class Dataflow:
         self.definitions: dict[str, str] = {}
         self.half_angle: tuple[str, str] = ("", "")  # names of sine and cosine of phi/2
         self._section, self._equation = "guard", ""
-        self._since: Node | None = None  # no later node starts before its clock
+        self._since: Node | None = None  # no later node starts before this node's clock
         self._as_words: frozenset[str] = frozenset()
 
     def at(self, section: str | None = None, equation: str = "") -> None:

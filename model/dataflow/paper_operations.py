@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations of the paper's dataflow: rounded products and sums, division, root, CORDIC, normalization.
 
-``interval(node, bounds)`` returns low, high, error and (floor, ceiling) of a :class:`model.bounds.ranges.Bound`.
+Method ``interval(node, bounds)``: low, high, error and (floor, ceiling) of a :class:`model.bounds.ranges.Bound`.
 """
 
 import math

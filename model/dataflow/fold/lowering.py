@@ -106,7 +106,7 @@ class Lowering:
         """Return the registers that a mask needs for operand ``of``: a mask's registers, or a word's sign and zero."""
         if of.format == self.flow.bit:
             return self.made_of[of.name]
-        if of.name in POSITION:  # a register with the mask's name holds whether the sum of their squares is 0
+        if of.name in POSITION:  # a register with the mask's name shows if the sum of squares is 0
             return {mask.name}
         self.signs.add(of.name)
         return {of.name} | ({f"no_{of.name[1:]}"} if of.name in ARMS else set())

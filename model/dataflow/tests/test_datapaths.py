@@ -319,7 +319,7 @@ def test_every_input_has_an_answer(width):
     assert (answer.flags & BAD_HAND > 0).tolist() == bad.tolist() and 0.5 < bad.mean() < 1
     core = np.column_stack([*(nodes[axis] for axis in "xyz"), words[:, 3:6]])
     assert (answer.flags & sum(CORE_FLAGS.values()) == expected_flags(core, width)).all()
-    # the wrist: exact without a tool, at the edge of the format beyond it
+    # the wrist is exact without a tool, and limited to the format
     hand = np.where(bad[:, None], (1, 0, 0, 0), words[:, 7:] / one)
     offset = rotate(hand, (0.0, 0.0, 1.0)) * np.where(bad, 0, words[:, 6])[:, None]
     offset[:, 2] += (1 - (hand**2).sum(axis=1)) * np.where(bad, 0, words[:, 6])  # 1 - 2 ii - 2 jj
@@ -361,7 +361,7 @@ def test_a_branch_turns_and_negates_words(width):
         moved = np.where(NEGATED_BY @ bits & 1, -own[:, :7], own[:, :7]) + half * (TURNED_BY @ bits & 1)
         off = (found[:, :7] - moved) % (2 * half)
         assert (found[:, 7:] == own[:, 7:]).all() and set(off.ravel().tolist()) <= {0, 1}  # 1: a negated tie
-        ties = (NEGATED_BY @ bits & 1 > 0) & (sum(table(width)) % 2 == 0)  # no tie where an angle's words add up to odd
+        ties = (NEGATED_BY @ bits & 1 > 0) & (sum(table(width)) % 2 == 0)  # no tie if the sum of the table is odd
         assert off.any(axis=0).tolist() == ties.tolist()
 
 

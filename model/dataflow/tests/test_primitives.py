@@ -64,7 +64,7 @@ def factors(draw):
 @example((-1, (1 << 21) - 1, 20, 22, 22, TILE))
 @example((-(1 << 24), (1 << 24) - 1, 23, 25, 25, 25))
 def test_mul3_is_within_its_error(case):
-    a, b, shift, *widths = case  # widths and tile
+    a, b, shift, *widths = case  # widths: of a, of b, of a tile
     least, greatest = mul3_error(shift, *widths)
     assert Fraction(least) < mul3(a, b, shift, *widths) - Fraction(a * b, 1 << shift) <= Fraction(greatest)
 
