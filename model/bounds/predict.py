@@ -2,8 +2,8 @@
 """Predicted errors: the effect of every node's rounding on the hand, computed from formats and the pose.
 
 :class:`Real` evaluates the dataflow in double precision, with chosen nodes moved to the ends of their rounding range.
-The bit-true model supplies decisions (shift counts, masks), the guard's nodes, and words that nodes take as exact. A
-prediction therefore reflects the conditioning of the equations at the pose; measured errors can be compared with it.
+The bit-true model supplies masks, shift counts, the nodes of the section ``guard``, and words that count as exact. A
+prediction includes the conditioning of the equations at its pose, so measured errors can be compared with it.
 """
 
 from collections.abc import Mapping
@@ -19,9 +19,9 @@ from ..reference.kinematics import forward
 
 
 class Real:
-    """Dataflow in double precision for the targets of ``bits``, with some nodes moved; ``values`` by node name.
+    """Dataflow in double precision for the targets of ``bits``, with some nodes moved; ``values``: node name -> values.
 
-    ``moves`` maps a node's name to the distances (N,), in ulps, that are added to its value.
+    ``moves`` maps the name of each moved node to the distances (N,), in ulps, that are added to the node's value.
     """
 
     def __init__(self, bits: fixed.Bits, moves: Mapping[str, np.ndarray]) -> None:
@@ -43,29 +43,29 @@ class Real:
         return value + self.moves[node.name] * node.format.ulp if node.name in self.moves else value
 
     def __getitem__(self, name: str):
-        """Return an operand of the node being evaluated, in ulps of the operand."""
+        """Return the value of an operand of the node being evaluated, in ulps of the operand."""
         value = self.word(name) if name in self._as_words else self.values[name]
         return value / self.bits.nodes[name].format.ulp
 
     def word(self, name: str):
-        """Return the value of a node's word."""
+        """Return the value of a node's word in the bit-true model."""
         return self.bits.nodes[name].value * self.bits.nodes[name].format.ulp
 
 
 CORNERS = 32
-"""Number of random sets of rounding ends that :func:`predicted_error` adds to the first-order worst case."""
+"""Number of random combinations of rounding errors that :func:`predicted_error` tries."""
 
 
 def predicted_error(words: np.ndarray, width: int, datapath: str = DEFAULT) -> np.ndarray:
-    """Return the largest hand errors / reach (N,) that a datapath's roundings explain, for input words (N, 6).
+    """Return, for input words (N, 6), the largest hand errors / reach (N,) that a datapath's rounding can cause.
 
-    Each node is moved alone to both ends of its rounding range. Then, for each direction of each axis, all nodes are
-    moved at once to the ends that push the hand furthest in that direction; to first order, no set of ends is worse.
+    First, each node alone is moved to both ends of its rounding range. Then, for both directions of each axis, all
+    nodes are moved at once, each to the end that pushes the hand further that way: to first order, the worst case.
     First order is unreliable where a root or a limited cosine is at the end of its range, so :data:`CORNERS` random
-    sets of ends are tried as well. The rounding of the input words, half an ulp each, is added.
+    combinations of ends are tried as well. The rounding of the input words, half an ulp each, is added.
     """
     bits = fixed.run(words, width, datapath).bits
-    nodes = [node for node in bits.nodes.values() if node.error != EXACT]  # those that rounding can move
+    nodes = [node for node in bits.nodes.values() if node.error != EXACT]  # nodes that rounding can move
     length = 2.0 ** (2 - width)
     d1, d2 = (bits.nodes[name].value * length for name in ARMS)
     count = len(d1)

@@ -2,15 +2,15 @@
 """Proved ranges: the dataflows evaluated on intervals that contain every input word, narrowed by geometric rules.
 
 A node's :class:`Bound` has the interval of exact arithmetic (``low``, ``high``) and the largest error of its word
-(``error``): the operation's own rounding plus the errors of its operands, in a product each times the largest other
-operand. The interval, widened by the error, must fit the format. Ranges from geometry, error growth and intended
-saturation are stated at the nodes (:mod:`model.dataflow.nodes`), each with its reason.
+(``error``): the operation's own rounding plus the operands' errors; in a product, each of these is multiplied by the
+largest value of the other operand. The interval, widened by the error, must fit the format. Each node states its range
+from geometry, its error growth and any intended saturation (:mod:`model.dataflow.nodes`), with the reason.
 
 * :class:`Ranges`, paper dataflow: interval arithmetic, narrowed by rules at some nodes. The input words are split into
   :func:`cases`; a node's range is the union over the cases.
 * :class:`LeanRanges`, lean dataflow and whole arm: the nodes state all ranges, and `make formal` proves ranges and
-  errors (``tb/formal/lean_proofs.py``). Words that are not used may lose high bits: K and its dependents for a clamped
-  target, the products of a bad hand.
+  errors (``tb/formal/lean_proofs.py``). Unused words may lose high bits: for a clamped target, K and the nodes computed
+  from K; for a bad hand, the hand's products.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ SQRT2, SQRT3 = math.sqrt(2), math.sqrt(3)
 @dataclass(frozen=True)
 class Bound:
     """Bounds of a node.  Its value in exact arithmetic lies in [low, high].  Its word differs from this value by at
-    most ``error``, and lies in [floor, ceiling], the range of the operation on its operands' words."""
+    most ``error``, and lies in [floor, ceiling], the operation's range over its operands' words."""
 
     low: float
     high: float
@@ -61,8 +61,8 @@ class Bound:
 
 @dataclass(frozen=True)
 class Case:
-    """Part of the inputs of the paper datapath: bounds of d1 and d2, of the exponent j in p_w = 2^j p_a, and of |p_w|
-    and |b|.  Three cases:
+    """Part of the paper datapath's input domain: bounds of d1 and d2, of the exponent j in p_w = 2^j p_a, and of the
+    lengths of the vectors p_w and b.  Names of the cases:
 
     * ``exact``: the target is in reach, and d1 + d2 < 2: scaling loses no bit of d1 and d2.
     * ``long``: the target is in reach, and d1 + d2 >= 2: scaling rounds odd lengths, so d1 + d2 is off by ulps.
@@ -94,13 +94,13 @@ class Case:
 
     @property
     def k_e(self) -> float:
-        """Upper bound of |k_e|: 2 d1 |p_w|; where d1 and d2 are rounded, also s_j + (d1 + d2) |d_dif_j|."""
+        """Upper bound of |k_e|: 2 d1 |p_w| + excess; if d1 and d2 are rounded, at most s_j + (d1 + d2) |d_dif_j|."""
         limit = 2 * self.d_high * self.p[1] + self.excess
         return min(limit, self.p[1] ** 2 * 2.0 ** -self.j[0] + 2) if self.long else limit
 
     @property
     def p_e(self) -> float:
-        """Upper bound of |p_e| = max(d1, |k_e| / (2 |p_w|)), divided by the cosine of the tilt."""
+        """Upper bound of |p_e|: the maximum of d1 and |k_e| / (2 |p_w|), divided by the cosine of the tilt."""
         return (self.d_high + self.excess / (2 * self.p[0])) / math.sqrt(1 - self.tilt**2)
 
     @property
@@ -141,8 +141,8 @@ class Case:
 def off_length(c: Case, nodes: Mapping[str, Node], bounds: Mapping[str, Bound]) -> Case:
     """Return the case with bounds of the errors of p_e (``straight``) and |p_e|^2 (``square``).
 
-    The root t = tmp_sqr in (13) may lose half of its digits, and so may p_e.  But |p_e|^2 = |a|^2 + t^2 |m|^2 contains
-    only t^2, which is precise; a is along p_w, and m = PP^- / |PP^-|^2 is perpendicular to p_w.
+    In (13), p_e = a + t m, where a is along p_w, and m = PP^- / |PP^-|^2 is perpendicular to p_w.  The root t = tmp_sqr
+    may lose half of its digits, and so may p_e.  But |p_e|^2 = |a|^2 + t^2 |m|^2 contains only t^2, which is precise.
     """
     root, inf, worst = bounds["tmp_sqr"], bounds["inf_pp"], 0.0
     if min(inf.low, inf.word[0]) <= 0:
@@ -187,8 +187,8 @@ def unfit(node: Node, low: float, high: float, where: str = "") -> str:
 
 
 class Ranges:
-    """Bounds of the paper dataflow in one :class:`Case`, by node name; ``proved``: before they are limited to a format.
-    ``saturated`` names the nodes that saturate by design, ``failed`` has a message for other nodes that do not fit."""
+    """Bounds of the paper dataflow in one :class:`Case`, by node name; ``proved``: the same before formats limit them.
+    ``saturated``: names of nodes that saturate by design; ``failed``: other node that does not fit -> message."""
 
     def __init__(self, width: int, case: Case) -> None:
         self.flow, self.bounds, self.failed = dataflow("paper", width), dict[str, Bound](), dict[str, str]()
@@ -294,13 +294,13 @@ class Ranges:
 
 
 def _grid(node: Node, corners) -> dict[str, np.ndarray]:
-    """Return all combinations of the words or values that ``corners`` lists for each operand, by operand name."""
+    """Return a dict: operand of a node -> array; the arrays together list all combinations of ``corners(operand)``."""
     columns = zip(*itertools.product(*(corners(operand) for operand in node.operands)), strict=True)
     return {operand.name: np.array(column) for operand, column in zip(node.operands, columns, strict=True)}
 
 
 def on_grid(word: tuple[float, float], fmt: Format) -> tuple[float, float]:
-    """Return the lowest and the highest value inside a range that are words of ``fmt``."""
+    """Return the values of the lowest and the highest word of ``fmt`` inside the range ``word``."""
     low = math.ceil((word[0] - SLACK * abs(word[0])) / fmt.ulp)
     high = math.floor((word[1] + SLACK * abs(word[1])) / fmt.ulp)
     return low * fmt.ulp, max(low, high) * fmt.ulp
@@ -311,7 +311,7 @@ def on_grid(word: tuple[float, float], fmt: Format) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Proved:
-    """Proved range of the word of a paper node over all inputs, and its error bound in ulps."""
+    """Proved range of a paper node's word over all inputs, and proved bound of the word's error in ulps."""
 
     node: Node
     low: float
@@ -336,8 +336,8 @@ def analyse(width: int) -> tuple[dict[str, Proved], dict[str, str]]:
 
 
 class LeanRanges:
-    """Bounds of the lean dataflow or of the whole arm, by node name.  ``errors`` has the error bound of each word,
-    ``failed`` a message for each node that does not fit its format."""
+    """Bounds of the lean dataflow or of the whole arm, by node name.  ``errors``: node -> error bound of its word;
+    ``failed``: node that does not fit its format -> message."""
 
     def __init__(self, width: int, datapath: str = "lean") -> None:
         self.flow, self.bounds, self.failed = dataflow(datapath, width), dict[str, Bound](), dict[str, str]()

@@ -18,8 +18,8 @@ not turn the hand:
     e = atan2(-qe_w, qe_i)                         th4 = 2 e
     likewise from Qw: th5, th6, th7
 
-K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  The branch bits add half a turn to joints or
-negate them, as in :mod:`model.reference.joints`.  The flag over_k is set if and only if th_k is outside its limits.
+~ is the conjugate.  K is the CORDIC's gain (:mod:`model.dataflow.angles`), which cancels in b.  Branch bits add half a
+turn to joints or negate them (:mod:`model.reference.joints`).  The flag over_k is set if th_k is outside its limits.
 """
 
 from functools import partial, reduce
@@ -37,7 +37,7 @@ from .mul3 import Mul3
 from .nodes import SAME, SATURATE, SUM, WRAP, Dataflow, Growth, Limited, Node, Record, Within
 
 SECTIONS = {"hand": "wrist target of a hand pose", **CORE_SECTIONS, "frame": "wrist quaternion", "joints": "angles"}
-"""Section name -> description; the core's sections are the lean datapath's."""
+"""Section name -> description, including the lean datapath's sections."""
 
 LENGTH = Within(0.0, 1.01, "the squared length of a good hand")
 ROW = Within(-0.51, 0.51, "half a component of a unit vector, times |Qh|^2 < 1.01")
@@ -69,7 +69,7 @@ def arm(d: Dataflow, target: dict[str, Node]) -> None:
 
 
 class WrappedSum(Sum):
-    """Sum of two terms without the bits above the format."""
+    """Sum of two terms, wrapped to the format of its node."""
 
     def facts(self, node, domain):
         total = self.formula(domain)
@@ -82,7 +82,7 @@ class WrappedSum(Sum):
 
 
 def replaced(word: Term, mask: Term, constant: int) -> Choice:
-    """Return a word, or the constant 0 or 1 where the mask is set."""
+    """Return a word, replaced by ``constant`` (0 or 1) where the mask is set."""
     return Choice(Select(mask, constant, word), "replaced", word, mask, constant)
 
 
@@ -104,7 +104,7 @@ class Outside(Function):
 
 
 class OutsideFormat(Function):
-    """Mask of wrists that have a coordinate outside the format of its node."""
+    """Mask of wrists with a coordinate outside the format of the coordinate's node."""
 
     def __init__(self, *wrists: Node) -> None:
         def mask(*words):
@@ -119,17 +119,17 @@ class OutsideFormat(Function):
 
 
 def parts(before: str, after: str = "", of: str = "wijk") -> tuple[str, ...]:
-    """Return a name for each part of a quaternion."""
+    """Return the names ``before`` + part + ``after`` for the parts of a quaternion that ``of`` lists."""
     return tuple(f"{before}{part}{after}" for part in of)
 
 
 def equations(*names: str) -> str:
-    """Return the facts that are the equations of these nodes."""
+    """Return, as text of a ``proof``, the facts that are the equations of the named nodes."""
     return "; ".join(f"={name}" for name in names)
 
 
 def hand(d: Dataflow, target: dict[str, Node]) -> None:
-    """Build the wrist point (x, y, z), the quaternion h, which is Qh or, for a bad hand, 1, and the flags of both."""
+    """Build the quaternion h (Qh, or 1 for a bad hand), the wrist point (x, y, z), ``bad_hand`` and ``saturated``."""
     f = LeanFormats(d.width)
     d.at("hand")
     good = "=qh_len; good hand; |Qh|"
@@ -246,7 +246,7 @@ def joints(d: Dataflow) -> None:
 
 
 def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
-    """Build the three angles of a ball joint with the quaternion ``q``."""
+    """Build the angles ``names`` of the three joints that together turn by the quaternion ``q``."""
     n = d.nodes
     fmt = Format(d.width + 3, d.width + 1, "W + 1", signed=False)
     for name, x, y in (("d", "i", "j"), ("s", "w", "k")):
@@ -265,7 +265,7 @@ def _ball(d: Dataflow, q: str, names: tuple[str, ...]) -> None:
 
 
 def angle(d: Dataflow, name: str, of: Angle) -> Node:
-    """Build the node of an angle.  If the vector's length is a node, the angle waits for it."""
+    """Build the node of an angle.  If the vector's length is a node, the angle starts after that node."""
     bits = d.width + 4
     latency = "vector_y" if of.length else "vector"
     return d.node(name, of, Format(bits, bits - 1, "W + 3"), latency, after=of.length, within=TURN)

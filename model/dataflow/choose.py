@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Choice among the eight branches of a hand pose: the joints nearest to reference joints, inside their limits.
 
-Only the largest step counts, and the largest of seven is a maximum, which distributes over the minimum.  So for each
-elbow bit e, relative to the given branch, shoulder and wrist choose their bits s and w apart:
+A branch's step is the largest step of its seven joints.  A maximum distributes over a minimum, so for each elbow bit e
+the shoulder bit s and the wrist bit w, all relative to the given branch, are chosen independently of each other:
 
     min_e max(step_4[e], min_s max(step_1[s], step_2[s], step_3[s^e]), min_w max(step_5[e^w], step_6[w], step_7[w]))
 
-A step is counted in 2^-12 turns, towards 0; its top bit is set for an angle outside the limits, which is further away
-than any other.  Equal steps keep the given branch's bit.
+A joint's step, from its reference to its angle, is in units of 2^-12 turns, rounded towards 0.  If the angle is outside
+its limits, the step's top bit is set, so it exceeds all others.  If steps are equal, the given branch's bit is kept.
 
-Where th2 or th6 is 0 or half a turn, the axes of its neighbours coincide, and only the sum or the difference of their
-angles counts.  The first neighbour then takes its reference, and the other one the rest.
+Where th2 or th6 is 0 or half a turn, the axes of the joints before and after it coincide, and only the sum or the
+difference of their angles matters.  The joint before then takes its reference angle, and the joint after the rest.
 """
 
 import numpy as np
@@ -31,26 +31,26 @@ FOLD_CLOCKS = 50
 """Clocks of ``ik_fold_choose``, which has no named nodes."""
 
 BALLS = {"shoulder": (1, 2, 3), "wrist": (6, 7, 5)}
-"""Ball joint -> its three joints; the elbow bit turns the last one as well."""
+"""Ball joint -> its three joints; the elbow bit also turns the last of them."""
 
 FUNCTIONS = {"max": np.maximum, "min": np.minimum}
 
 
 def eps(width: int) -> int:
-    """Return the words next to 0 and half a turn within which th2 and th6 are singular."""
+    """Return the distance from 0 or half a turn, in ulps of a word, below which th2 and th6 count as singular."""
     return 8 if width > 24 else 16
 
 
 def near(angle: Node, most: int) -> Function:
-    """Return the mask of angles less than ``most`` words from 0 or from half a turn."""
+    """Return the mask of angles less than ``most`` ulps from 0 or from half a turn."""
     half = (1 << angle.frac) - 1
     return Function(lambda a: (a + most - 1 & half) < 2 * most - 1, "{} near 0 or half a turn", angle, frac=0)
 
 
 def step(gap: Node, out: Node, whole: bool) -> Function:
-    """Return the size of a difference of arcs in 2^-12 turns; all ones for an angle outside its limits.
+    """Return the size of ``gap``, a difference of arcs, in 2^-12 turns; all ones where the mask ``out`` is set.
 
-    ``whole``: the joint has no limits, so the difference is taken modulo a turn.
+    ``out``: the angle is outside its limits.  ``whole``: the joint has no limits, so the gap is taken modulo a turn.
     """
     turn = 2 << gap.frac
 
@@ -62,7 +62,7 @@ def step(gap: Node, out: Node, whole: bool) -> Function:
 
 
 def choose(d: Dataflow, target: dict[str, Node]) -> None:
-    """Build the whole arm and the choice behind its joints."""
+    """Build the whole arm and, from its joint angles, the choice of a branch."""
     arm(d, target)
     n = d.nodes
     d.at("choose")
@@ -91,7 +91,7 @@ def choose(d: Dataflow, target: dict[str, Node]) -> None:
 
 
 def _split(d: Dataflow, angles: dict[int, Node], first: int, middle: int, last: int) -> None:
-    """Replace the angles next to a singular joint."""
+    """Replace the angles of the joints ``first`` and ``last`` where the joint ``middle`` is singular."""
     between, reference = angles[middle], d.nodes[REFERENCES[first - 1]]
     singular = d.mask(f"singular_{middle}", near(between, eps(d.width)))
     opposite = d.mask(f"opposite_{middle}", (between >= 0.5) | (between < -0.5))
@@ -102,7 +102,7 @@ def _split(d: Dataflow, angles: dict[int, Node], first: int, middle: int, last: 
 
 
 def _steps(d: Dataflow, k: int, angle: Node, low: int, high: int) -> list[Node]:
-    """Return the nodes of a joint's steps from its reference: unchanged, and turned by half a turn or negated."""
+    """Return joint k's two steps from its reference: of its angle, and of that turned by half a turn or negated."""
     turn = (1 << d.width) - 1
     span = high - low & turn
 
@@ -124,7 +124,7 @@ GROUP = Format(STEP_BITS + 1, STEP_BITS - 1, str(STEP_BITS - 1), signed=False)
 
 
 def _turns(d: Dataflow, steps: dict[int, list[Node]]) -> dict[str, Node]:
-    """Return a dict: bit of the branch -> mask that changes it; ``steps``: joint -> its two steps."""
+    """Return a dict: branch bit -> mask of targets for which the bit changes; ``steps``: joint -> its two steps."""
     n = d.nodes
 
     def extreme(name: str, function: str, a: Node, b: Node) -> Node:

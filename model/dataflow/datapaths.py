@@ -22,11 +22,11 @@ class Datapath:
     * ``number``: parameter ``DATAPATH`` of ``ik_axis``; ``top``: module that contains the datapath
     * ``flow(dataflow, target)``: builds the whole dataflow; ``sections``: section -> description
     * ``widths``: supported word lengths; ``tile``: bits of the longer operand of its multipliers
-    * ``times(width)``: node -> clock in which it is valid, if the datapath is not the dataflow's pipeline
-    * ``period``: clocks from one target to the next at W = 24; ``behind``: clocks of the FIFO behind the datapath
+    * ``times(width)``: node -> clock in which it is valid; None if the datapath is the dataflow's pipeline
+    * ``period``: clocks between targets at W = 24; ``behind``: clocks of the FIFO or choice behind the datapath
     * ``inputs``, ``results``: words of a target and of a result, lowest bits first; ``side``: target bits above the tag
-    * ``flags``: node -> mask of its flag in the ``flag_bits`` bits of a result that are above the tag
-    * ``core``: instance of the datapath ``lean`` within this datapath, if there is one
+    * ``flags``: node -> mask of its flag among a result's ``flag_bits`` flag bits, which are above the tag
+    * ``core``: instance of the datapath ``lean`` within this datapath; empty if there is none
     """
 
     name: str
@@ -87,7 +87,7 @@ class Datapath:
         return Path("rtl") / self.rtl
 
     def instance(self, node: Node) -> str:
-        """Return the instance that holds a node's signal, levels joined by dots; empty if the datapath itself does."""
+        """Return the instance that holds a node's signal, levels joined by dots; empty for the datapath itself."""
         if node.section == "choose" or node.name in REFERENCES:
             return "g_choose.u_choose" if node.operands else "g_choose"
         inside = self.core and node.instance and node.section in lean.SECTIONS
@@ -131,7 +131,7 @@ ARM25, ARM16 = replace(ARM, name="arm25", tile=25), replace(ARM, name="arm16", t
 
 
 def choosing(path: Datapath, name: str) -> Datapath:
-    """Return the version of the whole arm that chooses the branch of a hand pose."""
+    """Return the version of a whole-arm datapath that also chooses the branch of a hand pose."""
     path = replace(path, name=name, flow=choose.choose, sections=path.sections | choose.SECTION)
     path = replace(path, inputs=(*path.inputs, *REFERENCES), results=CHOICE_FIELDS)
     return replace(path, flags=CHOICE_FLAGS, flag_bits=CHOICE_FLAG_BITS)

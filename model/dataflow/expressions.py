@@ -4,11 +4,11 @@
 A term is a node, a constant or an expression of terms; its value is a number with ``frac`` fraction bits, or a mask.
 Python's operators build expressions: ``cc - ss``, ``(d1 <= 0) | (d2 <= 0)``.  A term can be read in three ways:
 
-* ``words(values)`` is its value in units of 2^-frac.  ``values`` maps node names to integers, which give the RTL's
-  words, or to real numbers, which are never rounded.
-* ``formula(domain)`` is SMT-LIB over the reals, in a domain of :mod:`tb.formal.lean_proofs`; raises :class:`FreeError`.
-* ``text(level)`` is an equation's right side, in parentheses if the binding strength of its context, ``level``, is
-  above its own.
+* ``words(values)``: value in units of 2^-frac.  ``values`` maps node names to integers, which give the RTL's words, or
+  to real numbers, which are never rounded.
+* ``formula(domain)``: SMT-LIB over the reals.  ``domain``, of :mod:`tb.formal.lean_proofs`, supplies the names of nodes
+  and the formulas of comparisons; it may raise :class:`FreeError`.
+* ``text(level)``: right side of an equation; in parentheses if the context's binding strength, ``level``, is higher.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ set, so no length becomes 0."""
 
 
 class FreeError(Exception):
-    """Error of a comparison of a rounded word, unless only its sign is compared: proofs have no formula for it."""
+    """Comparison of a rounded word by more than the word's sign: proofs have no formula for it."""
 
 
 def round_shift(words, shift: int):
@@ -59,7 +59,7 @@ def integral(words) -> bool:
 
 
 def magnitude(words):
-    """Return |c|; for a negative integer c, its one's complement |c| - 1."""
+    """Return the magnitudes of words; a negative integer c gives its one's complement, |c| - 1."""
     return np.where(words < 0, ~words, words) if integral(words) else np.abs(words)
 
 
@@ -76,7 +76,7 @@ class Term:
     """Node, constant or expression, with Python's operators."""
 
     frac: int = 0
-    leaves: tuple[Node, ...] = ()  # nodes of the term, in the order in which it reads them
+    leaves: tuple[Node, ...] = ()  # nodes of the term, in the order in which the term reads them
 
     words: Callable[[Values], Any]
     formula: Callable[[Any], str]
@@ -104,7 +104,7 @@ class Term:
         return Scaled(self, -_power(divisor))
 
     def __abs__(self) -> Function:
-        """Return |c|; for a negative word c, its one's complement, which is one ulp less than |c|."""
+        """Return the magnitude; for a negative word, the one's complement, which is one ulp less."""
         return Function(magnitude, "|{}|", self, formula="(ite (< {0} 0.0) (- {0}) {0})")
 
     def __lt__(self, other) -> Compared:
@@ -156,9 +156,9 @@ def _aligned(values: Values, *terms: Term) -> list:
 class Operation(Term):
     """Operation of a dataflow on the terms ``parts``.
 
-    ``words``, ``formula`` and ``text`` read it as a term.  By default, formula and text are the patterns ``smt`` and
-    ``pattern``, with braces for the parts.  The methods with the argument ``node`` also use the rounding and the format
-    of the node that it computes.
+    As a term, it has ``words``, ``formula`` and ``text``; the last two are by default the patterns ``smt`` and
+    ``pattern``, in which braces stand for the parts.  The methods with the argument ``node`` also use the rounding and
+    the format of that node, which the operation computes.
     """
 
     smt, pattern = "", ""
@@ -168,8 +168,8 @@ class Operation(Term):
     adds_rounding = False  # True: :meth:`growth` leaves out the rounding of this operation
     rounds: tuple[float, float] | None = None  # error range in ulps, if the operation rounds by a rule of its own
     free = False  # True: proofs have no formula for it
-    method = ""  # of the folded program's lowering; without it, :meth:`lower` must be defined
-    given: tuple[Any, ...] = ()  # its arguments, by default the parts
+    method = ""  # name of the lowering's method for the operation; if empty, :meth:`lower` must be defined
+    given: tuple[Any, ...] = ()  # arguments of the method, by default the parts
     parts: tuple[Any, ...]  # terms; some operations take nodes
 
     def __init__(self, *parts: Term) -> None:
@@ -196,7 +196,7 @@ class Operation(Term):
         return self.words(values) * 2.0 ** (node.frac - self.frac)
 
     def growth(self, node, bounds) -> float:
-        """Return the largest error of the word.  ``bounds``: operand name -> :class:`model.bounds.ranges.Bound`."""
+        """Return the largest error of the node's word.  ``bounds``: operand -> :class:`model.bounds.ranges.Bound`."""
         return node.grows([bounds[operand.name].error for operand in self.operands if operand.frac], node.format.ulp)
 
     def facts(self, node, domain) -> list[str]:
@@ -261,7 +261,7 @@ class Sum(Operation):
 
 
 class Product(Operation):
-    """a * b * 2^scale, exactly."""
+    """Exact product a * b * 2^scale."""
 
     smt, method = "(* {} {})", "exact_product"
 
@@ -283,7 +283,7 @@ def square(a: Term) -> Product:
 
 
 class Unary(Operation):
-    """Operation on one term.  By default its value is the term's value."""
+    """Operation on one term.  By default the operation's value is the term's value."""
 
     smt = "{}"
     term: Any  # some operations take a node
@@ -328,9 +328,9 @@ class Floor(Unary):
 class Function(Operation):
     """Any function of the words of ``parts``.
 
-    * ``pattern``: of the text; ``level``: binding strength of the context of the parts in it
-    * ``formula``: pattern of the formula; without it, proofs have none
-    * ``frac``: fraction bits, by default the largest number of the parts
+    * ``pattern``: text with braces for the parts; ``level``: binding strength of the parts' context in the text
+    * ``formula``: formula with braces for the parts; without it, proofs have no formula for the operation
+    * ``frac``: number of fraction bits, by default the largest number that a part has
     """
 
     def __init__(
@@ -345,7 +345,7 @@ class Function(Operation):
 
 
 class Select(Operation):
-    """``yes`` where the mask is set, else ``no``."""
+    """Selection: ``yes`` where the mask is set, else ``no``."""
 
     smt = "(ite {2} {0} {1})"
 

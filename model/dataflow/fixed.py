@@ -22,7 +22,7 @@ FIFO_CLOCKS = 2
 
 @lru_cache(maxsize=64)
 def dataflow(datapath: str, width: int, limits: tuple[tuple[int, int], ...] | None = None) -> Dataflow:
-    """Return the dataflow of a datapath at a word length, for the whole arm with the joints' ``limits``."""
+    """Return the dataflow of a datapath at a word length; ``limits`` (of the joints) are only for the whole arm."""
     path = MODELS[datapath]
     flow = Dataflow(width, path.widths, path.tile, limits)
     path.flow(flow, flow.inputs((*path.inputs, *path.side)))
@@ -46,7 +46,7 @@ class Bits:
 
 @dataclass(frozen=True)
 class Answer:
-    """Outputs of a datapath for N targets: ``results``, words (N, 6) or, of the whole arm, (N, 17) in the order of
+    """Outputs of a datapath for N targets: ``results``, words (N, 6), or (N, 17) for the whole arm, in the order of
     :attr:`.Datapath.results`; ``flags`` (N,); ``bits``, every node."""
 
     results: np.ndarray
@@ -60,10 +60,10 @@ class Answer:
 
 
 def run(words: np.ndarray, width: int, datapath: str = DEFAULT, branch=0, limits: Limits | None = None) -> Answer:
-    """Run N targets through a datapath.  ``words`` (N, 6), for the whole arm (N, 11), are in the order of its inputs.
+    """Run N targets through a datapath.  ``words``: (N, 6), or (N, 11) for the whole arm, in the order of its inputs.
 
     Only for the whole arm: ``branch`` is a number from 0 to 7 or an array (N,); ``limits`` are seven pairs of words
-    (low, high), by default none.  Raises ValueError if the datapath does not support ``width``.
+    (low, high), by default no limits.  Raises ValueError if the datapath does not support ``width``.
     """
     path = MODELS[datapath]
     flow = dataflow(datapath, width, limits if limits is None else tuple((int(low), int(high)) for low, high in limits))
@@ -86,7 +86,7 @@ def latency(datapath: str, width: int) -> int:
 
 
 def of_hands(words: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the core's input words (N, 6) and the hand's flags (N,) for hand poses, which are input words (N, 11) of
-    the whole arm."""
+    """Return, for hand poses (the whole arm's input words (N, 11)), the core's input words (N, 6) and the flags (N,)
+    ``BAD_HAND`` and ``SATURATED``."""
     answer = run(words, width, "arm")
     return np.stack([answer.bits.nodes[name].value for name in FIELDS], axis=1), answer.flags & (BAD_HAND | SATURATED)

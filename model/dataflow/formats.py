@@ -2,7 +2,7 @@
 """Word lengths, formats of nodes, and latencies of operations.
 
 A two's complement word of ``W`` bits with ``i`` integer bits has the range [-2^i, 2^i) and ``W-1-i`` fraction bits.  In
-the paper's datapath, most products that feed a sum, and some sums of such products, have ``GUARD`` more (``wide``).
+the paper's datapath, most products that feed a sum, and some sums of such products, have ``GUARD`` more of them.
 """
 
 from dataclasses import dataclass
@@ -19,11 +19,11 @@ INNER_FRAC = 33
 """Maximum fraction bits of the lean datapath's inner words: with two integer bits, a word fits two tiles of 18 bits."""
 
 ROOT_FRACS = 22, 31
-"""Fraction bits of the lean datapath's roots: up to W = 18, where the table's short form suffices; maximum above."""
+"""Fraction bits of the lean datapath's roots: up to W = 18, where the table's short form suffices; most for W > 18."""
 
 
 def effective_width(width: int) -> int:
-    """Return the word length that sets the lean formats: at least 16, also for the exhaustive test's shorter words."""
+    """Return the word length that sets the lean formats: ``width``, but 16 for exhaustive tests' shorter words."""
     return max(width, WIDTHS[0])
 
 
@@ -100,7 +100,7 @@ class Latency:
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """Return the clocks of ``kind`` as a Verilog expression; a table's small form takes the long one's clocks."""
+        """Return the clocks of ``kind`` as a Verilog expression; a table's small and long form take equally many."""
         if kind in cls.FORMS:
             frac, table, more = cls.FORMS[kind]
             short, long = (table.clocks(table.short_frac + longer) + more for longer in (0, 1))

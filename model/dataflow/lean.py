@@ -14,7 +14,7 @@ every root is normalized by an even shift, so the root's relative precision does
 root, and every node computed from it, then has a power of two as its unit.
 
 Formats.  An inner word has F = W + 5 fraction bits, but at least 22 and at most 33, and two integer bits: [-2, 2).  A
-root has 22 fraction bits up to W = 18, and at most 31; its argument, a mantissa m, has 3 more.  The root is
+root has 22 fraction bits up to W = 18, else F, at most 31; its argument, a mantissa m, has 3 more.  The root is
 1/(2 sqrt(m)), in (1/2, 1]; 1 where m = 0.
 
 Rounding.  ``Mul3`` omits or estimates the product of the two low parts and rounds half up.  Roots are faithful, shifts
@@ -22,8 +22,8 @@ round down, results are rounded half up to W - 2 fraction bits.
 
 Proofs.  Each range has its reason and, as ``proof``, the facts from which z3 derives it (:mod:`tb.formal.lean_proofs`),
 separated by semicolons:
-``=node`` is the node's equation and ``node`` its range.  ``~node`` states that the node's word is within its error.
-``#node`` states that the node's word, which is exact, is 0, one ulp, or at least two ulps.  Other names are lemmas,
+``=node`` is the node's equation and ``node`` its range.  ``~node`` states that the word's error is within its bound.
+``#node`` states that an exact word's magnitude is 0, one ulp, or at least two ulps.  Other names are lemmas,
 stated after their nodes.  A range without ``proof`` follows from the node's equation and its operands' ranges.
 """
 
@@ -282,7 +282,7 @@ def triangle(d: Dataflow, f: LeanFormats) -> None:
     facts = {"rounding": FLOOR, "within": HALF_ANGLE, "proof": "bend; bend_sq"}
     d.node("bend_c", ops.half_part(cos_a, sin_a, toward, bend_sq, clamp), f.inner, **facts)
     d.node("bend_s", ops.half_part(cos_a, sin_a, ~toward, bend_sq, clamp), f.inner, **facts)
-    # These operands permit three products instead of four: c + s, and the larger part minus the smaller.
+    # Given c + s, and the larger part minus the smaller, the rotation takes three products instead of four.
     d.mask("bend_swap", Select(clamp, away, cos_a < 0))
     for name, sign in (("bend_dif", -1), ("bend_sum", 1)):
         facts = {"rounding": FLOOR, "within": PAIR, "grows": SUM, "proof": f"case; ={name}; bend_sq; sin_a"}
@@ -306,7 +306,7 @@ def triangle_lemmas(d: Dataflow) -> None:
     # straight: B = 4 d1 d2
     uses = f"n_ab in lengths; A + B; =m_far; =m_near; =e_near; =a_far; =d_sum_sq; =d_sum; =ulp; {LENGTHS}"
     d.lemma("n_ab, A = 0", f"implies(a_far == 0, {law})", uses)
-    # d1 and, if at least an ulp, 1/e_far are whole ulps, so 1/e_far is not between d1 and d1 + ulp
+    # 1/e_far is less than an ulp or, like d1, a whole number of ulps, so it is not between d1 and d1 + ulp
     d.lemma("e_far of d1", "1 < ulp*e_far or 1 <= e_far*d1 or e_far*(d1 + ulp) <= 1")
     # A = 4 d1 d2; |d1 - d2| is one ulp, or at least two
     uses = f"A + B; =m_far; =e_far; =b_near; =d_dif_sq; =d_dif; s > 0; #d_dif; e_far of d1; =ulp; {LENGTHS}"
@@ -366,8 +366,8 @@ def turn(d: Dataflow, f: LeanFormats, phi: Node) -> None:
 
 
 def last_rotation(d: Dataflow, f: LeanFormats, *pairs: tuple[str, str]) -> None:
-    """Build w_1 .. k_1, each pair from three products: w c + i s = (w + i) c - i (c - s), and
-    i c - w s = (w + i) c - w (c + s)."""
+    """Build w_1 and i_1, and likewise k_1 and j_1, from three products.  With c = bend_c and s = bend_s, they are
+    w_0 c + i_0 s = (w_0 + i_0) c - i_0 (c - s) and i_0 c - w_0 s = (w_0 + i_0) c - w_0 (c + s)."""
     n = d.nodes
     part: Record = {"within": PART, "grows": SUM, "proof": "q_1; =wi_1_len; =kj_1_len; length_sq"}
     for one, two in pairs:
@@ -387,7 +387,7 @@ def last_rotation(d: Dataflow, f: LeanFormats, *pairs: tuple[str, str]) -> None:
 
 
 def length_lemmas(d: Dataflow) -> None:
-    """State the lemmas on the length of the product.  Proofs treat each sum of squares in them as one number."""
+    """State the lemmas on the length of the product of rotations.  Proofs treat each sum of squares as one number."""
     for name in ("wi", "kj"):
         d.definitions[f"{name}_len"] = norm(*(f"{part}_0" for part in name))
         d.definitions[f"{name}_1_len"] = norm(*(f"{part}_1" for part in name))
@@ -405,8 +405,8 @@ def length_lemmas(d: Dataflow) -> None:
 
 
 def root(d: Dataflow, f: LeanFormats, name: str, value: Node, width: int) -> tuple[Node, Node, Node]:
-    """Build and return e_<name> (count of even shifts), m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m)), all of the
-    low ``width`` bits of ``value``."""
+    """Normalize the low ``width`` bits of ``value``; build and return the nodes e_<name> (count of shifts by two bits),
+    m_<name> (mantissa) and inv_<name> = 1/(2 sqrt(m_<name>))."""
     whole = f"={value.name}" if value.kind == "input" else value.name  # an input's range is its equation
     even = Even(value, width)
     count = d.node(f"e_{name}", EvenCount(even), d.count)
@@ -418,6 +418,6 @@ def root(d: Dataflow, f: LeanFormats, name: str, value: Node, width: int) -> tup
 
 
 def limited(d: Dataflow, name: str, within: Within, fmt: Format, why: Limited = TWO) -> Node:
-    """Build ``name``: ``name``_raw, limited to the largest word of ``fmt``. Lengths that are powers of two may give a
-    value one ulp above it: 2, or 1 for inv_12."""
+    """Build the node ``name``: the node ``name``_raw, limited to the largest word of ``fmt``. Lengths that are powers
+    of two may make ``name``_raw an ulp larger than that word: 2, or 1 for inv_12."""
     return d.node(name, ops.limited(d.nodes[f"{name}_raw"]), fmt, ends=SATURATE, within=within, limited=why)

@@ -2,7 +2,7 @@
 """Operations of the lean dataflow besides products and tables: normalization, shifts by counts, and choices.
 
 Normalization is an even shift (``ik_even``).  In a formula, the name of a count n stands for 2^n, so that a shift is a
-product.  The paper's dataflow shares the shifts, the whole arm the choices.
+product.  The paper's dataflow also uses the shifts, and the whole arm the choices.
 
 Choices are selections, sign changes and sums for which the folded program has special steps.  The quaternion h(c, s)
 turns by the angle whose cosine is c and whose sine is s.  It is not normalized: (1 + c, s)/2, or (s, 1 - c)/2 where
@@ -48,7 +48,7 @@ def even(value, width: int, mantissa_bits: int):
 
 
 class Even(Operation):
-    """Mantissa of the low ``width`` bits of a word, shifted left by pairs until the first pair is not 0."""
+    """Mantissa of the low ``width`` bits of a word, shifted left by pairs of bits until the first pair is not 0."""
 
     kind, latency, rounds = "even", "even", FLOOR
     count: Node
@@ -95,7 +95,7 @@ class Even(Operation):
 
 
 class EvenCount(Operation):
-    """Number of pairs by which :class:`Even` shifts."""
+    """Number of pairs of bits by which :class:`Even` shifts."""
 
     kind, latency, pattern = "even", "even", "clz({}) / 2"
 
@@ -140,7 +140,7 @@ class Count(Operation):
 
 
 class Shift(Operation):
-    """v 2^(power + sign n), truncated."""
+    """Word v times 2^(power + sign n), truncated; n is a shift count."""
 
     sign: int
 
@@ -155,7 +155,7 @@ class Shift(Operation):
 
 
 class ShiftUp(Shift):
-    """v 2^(power + n), truncated.  Bits above the format, set only for clamped targets, are dropped."""
+    """Word v times 2^(power + n), truncated.  Bits above the format, set only for clamped targets, are dropped."""
 
     sign, method = 1, "shift_up"
 
@@ -169,7 +169,7 @@ class ShiftUp(Shift):
 
 
 class ShiftDown(Shift):
-    """v 2^(power - n), truncated."""
+    """Word v times 2^(power - n), truncated."""
 
     sign, method = -1, "shift_down"
 
@@ -192,9 +192,9 @@ def _power(count: Node, sign: int, constant: int) -> str:
 
 
 class Choice(Unary):
-    """Expression for which the lowering's ``method``, with the node and ``given``, adds special folded steps.
+    """Expression with special steps in the folded program: the lowering's ``method(node, *given)`` adds them.
 
-    ``free``: True if it saturates or wraps by design, so that proofs have no formula for it.
+    ``free``: True if the expression saturates or wraps by design, so that proofs have no formula for it.
     """
 
     def __init__(self, expression: Term, method: str, *given: Any, operands: tuple = (), free: bool = False) -> None:
@@ -203,22 +203,22 @@ class Choice(Unary):
 
 
 def _at_most(term: Term) -> Function:
-    """Return a term that the node limits to the largest word of its format; only ``text`` shows the limit."""
+    """Return a term whose text shows that the node limits it to the largest word of its format."""
     return Function(lambda words: words, "min({}, most)", term, formula="{}", level=CHOICE + 1)
 
 
 def limited(raw: Term) -> Choice:
-    """Return a word limited to the format of its node."""
+    """Return the word ``raw``, limited to the format of its node."""
     return Choice(_at_most(raw), "limit", raw)
 
 
 def mantissa(value: Term, low: Term) -> Choice:
-    """Return a word, times 4 where the mask ``low`` is set, limited to the format of its node."""
+    """Return a word, multiplied by 4 where the mask ``low`` is set, and limited to the format of its node."""
     return Choice(_at_most(Select(low, 4 * value, value)), "mantissa", value, low)
 
 
 def signed(value: Term, negative: Term) -> Choice:
-    """Return a result, negated where the mask is set."""
+    """Return the result word ``value``, negated where the mask ``negative`` is set."""
     return Choice(Select(negative, -value, value), "result", value, negative)
 
 
@@ -240,20 +240,20 @@ def _halved(s: Term, none: Term | None = None) -> Term:
 
 
 def half_length(c: Term, unit: Term | None = None) -> Choice:
-    """Return the squared length (1 + |c|)/2; 1 where the mask ``unit`` is set."""
+    """Return the squared length (1 + |c|)/2 of h(c, s); 1 where the mask ``unit`` is set."""
     return Choice(Select(unit, 1, _half_length(c)) if unit else _half_length(c), "half_length", c, unit)
 
 
 def half_part(c: Term, s: Term, large: Term, length: Term | None = None, none: Term | None = None) -> Choice:
     """Return a part of h: the squared length where ``large`` holds, else half the sine, or 0 where ``none`` is set.
 
-    Without the node ``length`` the part computes the squared length itself.
+    The squared length is the node ``length`` or, if that is None, computed from ``c``.
     """
     return Choice(Select(large, length or _half_length(c), _halved(s, none)), "half_part", c, s, large, none)
 
 
 def half_sum(length: Term, s: Term, none: Term, sign: int) -> Choice:
-    """Return the squared length plus or minus half the sine, or without the sine where the mask ``none`` is set."""
+    """Return ``length`` plus or minus (``sign``) half the sine, or ``length`` alone where the mask ``none`` is set."""
     return Choice(Sum((1, length), (sign, _halved(s, none))), "half_sum", length, s, sign)
 
 

@@ -5,7 +5,7 @@ A dataflow (:mod:`model.dataflow.paper`, :mod:`model.dataflow.lean`, :mod:`model
 nodes.  Each node has an operation (:mod:`model.dataflow.expressions`), from which everything else is computed:
 
 * words, equal to the RTL in every bit: :class:`model.dataflow.fixed.Bits`;
-* double precision with any single node disturbed: :class:`model.bounds.predict.Real`;
+* double precision with chosen nodes disturbed: :class:`model.bounds.predict.Real`;
 * intervals and error growth: :mod:`model.bounds.ranges`;
 * formulas over the reals: :class:`tb.formal.lean_proofs.Exact`;
 * the equation as text, for pages and for the comments of the RTL;
@@ -13,8 +13,8 @@ nodes.  Each node has an operation (:mod:`model.dataflow.expressions`), from whi
 * formats and clocks, from which ``scripts/generate/headers.py`` writes the ``*_nodes.vh`` of the RTL.
 
 Rounding.  A node is exact, or its ``rounding`` is half up (add half an ulp, drop the lower bits), floor or JAM.  A word
-outside the format saturates or wraps if the node has ``ends``.  Only nodes with ``limited`` ever saturate, which is
-proved (:mod:`model.bounds.ranges`).
+outside the format saturates or wraps if the node has ``ends``.  Only nodes with ``limited`` ever saturate, as
+:mod:`model.bounds.ranges` proves.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ ANYTHING = -math.inf, math.inf
 class Within:
     """Range [low, high] of a node in exact arithmetic, from geometry; ``why`` is the reason.
 
-    ``below``: the value stays below ``high``, and so does its word, which is exact or truncated.
+    ``below``: the value is less than ``high``, and so is the node's word, because it is exact or truncated.
     """
 
     low: float
@@ -60,9 +60,9 @@ class Within:
 
 @dataclass(frozen=True)
 class Rule:
-    """Rule for one node of the paper datapath in each :class:`model.bounds.ranges.Case`.  ``limit`` narrows the range
-    computed from the operands, and ``why`` is the reason.  ``word`` is the range of the rounded word.  ``error`` is an
-    upper limit for the error computed from the operands."""
+    """Rule for one node of the paper datapath.  Its functions take a :class:`model.bounds.ranges.Case` and return
+    ``limit``: a range that narrows the one computed from the operands (``why`` is the reason); ``word``: the range of
+    the rounded word; ``error``: an upper limit of the error computed from the operands."""
 
     why: str
     limit: Callable[[Any], Interval]
@@ -71,15 +71,15 @@ class Rule:
 
 
 class Given(Rule):
-    """Range of an exact word that its operands' ranges do not bound: a count, or a word that wraps where it is unused.
-    ``limit`` is the permitted part of the word's format."""
+    """Range of an exact word that does not follow from the operands' ranges: of a count, or of a word that wraps where
+    it is unused.  ``limit`` returns the permitted part of the word's format."""
 
 
 @dataclass(frozen=True)
 class Growth:
-    """Error growth of an operation: the largest of the operands' errors, or their sum if ``added``.  Each error is
-    multiplied by its gain (default 1).  Unless ``exact``, rounding adds an ulp.  Masks and counts have no error and no
-    entry in ``gains``."""
+    """Error growth of an operation: the largest of the operands' errors, or their sum if ``added``.  Before that, each
+    error is multiplied by the operand's entry in ``gains`` (default 1).  Masks and counts have no error and no entry.
+    Unless ``exact``, rounding adds an ulp."""
 
     gains: tuple[float, ...] = ()
     added: bool = False
@@ -111,8 +111,8 @@ SUM = Growth(added=True, exact=True)
 class Node(Term):
     """Named value of a dataflow.
 
-    * ``time``: clocks from the clock in which the target is at the input; -1 if the RTL has no signal for the node
-    * ``after``: node for which the operation waits without using it, to align results
+    * ``time``: clock in which the node is valid; the target is at the input in clock 0; -1 without a signal in the RTL
+    * ``after``: node that is not an operand, but for which the operation waits, to align results
     * ``rounding``, ``ends``: treatment of the bits below and above the format; ``limited``: intended saturation
     * ``within``: range in exact arithmetic; ``proof``: facts that prove it (:mod:`tb.formal.lean_proofs`)
     * ``grows``: error growth; ``as_words``: operands whose words count as exact
@@ -228,12 +228,12 @@ class Input(Operation):
 class Dataflow:
     """Dataflow at one word length: its nodes in order, and statements for ranges and proofs.
 
-    * ``limits``: (lower, upper) limit of each joint of the whole arm, words with one turn = 2^W; by default none
-    * ``learned``: numbers of nodes before which :func:`model.bounds.ranges.off_length` tightens the bounds of a case
-    * ``restarts``: number of nodes before it -> names of nodes that define a plane; their words count as exact from
-      there on, because the later nodes are correct for any plane
+    * ``limits``: (lower, upper) limit of each joint of the whole arm, words with one turn = 2^W; by default no limits
+    * ``learned``: indices of nodes before which :func:`model.bounds.ranges.off_length` tightens the bounds of a case
+    * ``restarts``: index of a node -> names of earlier nodes that define a plane.  From that node on their words count
+      as exact, because all later nodes are correct for any plane
     * ``lemmas``: name -> (statement, facts that prove it); without facts the statement is assumed
-    * ``definitions``: name -> the expression that it abbreviates in lemmas; proofs treat it as one number
+    * ``definitions``: name -> expression that the name abbreviates in lemmas; proofs treat the name as one number
     """
 
     def __init__(self, width: int, widths: range = WIDTHS, tile: int = TILE, limits: Limits | None = None) -> None:
@@ -249,7 +249,7 @@ class Dataflow:
         self.definitions: dict[str, str] = {}
         self.half_angle: tuple[str, str] = ("", "")  # names of sine and cosine of phi/2
         self._section, self._equation = "guard", ""
-        self._since: Node | None = None  # no later node starts before its clock
+        self._since: Node | None = None  # no later node starts before this node's clock
         self._as_words: frozenset[str] = frozenset()
 
     def at(self, section: str | None = None, equation: str = "") -> None:
@@ -274,9 +274,9 @@ class Dataflow:
     # ---- making nodes --------------------------------------------------------------------------------------------
 
     def node(self, name: str, op: Operation, fmt: Format, latency: str | None = "", after=None, **record) -> Node:
-        """Add a node.  Its ``latency``, by default the operation's, is counted from the last of its operands and
-        ``after``.  ``record``: further fields of :class:`Node`; ``proof`` is a text, facts separated by semicolons.
-        Raises ValueError if the name is taken."""
+        """Add and return a node.  Its ``latency``, a key of :class:`.formats.Latency` (by default the operation's),
+        counts from the last of its operands and ``after``.  ``record``: further fields of :class:`Node`; ``proof`` is a
+        text, facts separated by semicolons.  Raises ValueError if the name is taken."""
         if name in self.nodes:
             raise ValueError(f"node {name} is defined twice")
         latency = op.latency if latency == "" else latency
@@ -296,7 +296,7 @@ class Dataflow:
         return self.node(name, op, self.bit, latency, **record)
 
     def inputs(self, fields: tuple[str, ...] = FIELDS) -> dict[str, Node]:
-        """Add the nodes of the input words; their time is 0, the clock in which the target is accepted."""
+        """Add and return the nodes of the input words; their time is 0, the clock in which the target is accepted."""
         formats = {
             name: self.bit if name in BRANCHES else self.word(int(name not in ("phi", *REFERENCES))) for name in fields
         }
@@ -305,7 +305,7 @@ class Dataflow:
     # ---- statements between nodes ----------------------------------------------------------------------------------
 
     def words(self, *names: str) -> None:
-        """Treat the words of these nodes as exact in later nodes.  Those start no earlier than the last one named."""
+        """Treat the named nodes' words as exact in later nodes, none of which starts before the last named node."""
         self._since = self.nodes[names[-1]]
         self._as_words |= {*names}
 

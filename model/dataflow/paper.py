@@ -44,12 +44,12 @@ def paper(d: Dataflow, target: dict[str, Node]) -> None:
 
 
 def upto(size: Callable[[Any], float]) -> Callable[[Any], Interval]:
-    """Return a function: case -> range [-size, size]."""
+    """Return the function case -> range [-size(case), size(case)]."""
     return lambda c: (-size(c), size(c))
 
 
 def used(limit: Callable[[Any], Interval]) -> Callable[[Any], Interval]:
-    """Return the function ``limit``, but without a range for clamped targets: their word is unused and may wrap."""
+    """Return the function ``limit``, changed to permit any word of clamped targets, which is unused and may wrap."""
     return lambda c: ANYTHING if c.clamped else limit(c)
 
 
@@ -58,7 +58,7 @@ def not_negative(case) -> Interval:
     return 0.0, math.inf
 
 
-# Before each section stand its nodes' ranges in exact arithmetic, from geometry, for each case, with the reason.
+# The constants before a section are its nodes' ranges in exact arithmetic in each case, from geometry, with the reason.
 
 CLAMPED = Given("", lambda c: (int(c.clamped), int(c.clamped)))
 REACHABLE = Given("", lambda c: (0, int(c.clamped)))
@@ -79,7 +79,7 @@ ARM = Given("arms' unit", lambda c: (0.25, 0.25) if c.clamped else (c.ulp, c.d_h
 def guard(d: Dataflow, target: dict[str, Node]) -> None:
     """Build the flags of targets outside the equations' domain, and the scaled operands of the equations.
 
-    The flags are exact, because the squares that they compare are not rounded.
+    The flags are exact, because the compared squares are not rounded.
     """
     w, n = d.width, d.nodes
     x, y, z, d1, d2 = (target[k] for k in ("x", "y", "z", "d1", "d2"))
@@ -101,8 +101,8 @@ def guard(d: Dataflow, target: dict[str, Node]) -> None:
     too_near = d.mask("too_near", (s_raw < n["d_sq"]) & ~bad_length, within=REACHABLE)
 
     # A clamped target has no elbow in the sense of (13): the arm is straight or closed along the line to the target.
-    # It passes through all equations as the ordinary target of an arm with d1 = d2 = 1/4, and these values are
-    # overridden: p_e with its length d_e, c4, and the vector that decides the sign in (17).
+    # All equations treat it as an ordinary target of an arm with d1 = d2 = 1/4, and then these values are replaced:
+    # p_e with its length d_e, c4, and the vector that decides the sign in (17).
     clamp = d.mask("clamp", too_far | too_near | at_shoulder | bad_length, within=CLAMPED)
     d.mask("closed", (too_near | at_shoulder) & ~bad_length, within=REACHABLE)
     d.mask("away", too_near & (d_raw < 0), within=REACHABLE)
@@ -227,8 +227,8 @@ ELBOW = Rule(
 def elbow(d: Dataflow) -> None:
     """Build section 3.2: the point pair (12), in the form (19), and the elbow point (13).
 
-    PP is homogeneous, so common factors do not matter.  It has the factor 2, as in (19), and a power of 2, because
-    the target's unit of length is 2^j times finer than the unit of d1 and d2.  p_e is in the unit of d1 and d2.
+    PP is homogeneous, so common factors do not matter.  The computed PP has the factor 2, as in (19), and a power of 2,
+    because the target's unit of length is 2^j times finer than the unit of d1 and d2.  p_e is in the unit of d1 and d2.
     """
     n = d.nodes
     d.at("elbow", "(12)")
@@ -323,7 +323,7 @@ def elbow_quaternion(d: Dataflow) -> None:
 
 
 def _half(d: Dataflow, name: str, twice: Sum) -> None:
-    """Build (1 + c) / 2 or (1 - c) / 2 of (6) and (7), limited to [0, 1].  The word is unsigned, so that 1 fits."""
+    """Build half of ``twice``, 1 + c or 1 - c of (6) and (7), limited to [0, 1].  It is unsigned, so that 1 fits."""
     fmt = Format(d.width, d.width - 1, "W - 1", signed=False)
     half = twice / 2
     limited = Function(lambda words: np.clip(words, 0, 1 << half.frac), "min(max({}, 0), 1)", half)
@@ -347,8 +347,8 @@ def rotate_to_elbow(d: Dataflow) -> None:
     """Build section 3.4: Q12 (15), the middle line L_m divided by its length.
 
     L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) may be scaled freely, so the factor d1 is dropped.
-    With the elbow above the shoulder, d1 - p_ez loses digits.  But p_ex^2 + p_ey^2 = (d1 - p_ez)(d1 + p_ez), so L_m is
-    divided by d1 - p_ez: (p_ex, p_ey, d1 + p_ez).  With the elbow below, one factor (p_ex, p_ey) is scaled up to
+    If the elbow is above the shoulder, d1 - p_ez loses digits.  But p_ex^2 + p_ey^2 = (d1 - p_ez)(d1 + p_ez), so L_m is
+    divided by d1 - p_ez: (p_ex, p_ey, d1 + p_ez).  If the elbow is below, one factor (p_ex, p_ey) is scaled up to
     (u_x, u_y).  On the z axis the first form is (0, 0, 2 d1) and the second (d1, 0, 0), so 0/0 never occurs.
     """
     n = d.nodes
@@ -414,7 +414,7 @@ def rotate_to_wrist(d: Dataflow) -> None:
     d.node("c3", Mul(n["c3_num"], pi_inv), d.word(1), within=COSINE)
 
     # sign: the side of the rotated plane on which the target lies.  The target of a flat arm lies in the plane.  Then
-    # the vector -PP^- decides if the target is in the direction of the elbow, +PP^- if it is behind the shoulder.
+    # -PP^- sets the sign if the target is in the direction of the elbow, +PP^- if the target is behind the shoulder.
     scaled = Growth((1 / 8, 1.0), exact=True)
     for a, m in (("x", "1"), ("y", "2"), ("z", "3")):
         line = n[f"pp_{m}_m"] / 8

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations of the paper's dataflow: rounded products and sums, division, root, CORDIC, normalization.
 
-``interval(node, bounds)`` returns low, high, error and (floor, ceiling) of a :class:`model.bounds.ranges.Bound`.
+Method ``interval(node, bounds)``: low, high, error and (floor, ceiling) of a :class:`model.bounds.ranges.Bound`.
 """
 
 import math
@@ -19,7 +19,7 @@ from .nodes import Dataflow, Given, Node, RangeError
 from .quadratic import HalfAngle
 
 SINCOS_GUARD = 6
-"""Guard bits of the CORDIC below a result's LSB; each of its W iterations drops less than one guarded ulp."""
+"""Guard bits of the CORDIC below a result's LSB; each of its W iterations drops less than the last guard bit."""
 
 CORDIC = (-2.0, 2.0)
 """Error range of the CORDIC in ulps: each of W iterations drops less than 2^-6 ulp of either coordinate, the residual
@@ -59,9 +59,9 @@ def cordic(phi, width: int):
 
 
 def sincos_bound(width: int) -> float:
-    """Return the largest error of ``ik_sincos`` in ulps, 2^-(width-2).
+    """Return an upper bound of the error of ``ik_sincos`` in ulps, 2^-(width-2).
 
-    With G guard bits, in units g = 2^-G ulp:
+    The errors that add up, in units g = 2^-G ulp, with G guard bits:
 
     * Each iteration i >= 1 drops less than 1 g of x and of y, a vector shorter than sqrt(2) g.  Each later iteration j
       stretches this vector by sqrt(1 + 4^-j).  The shift of iteration 0 is exact.
@@ -86,7 +86,7 @@ def sincos_bound(width: int) -> float:
 
 
 class Saturating(Operation):
-    """Operation whose words ``unlimited(node, values)`` saturate to the format."""
+    """Operation that saturates the words ``unlimited(node, values)`` to the node's format."""
 
     unlimited: Callable[..., Any]
 
@@ -107,7 +107,7 @@ class Rounded(Saturating):
 
 
 class Mul(Rounded, Product):
-    """a * b * 2^scale, rounded half up."""
+    """Product a * b * 2^scale, rounded half up and saturated."""
 
     kind, latency = "mul", "mul"
 
@@ -149,7 +149,7 @@ class Total(Rounded, Sum):
 
 
 class Div(Saturating):
-    """floor(n / d), saturated.  Proved ranges exclude divisors <= 0 (:meth:`interval`)."""
+    """Quotient floor(n / d), saturated.  Proved ranges exclude divisors <= 0 (:meth:`interval`)."""
 
     kind, latency, rounds = "div", "div", FLOOR
     pattern, inner = "{} / {}", SCALED
@@ -180,7 +180,7 @@ class Div(Saturating):
 
 
 class Root(Unary):
-    """floor(sqrt(n)); 0 where n < 0."""
+    """Square root floor(sqrt(n)); 0 where n < 0."""
 
     kind, latency, rounds = "root", "root", FLOOR
 
@@ -216,7 +216,7 @@ class SineCosine(HalfAngle):
 
 
 def leading_bits(*vector: Node) -> Function:
-    """Return the left shift that makes the largest of a vector's words fill its width; 0 for the all-zero vector."""
+    """Return the left shift by which a vector's largest word fills its format; 0 for the all-zero vector."""
 
     def count(*words):
         shifts = [room(word, vector[0].format.width) for word in words]
@@ -226,7 +226,7 @@ def leading_bits(*vector: Node) -> Function:
 
 
 class Normalized(Operation):
-    """Word of a vector, shifted left by its :func:`leading_bits`; the all-zero vector becomes (1/2, 0, ..)."""
+    """Word ``index`` of a vector, shifted left by ``count``; the all-zero vector becomes (1/2, 0, ..)."""
 
     kind, latency = "normalize", "norm"
 
@@ -250,10 +250,10 @@ class Normalized(Operation):
 
 
 def normalize(d: Dataflow, names: tuple[str, ...], words: tuple[Node, ...], count: str, within: Given) -> Node:
-    """Build a vector's words, shifted left together until the largest fills its width; return the shift count.
+    """Shift a vector's ``words`` left together until the largest fills its format; return the node of the shift count.
 
-    The shifted nodes ``names`` are mantissas in [-1, 1), of the range ``within``, and exact: a shift changes the unit,
-    not the vector.  The all-zero vector becomes (1/2, 0, ..).
+    The nodes ``names`` of the shifted words are mantissas in [-1, 1) with the range ``within``.  They are exact: a
+    shift changes the unit, not the vector.  The all-zero vector becomes (1/2, 0, ..).
     """
     bits = Given("leading sign bits", lambda case: (0, words[0].format.width - 1))
     counts = d.node(count, leading_bits(*words), d.count, "norm", within=bits)

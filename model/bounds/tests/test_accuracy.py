@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test the proved accuracy: words against the theorems, and errors of one group of nodes alone against its constant."""
+"""Test the proved accuracy: results against the theorems, and the error of each group of nodes against its constant."""
 
 import math
 
@@ -24,7 +24,7 @@ WIDTHS = [18, 32, *(pytest.param(width, marks=pytest.mark.slow) for width in (16
 
 
 def poses(width: int, seed: int) -> np.ndarray:
-    """Return targets in reach, half of all kinds, half where roots and roundings weigh most."""
+    """Return targets in reach: some of every kind, and some for which roots and rounding have the greatest effect."""
     words = np.concatenate([right_angles(COUNT // 2, width, seed), mixed(COUNT, width, seed)])
     return words[(expected_flags(words, width) & UNREACHABLE == 0) & words[:, :3].any(axis=1)]
 
@@ -44,7 +44,7 @@ def length(vectors):
 
 @pytest.mark.parametrize("width, datapath", CORES)
 def test_wrists(width, datapath):
-    """Check the wrist's theorem in reach and, with the nearest pose, out of reach and at the shoulder."""
+    """Check the wrist's theorem in reach and, for the nearest reachable point, out of reach and at the shoulder."""
     a, b, c = (float(accuracy(width, datapath)[name]) for name in "abc")
     out = unreachable(COUNT, width, 5)
     for words, clamped in ((poses(width, 1), False), (out[(out[:, 4:] > 0).all(axis=1)], True)):
@@ -62,7 +62,7 @@ def test_wrists(width, datapath):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_hands(width):
-    """Check the whole arm's theorem, the angles of its CORDICs, and the wrist of the quaternions' directions."""
+    """Check the whole arm's theorem, the angles of its CORDICs, and the wrist computed from normalized Qs and Qe."""
     words, branch = hands(width, 1)
     answer, of = fixed.run(words, width, "arm", branch), {name: float(k) for name, k in accuracy(width, "arm").items()}
 
@@ -90,8 +90,8 @@ def test_hands(width):
 
 
 def displaced(bits, members):
-    """Yield all nodes' values (N,) with errors of ``members`` alone, eight times, each error at an end of its range.
-    Tables have half of their stated error, which every table may have."""
+    """Yield, eight times, the values (N,) of all nodes if only the nodes ``members`` have errors, each at a random end
+    of its range. Nodes of tables have half of their stated error, which is an error that any table may have."""
     random = np.random.default_rng(3)
     for _ in range(8):
         nodes = (bits.nodes[member] for member in members.split())
@@ -112,13 +112,13 @@ GROUPS = {
     "Qs rounding": "qs_w qs_i qs_j qs_k",
     "Qe": "inv_12_raw inv_12_far_raw inv_12_near_raw elbow_w elbow_i qe_w qe_i",
 }
-"""Constant -> nodes whose errors it covers."""
+"""NAME -> nodes whose errors are covered by the constant NAME or by the constants NAME k and NAME w."""
 
 
 @pytest.mark.parametrize("width, datapath", CORES)
 def test_no_group_of_errors_moves_the_wrist_further_than_its_constant(width, datapath):
-    """Left out: targets on the axis, and straight or closed arms, because products with 0 are exact; cosines a few ulps
-    from 0, whose words decide on ``bend_swap``."""
+    """Skip targets on the axis and straight or closed arms, because products with 0 are exact. Skip targets whose cos_a
+    is within 99 ulps of 0, because errors could change ``bend_swap``."""
     words, most = poses(width, 2), {name: float(part) for name, part in accuracy(width, datapath).items()}
     exact = fixed.run(words, width, datapath).bits.nodes
     regular = [exact[name].value != 0 for name in ("rho_sq", "a_far", "b_near")]
@@ -155,8 +155,8 @@ def test_no_group_of_errors_moves_the_hand_further_than_its_constant(width):
 
 @pytest.mark.parametrize("datapath", ["lean", "lean25", "lean16"])
 def test_every_rounding_is_counted(datapath, monkeypatch):
-    """Check that the constants read the error of every node that rounds, apart from halves, which :func:`proof.turn`
-    and test_halves_of_words state, and tables."""
+    """Check that the constants include the error of every node that rounds, except tables, and nodes of half angles,
+    which :func:`proof.turn` and test_half_angles cover."""
     counted, ulps = set(), proof.ulps
     monkeypatch.setattr(proof, "ulps", lambda node: counted.add(node.name) or ulps(node))
     proof.core.__wrapped__(dataflow(datapath, 24))
@@ -168,7 +168,7 @@ def test_every_rounding_is_counted(datapath, monkeypatch):
 
 @pytest.mark.parametrize("width, datapath", CORES)
 def test_half_angles(width, datapath):
-    """Check the identities of words on which the page rests, and the rotations by words against the exact ones."""
+    """Check identities of words that docs/generated/accuracy.md uses, and rotations by words against exact ones."""
     nodes = fixed.run(poses(width, 4), width, datapath).bits.nodes
     v = {name: np.asarray(node.value) for name, node in nodes.items()}
     real = {name: word.astype(float) * nodes[name].format.ulp for name, word in v.items()}

@@ -10,10 +10,10 @@ they remain equal if a table gets worse, and only this test detects it.
 
 Units: fraction of the reach for a hand, radians for an angle, ulps of the result for an arithmetic module.
 
-* ``proved``: the largest error permitted by the proof, for the actual table; rounded up at the fourth digit.
+* ``proved``: the largest error that the proof permits for the actual table, rounded up to four digits.
 * ``max``, ``rms``, ``median``: of measured errors, always for the same arguments or targets.
-* ``NODE rms``: of the error that rounding adds at a node.
-* ``products proved``: the largest error of the lean datapath's products of three factors.
+* ``NODE rms``: root mean square of the error that rounding adds at the node NODE.
+* ``products proved``: the largest error of the lean datapath's products, each the sum of three tile products.
 * ``inner``: hand error of the lean datapath before its results are rounded; that rounding mostly hides inner errors.
 """
 
@@ -45,7 +45,7 @@ WIDE, SMALL = 18, 16
 """Bits of a multiplier tile; SMALL selects small tables."""
 
 TABLES = [(f, WIDE) for f in (19, 22, 23, 24, 31)] + [(f, SMALL) for f in (19, 28, 29)]
-"""Fraction bits and tile: both ends of each form of a table."""
+"""(fraction bits, tile): the fewest and the most fraction bits for which each form of a table is used."""
 
 PI = np.longdouble("3.14159265358979323846264338")
 
@@ -111,7 +111,7 @@ def regular(width: int) -> np.ndarray:
 
 
 def answers(targets: Callable[[int], np.ndarray], width: int, datapath: str) -> Figures:
-    """Return the figures of a datapath for the targets: errors of hand, angles and norms."""
+    """Return the figures of a datapath for ``targets(width)``: errors of hand, angles and norms."""
     words, lean = targets(width), datapath.startswith("lean")
     clamped = expected_flags(words, width) & UNREACHABLE != 0
     runs = [Run(words[~clamped], width, datapath, solve_lean if lean else solve_clamped)]
@@ -130,7 +130,7 @@ def answers(targets: Callable[[int], np.ndarray], width: int, datapath: str) -> 
 
 
 class Local(Real):
-    """Each node in double precision, computed from its operands' words; ``off`` is the node's own rounding error."""
+    """Dataflow in double precision, each node computed from its operands' words; ``off``: node -> rounding error."""
 
     def __init__(self, bits: fixed.Bits) -> None:
         self.off: dict[str, np.ndarray] = {}
@@ -148,7 +148,7 @@ NOISE = 1e-14  # an rms error up to this is noise of double precision
 
 
 def nodes(width: int, datapath: str) -> Figures:
-    """Return each node's rms rounding error. It is absolute: an error in ulps would not reveal a shortened word."""
+    """Return each node's rms rounding error. It is not in ulps, because that would not reveal a shortened word."""
     words = everywhere(width)
     reached = expected_flags(words, width) & UNREACHABLE == 0
     off = Local(fixed.run(words, width, datapath).bits).off

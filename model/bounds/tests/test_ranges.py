@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test the proved ranges of the datapaths: they fit the formats, contain the words of random targets, and name a node
-whose format is too short. The error growth that nodes state covers operands with large errors."""
+"""Test the proved ranges: they fit the formats and contain the words of random targets, and a node whose format is too
+short is reported by name. Test that the error growth stated by nodes covers operands with large errors."""
 
 from dataclasses import replace
 
@@ -38,8 +38,8 @@ def test_nothing_saturates_but_by_design(widths):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_random_targets_stay_inside_the_proved_ranges(width):
-    """Check that nothing saturates except by design. In the swivel section, which is before the first restart, check
-    also that errors against double precision in regular poses are within the proved errors."""
+    """Check that saturation is intended and words are in the proved ranges. In section ``swivel``, where no word counts
+    as exact yet, check also errors against double precision in regular poses."""
     some = random_reachable(20000, width, 7), edges(5000, width, 7), unreachable(5000, width, 7)
     words = np.concatenate([*some, extremes(5000, width, 7), np.array(list(corners(width).values()), dtype=np.int64)])
     bits = fixed.run(words, width, "paper").bits
@@ -72,7 +72,7 @@ def test_random_targets_stay_inside_the_proved_ranges(width):
 SHORT = [("paper", *of, 1) for of in (("l_sw", 16), ("k_e", 24), ("inf_pp", 16), ("qs_j", 18))]
 SHORT += [("arm", "u_x", 32, 2), ("arm", "k_scaled", 24, 1), ("arm", "qs_i", 16, 1)]
 SHORT += [("arm", "hand_sq", 24, 3), ("arm", "off_x", 18, 1), ("arm", "qw_ij", 18, 2)]
-"""Nodes of the datapaths, word lengths, and numbers of bits that their formats cannot spare."""
+"""(datapath, node, word length, number of bits that the node's format cannot spare)."""
 
 
 @pytest.mark.parametrize(("datapath", "name", "width", "spare"), SHORT)
@@ -86,7 +86,7 @@ def test_a_format_too_short_is_named(datapath, name, width, spare, monkeypatch):
 
 
 def usual_targets(bits):
-    """Return the mask (N,) of targets whose words are all used: wrist not clamped, hand good."""
+    """Return the mask (N,) of targets whose words are all used: not clamped, wrist not saturated, hand good."""
     nodes = (bits.nodes[name].value for name in ("clamp", "bad_hand", "saturated") if name in bits.nodes)
     return ~np.any([np.asarray(value, dtype=bool) for value in nodes], axis=0)
 
@@ -98,12 +98,12 @@ def test_a_node_without_a_rule_is_named(monkeypatch):
 
 
 OFF = 1024
-"""Error of the operands in ulps, up or down; the operations' own rounding is small compared with it."""
+"""Error added to or subtracted from each operand, in ulps; an operation's own rounding is small in comparison."""
 
 
 def grown(bits: fixed.Bits, node, random) -> tuple[float, float]:
-    """Return the error of a node's word for operands with errors of OFF ulps, and the error that the node states.
-    Operands from the guard and words taken as exact have no error."""
+    """Return the error of a node's word if its operands are off by OFF ulps, and the error bound that the node states.
+    Words that count as exact, and operands from the section ``guard``, have no error."""
     usual = usual_targets(bits) & np.ones(np.shape(node.value), dtype=bool)
     values, off = {}, []
     for operand in (bits.nodes[operand.name] for operand in node.operands):

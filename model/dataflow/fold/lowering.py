@@ -2,11 +2,11 @@
 """Lean dataflow and whole arm as steps of the fold datapath.
 
 :class:`Lowering` collects the steps of all nodes; each node's operation adds its steps (``Operation.lower``).  The code
-here depends on the names of inputs and results, and on ``bend_swap``.
+here depends on the names of inputs and results, and of the node ``bend_swap``.
 
 Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
-bits.  The first bit of a word of ``weight`` w weighs -2^w.  The product of two words, of weights w and w', has
-2 ``bits`` bits; bit 2 ``bits`` - 2 weighs 2^(w + w').  Its :data:`PLAIN` or :data:`DOUBLE` window is written back.
+bits.  The first bit of a word of ``weight`` w weighs -2^w.  The product of two words, with weights w and w', has
+2 ``bits`` bits; bit 2 ``bits`` - 2 weighs 2^(w + w').  A :data:`PLAIN` or :data:`DOUBLE` window is written back.
 """
 
 from collections import defaultdict
@@ -24,7 +24,7 @@ from .steps import ALWAYS, DOUBLE, HALF, NEVER, ONE, PLAIN, ZERO, Normal, Pick, 
 EXACT_WEIGHT = 2  # weight of input words and their sums, the operands of squares
 
 ONE_WEIGHT = 1
-"""Weight of ``ONE`` and ``HALF``; the plain window of a product with ``ONE`` is the other word."""
+"""Weight of ``ONE`` and ``HALF``; the plain window of a product with ``ONE`` is the other factor."""
 
 RESULT_WEIGHT = 1  # weight of a result's first bit
 
@@ -37,7 +37,7 @@ Groups = dict[str, list[tuple[int, Step]]]
 
 @dataclass(frozen=True)
 class Sum:
-    """Sum of the term ``term`` and a group's first term or an earlier sum."""
+    """Sum of the term ``term`` and either a group's first term or an earlier sum."""
 
     name: str
     term: str
@@ -50,7 +50,7 @@ class Sum:
 class Lowering:
     """Lean dataflow as steps: call :meth:`build`, then :meth:`groups`.
 
-    ``lower`` of an operation calls the operation's ``method`` with the node and its terms.
+    An operation's ``lower`` calls the method of this class that the operation names, with the node and its terms.
     """
 
     INPUTS: tuple[str, ...] = FIELDS
@@ -70,11 +70,11 @@ class Lowering:
         self.counts: dict[str, tuple[int, tuple[tuple[int, str], ...]]] = {}  # constant, (factor, register) terms
         self.signs: set[str] = set()  # nodes whose signs select
         self.made_of: dict[str, set[str]] = {}  # mask -> the signs, zeros and counts that it depends on
-        self.pairs: dict[str, tuple[str, str]] = {}  # the two parts of a rotation, whose places a flag selects
+        self.pairs: dict[str, tuple[str, str]] = {}  # squared length -> a rotation's parts, whose places a flag swaps
         self.picks: dict[Any, Pick] = {}  # pairs, squared lengths, and words that a flag replaces by a constant
         self.vectors: dict[str, timing.Vector] = {}  # of the angle unit
         self.joints: dict[str, timing.Joint] = {}
-        self.rounded: set[str] = set()  # nodes that their steps round half up or down, as the node does
+        self.rounded: set[str] = set()  # nodes whose steps round half up or down, as the node does
         self.angle_clocks = next(of for longest, of in timing.ANGLE_CLOCKS.items() if width <= longest)
 
     def build(self) -> None:
@@ -103,10 +103,10 @@ class Lowering:
     # ---- masks ---------------------------------------------------------------------------------------------------
 
     def operand_registers(self, mask: Node, of: Node) -> set[str]:
-        """Return the registers that a mask needs of its operand: a mask's registers, or a word's sign and zero flag."""
+        """Return the registers that a mask needs for operand ``of``: a mask's registers, or a word's sign and zero."""
         if of.format == self.flow.bit:
             return self.made_of[of.name]
-        if of.name in POSITION:  # a register with the mask's name holds whether the sum of their squares is 0
+        if of.name in POSITION:  # a register with the mask's name shows if the sum of squares is 0
             return {mask.name}
         self.signs.add(of.name)
         return {of.name} | ({f"no_{of.name[1:]}"} if of.name in ARMS else set())
@@ -125,11 +125,11 @@ class Lowering:
     # ---- sums and products ---------------------------------------------------------------------------------------
 
     def _weight(self, node: Node) -> int:
-        """Return the weight of the LSB of an inner word, which is at the same bit of a memory word for all of them."""
+        """Return the weight of a node whose LSB is at the same bit of a memory word as the LSB of an inner word."""
         return self.inner - 1 - node.format.frac
 
     def sum(self, node: Node, terms: tuple[tuple[int, Any], ...]) -> None:
-        """Add two terms in one step.  A sum of three or more terms, with 1/2, or that wraps, takes a chain of steps."""
+        """Add the steps of a sum: one step for two terms; a chain for more terms, for 1/2 + .., or if the sum wraps."""
         (_, first), (sign, second), *others = terms
         if not (others or isinstance(first, Constant) or node.ends):
             self.plus(node, first, second, sign < 0)
@@ -146,7 +146,7 @@ class Lowering:
     def plus(self, node: Node, a: Node, b: Node, less: bool = False) -> None:
         name, first, second, minus = node.name, a.name, b.name, ALWAYS if less else NEVER
         if first in ARMS:  # T is half of a length, and is normalized
-            half = f"{first}/2"  # a step of its own: normalized T and sum would be written in the same clock
+            half = f"{first}/2"  # a separate step, or normalized T and sum would be written in the same clock
             for term, arm in ((first, first), (half, first), (second, second)):
                 self.terms[term] = Step(term, arm, HALF, write=None)
             self.sums[half].append(Sum(name, second, minus, write=Write(name, DOUBLE)))
@@ -159,7 +159,7 @@ class Lowering:
             self._further(node, first, second, minus)
 
     def _chain(self, first: str, *terms: tuple[str, str, int], write: Write | None = None, result: str = "") -> None:
-        """Add ``terms``, (name of the sum, term, sign), to a first one; write the last sum or make it a result."""
+        """Add ``terms`` (name of the sum, term, sign) to ``first`` in turn; write the last sum or make it a result."""
         for name, term, sign in terms:
             self.sums[first].append(Sum(name, term, NEVER if sign > 0 else ALWAYS))
             last, first = first, name
@@ -219,7 +219,7 @@ class Lowering:
         return weight
 
     def _counted(self, name: str, offset: int) -> timing.Counted:
-        """Return the count ``name`` plus ``offset``; the register of a length's count holds 1 more than its node."""
+        """Return the count ``name`` plus ``offset``; the register of a length's count holds 1 more than the count."""
         constant, terms = self.counts.get(name, (0, ((1, name),)))
         arms = {normal.count for normal, _ in self.norms.values() if normal.kind == "arm"}
         further = sum(factor for factor, register in terms if register in arms)
@@ -237,7 +237,7 @@ class Lowering:
         count = "e" + node.name.removeprefix("m")
         self.norms[value.name] = Normal("unit", node.name, count), None
         self.weight[node.name], self.made_of[low.name] = 0, {count}
-        self.signs.discard(value.name)  # the count decides
+        self.signs.discard(value.name)  # the count, not the sign, decides
 
     def result(self, node: Node, raw: Node, negative: Node) -> None:
         self._answer(node, raw.name, Selector(negative.name))
@@ -251,7 +251,7 @@ class Lowering:
         self.terms[raw] = replace(step, minus=minus, result=node.name, write=write, addend=addend)
 
     def _result_addend(self, node: Node, half: str) -> str:
-        """Return the addend of a result: ``half`` an ulp of an inner word; and of the result, if rounded half up."""
+        """Return a result's addend: ``half``, half an ulp of an inner word; for HALF_UP plus half a result's ulp."""
         self.rounded.add(node.name)
         return half.replace("half", "result") if node.rounding == HALF_UP else half
 
@@ -265,8 +265,8 @@ class Lowering:
         self.terms[node.name] = Step(node.name, cosine.name, HALF, "word", "length", addend_by=by, minus=minus)
 
     def half_part(self, node: Node, cosine: Node, sine: Node, large: Term, none: Node | None) -> None:
-        """Record one part of a rotation.  The call for the second part adds the writes of both: the squared length's
-        step writes the larger part, a step of its own the smaller one."""
+        """Record one part of a rotation.  The call for the second part adds the writes of both: the step of the squared
+        length writes the larger part, and a new step the smaller part."""
         self.weight[node.name] = 1
         lengths = (name for name, term in self.terms.items() if term.addend == "length")
         length = next(name for name in lengths if cosine.name in self.terms[name].reads)
@@ -321,7 +321,7 @@ class Lowering:
     # ---- groups --------------------------------------------------------------------------------------------------
 
     def groups(self) -> Groups:
-        """Return all groups of steps.  A step whose addend is another step's T is in the other step's group."""
+        """Return all groups of steps.  A step whose addend is another step's T is in that step's group."""
         read = {name for step in self.terms.values() for name in step.reads}
         groups: Groups = {}
         for name, step in self.terms.items():
@@ -334,7 +334,7 @@ class Lowering:
         return groups
 
     def _extend(self, group: list[tuple[int, Step]], at: int, step: Step) -> None:
-        """Add a step to a group, and the steps whose addend is its T."""
+        """Add a step to a group at clock ``at``, and then the steps whose addend is the T of that step."""
         normal, counted = self.norms.get(step.name, (None, step.count))
         a, b = self.picks.get(step.a, step.a), self.picks.get(step.b, step.b)
         sign = step.name if step.name in self.signs else ""
@@ -349,14 +349,14 @@ class Lowering:
             self._extend(group, at + 2 + number, replace(made, addend=addend, addend_by=NEVER, carry=carry))
 
 
-HALF_ROW = "1/2 of r_z"  # step of the constant in the third row
+HALF_ROW = "1/2 of r_z"  # step that supplies the constant 1/2 of the node r_z
 
 
 class ArmLowering(Lowering):
-    """Whole arm as steps, which include the lean dataflow's steps, and as vectors of the angle unit.
+    """Whole arm as steps, including the lean dataflow's, and as vectors of the angle unit.
 
     The hand's words have weight 1, as results do, so that their products have the weight of inner words' products.  The
-    sums of their squares wrap at 8.  A wrist coordinate is summed as half its value.
+    sums of their squares wrap at 8.  The steps sum half of each wrist coordinate.
     """
 
     INPUTS, SIDE, RESULTS = ARM_FIELDS, BRANCHES, ARM_RESULT_FIELDS
@@ -376,7 +376,7 @@ class ArmLowering(Lowering):
         self._chain(half, (node.name, off.name, -1), write=Write(node.name, source="wrist"))
 
     def elbow(self, node: Node, raw: Node, sign: int) -> None:
-        """Write the result word to memory, and output it in a later step: all results leave within one lap."""
+        """Write the result word to memory and output it in a later step, so that all results leave within one lap."""
         super().elbow(node, raw, sign)
         self.terms[raw.name] = replace(self.terms[raw.name], result=raw.name)
         self.terms[node.name] = Step(node.name, node.name, ONE, result=node.name)

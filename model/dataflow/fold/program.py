@@ -30,7 +30,7 @@ def lower(width: int, name: str = "fold") -> tuple[Lowering, Groups]:
 @dataclass(frozen=True)
 class Schedule:
     """Program schedule.  ``period``: clocks of a lap.  ``loads``: input -> clock in which it is loaded.  ``starts``:
-    group -> clock of its first step's issue; angle of a vector of words -> clock of its hand-over in the angle unit."""
+    group -> clock of its first step's issue; angle of a vector of results -> clock of the vector's hand-over."""
 
     period: int
     loads: dict[str, int]
@@ -44,7 +44,7 @@ WORDS = 32  # read/write words: a word has two places, n and n + 32
 
 @cache
 def codes(name: str = "fold") -> dict[str, tuple]:
-    """Return a dict: field -> its codes; selectors, signs and counts in the order of the dataflow, inputs first.
+    """Return a dict: field -> its codes.  Selectors, signs and counts are in the order of the dataflow, inputs first.
 
     The whole arm's selectors and signs follow the core's, so that both programs' units share the codes.
     """
@@ -84,15 +84,15 @@ def codes(name: str = "fold") -> dict[str, tuple]:
 
 PLAIN_BITS = {"a": 7, "b": 7, "b_count": 1, "r": 6, "a_bend": 1, "b_high": 1, "limit": 1, "w": 6}
 PLAIN_BITS |= dict.fromkeys(("n_minus", "n_twice", "last_input", "hold", "first_result", "last_result"), 1)
-"""Numeric field -> bits."""
+"""Numeric field -> number of bits."""
 
 ANGLE_BITS = {"over": 1, "to_h": 1}
-"""Numeric field of the angle unit -> bits; the unit's other controls follow from the result in the same clock."""
+"""Numeric field of the angle unit -> number of bits; the result in the same clock sets the unit's other controls."""
 
 
 @cache
 def fields(name: str = "fold") -> dict[str, int]:
-    """Return a dict: field -> bits."""
+    """Return a dict: field of a program word -> number of bits."""
     coded = {name: max(1, (len(codes) - 1).bit_length()) for name, codes in codes(name).items()}
     return coded | PLAIN_BITS | (ANGLE_BITS if "again_by" in coded else {})
 
@@ -137,8 +137,8 @@ def lives(steps: list[Placed], loads: dict[str, int]) -> dict[str, tuple[int, in
 
 
 CONSTANTS = {ONE: range(1, 2), ZERO: range(WORDS + 16, PLACES)}
-"""Constant of a :class:`Pick` -> places n that the other word may have: the word ``PLACES`` further, 2^(1-n), has to be
-the constant.  From n = 48 on it is 0 at any word length."""
+"""Constant of a :class:`Pick` -> places n at which the pick's variable may be: the word ``PLACES`` further, 2^(1-n),
+has to be the constant.  From n = 48 on, 2^(1-n) is 0 at any word length."""
 
 
 def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[str, int]:
@@ -169,7 +169,7 @@ def allocate(steps: list[Placed], loads: dict[str, int], period: int) -> dict[st
 
 @dataclass(frozen=True)
 class Turn:
-    """Vector in the angle unit, with the clocks that load its two words and the clock of its hand-over."""
+    """Vector in the angle unit, with the clocks in which its two words are loaded and the clock of its hand-over."""
 
     vector: timing.Vector
     loads: tuple[int, int]
@@ -177,7 +177,7 @@ class Turn:
 
 
 def turns(lowering: Lowering, steps: list[Placed], starts: dict[str, int]) -> dict[str, Turn]:
-    """Return a dict: angle -> :class:`Turn` of its vector.  A vector of lengths starts at the previous hand-over."""
+    """Return a dict: angle -> :class:`Turn` of its vector.  A vector of lengths is loaded at the previous hand-over."""
     results = {p.step.result: p.at + timing.WRITE for p in steps if p.step.result}
     early = (of.step for of in steps if of.step.name in timing.ELBOW and of.step.write)
     results |= {timing.word_of(step.write.to): results[step.result] for step in early if step.write}
@@ -190,7 +190,7 @@ def turns(lowering: Lowering, steps: list[Placed], starts: dict[str, int]) -> di
 
 
 def encode(lowering: Lowering, groups: Groups, of: Schedule, name: str = "fold") -> Program:
-    """Return the program of a schedule.  Raises ConflictError if it has none."""
+    """Return the program of the schedule ``of`` for ``groups``.  Raises ConflictError if there is none."""
     steps = [Placed(of.starts[first] + at, step) for first, group in groups.items() for at, step in group]
     steps.sort(key=lambda placed: placed.at)
     loads, period, bits, coded = of.loads, of.period, fields(name), codes(name)
@@ -279,7 +279,7 @@ SCHEDULES = {name: Path(__file__).with_name(f"{name.replace('fold', 'schedule')}
 
 @cache
 def schedules(name: str) -> dict[int, Schedule]:
-    """Return a dict of the schedules on file: longest word length of a schedule -> schedule, shortest first."""
+    """Return the schedules on file: longest word length that a schedule is for -> schedule, shortest first."""
     found = json.loads(SCHEDULES[name].read_text(encoding="utf-8"))
     return {int(longest): Schedule(**of) for longest, of in found.items()}
 

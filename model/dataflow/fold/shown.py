@@ -2,7 +2,7 @@
 """Location and clock of each node of the dataflow in the fold datapath, for testbenches and waves.
 
 A node can be found in a written word, T, a product, a mantissa, a count, a flag or a result.  ``ik_fold_nodes.vh``
-copies it from there to a register with the node's name, which no logic reads.
+copies the node from there to a register with the node's name; no logic reads this register.
 """
 
 from dataclasses import dataclass
@@ -61,7 +61,7 @@ class _Finder:
         return self.of_window(name, step.write.window if step.write else DOUBLE if step.cut == "double" else PLAIN)
 
     def of_window(self, name: str, window: int) -> str:
-        """Return the bits of T that hold the node, if its word is this window of T."""
+        """Return the bits of T that hold the node, if the node's word is the window ``window`` of T."""
         node, last = self.nodes[name], f"XW - D - {1 + window} + {self.place(name)}"
         above = node.format.width - node.format.frac - self.lowering.weight[name] - 2 - window
         if above > 0:  # T has fewer high bits: extend the sign
@@ -130,7 +130,7 @@ class _Finder:
             self.add(name, clock + timing.COMPARED, "over")
 
     def angles(self) -> None:
-        """Add the lengths, in the clock that hands them over, the angles and the joints."""
+        """Add the angles, the joints and the lengths; a length is shown in the clock in which it is handed over."""
         joints = {joint.angle: 8 if joint.other else 4 for joint in self.lowering.joints.values()}
         for angle, turn in self.program.turns.items():
             self.add(turn.vector.length or "", turn.over, "length")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steps of the fold datapath, and the clocks in which a step reads, computes and writes, counted from its issue.
 
-A step reads two words, multiplies them, adds the product to the addend S or subtracts it, and writes the sum T.  This
-covers the whole dataflow, because a product with a power of two is a copy or a shift.  Steps of a group have a fixed
-distance: their addend is the T of an earlier step.
+A step reads two words, multiplies them, adds the product to the addend S or subtracts it from S, and writes the sum T.
+Steps cover the whole dataflow, because a product with a power of two is a copy or a shift.  The steps of a group are a
+fixed number of clocks apart, because the addend of each is the T of an earlier one.
 
 A program repeats every lap, and around the end of a lap two targets are in flight.  Clocks here count from the start of
 the lap in which the target is loaded; modulo the lap's period they are addresses in the program.
@@ -16,18 +16,18 @@ ZERO, ONE, HALF, POWER = "0", "1", "1/2", "2^-n"
 """Constant memory words; ``POWER`` is selected by the count."""
 
 PLAIN, DOUBLE = 1, 2
-"""Windows of T that can become a word: distance of the first bit below a product's second-highest bit."""
+"""Windows of T that can become a word, named by how far the first bit is below a product's second-highest bit."""
 
 CUTS = ("exact", "power", "plain", "double", "word", "root", "sine")
 """Lowest bit that is kept of each tile of a product.  exact: all bits.  power: all bits; for a large count, a larger
 power is stored and its product shifted down.  plain, double: two bits below an inner word's LSB in that window.  word:
-that LSB in the plain window.  root, sine: the LSB of the function's sum."""
+an inner word's LSB in the plain window.  root, sine: the LSB of the function's sum."""
 
 ADDENDS: tuple[str, ...] = ("hold", "zero", "half_plain", "half_double", "result_plain", "result_double", "T", "T_half")
 ADDENDS += ("slope", "slope_less", "value", "length", "none_or_half")
-"""Addend S of a step.  hold: the previous S.  half: half an ulp of an inner word.  result: that, plus half an ulp of a
-result.  T: the T of the step two clocks before.  T_half: that T, truncated, plus half an ulp.  slope, slope_less,
-value: words of a table.  length: 1/2, or 1 by a flag.  none_or_half: 0, or 1/2 by a flag."""
+"""Addend S of a step.  hold: the previous S.  half_: half an ulp of an inner word.  result_: half an ulp of an inner
+word plus half an ulp of a result.  T: the T of the step two clocks before.  T_half: that T, truncated, plus half an
+ulp.  slope, slope_less, value: words of a table.  length: 1/2, or 1 by a flag.  none_or_half: 0, or 1/2 by a flag."""
 
 NORMS = ("even", "inverse", "arm", "count", "unit")
 """Left shift that normalizes T.  even: by pairs of bits.  inverse: ~T, by pairs.  arm: d1 or d2 without the sign, by
@@ -37,7 +37,7 @@ pairs.  count: by the step's count.  unit: by pairs, without the bits below an i
 @dataclass(frozen=True)
 class Selector:
     """Condition that selects an operand, an addend or a sign: the mask ``node``, or the sign of the word ``node`` if
-    ``negative``.  It is negated if ``inverted``, and 0 while the mask ``unless`` is 1."""
+    ``negative``.  The condition is negated if ``inverted``, and 0 while the mask ``unless`` is 1."""
 
     node: str = ""
     negative: bool = False
@@ -62,10 +62,10 @@ NEVER, ALWAYS, NO_COUNT = Selector(), Selector("always"), Selector("n_0")
 
 @dataclass(frozen=True)
 class Pick:
-    """One of two memory words that the flag selects: the first or, if ``second``, the other; a set flag swaps the two.
+    """One of two memory words: the word ``pair`` or, if ``second``, its partner; a set ``flag`` swaps the two.
 
-    The words have adjacent places: the larger and the smaller part of a rotation.  But if the other word is a
-    ``constant``, it is :data:`.program.PLACES` further and takes no place."""
+    The words are the larger and the smaller part of a rotation, in adjacent places; but if there is a ``constant``,
+    the partner is this constant, which is :data:`.program.PLACES` further and takes no place."""
 
     pair: str
     flag: Selector
@@ -90,7 +90,7 @@ class Write:
 
 @dataclass(frozen=True)
 class Normal:
-    """Normalization: the normalized T goes to the memory, its shift count to a register."""
+    """Normalization: normalized T is written to the memory word ``to``, the shift count to the register ``count``."""
 
     kind: str
     to: str
@@ -108,7 +108,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Counted:
-    """Shift count of a step: ``base`` plus the ``terms`` (factor, register).  It is the count ``node`` + ``offset``."""
+    """Shift count of a step: ``base`` plus ``terms`` (factor, register), which is the node ``node`` plus ``offset``."""
 
     base: int
     terms: tuple[tuple[int, str], ...]
@@ -162,7 +162,7 @@ class AngleClocks(NamedTuple):
 
     * ``iterated``: from loading y until the vector can be handed over to the second stage
     * ``shown``: from the hand-over to the angle
-    * ``again``: from the hand-over to the next one, if the next vector is of two lengths
+    * ``again``: from the hand-over to the next hand-over, if the next vector consists of two lengths
     """
 
     iterated: int
@@ -171,13 +171,13 @@ class AngleClocks(NamedTuple):
 
 
 ANGLE_CLOCKS = {24: AngleClocks(12, 15, 16), 32: AngleClocks(16, 17, 18)}
-"""Longest word length of each program of the whole arm -> its clocks; ``again`` is at least ``shown`` + 1."""
+"""Longest word length that a program of the whole arm is for -> clocks; ``again`` is at least ``shown`` + 1."""
 COMPARED = 2  # clocks from a joint's angle until its comparison with the limits
 
 
 @dataclass(frozen=True)
 class Vector:
-    """Vector (x, y), or (x, -y) if ``opposite``, of two result words, or of the two preceding vectors' ``lengths``."""
+    """Vector (x, y), or (x, -y) if ``opposite``, of results or, if ``lengths``, of the last two vectors' lengths."""
 
     angle: str
     length: str | None
@@ -189,7 +189,7 @@ class Vector:
 
 @dataclass(frozen=True)
 class Joint:
-    """Joint angle: a vector's angle, doubled, or with the angle ``other`` added or (``minus``) subtracted."""
+    """Joint angle: twice the vector angle ``angle``, or ``angle`` plus (if ``minus``: minus) the angle ``other``."""
 
     name: str
     angle: str
@@ -199,12 +199,12 @@ class Joint:
 
     @property
     def late(self) -> bool:
-        """True if the joint is written in the second of the two clocks that its vector's angle takes."""
+        """True if the joint is written in the second of its vector angle's two clocks, False if in the first."""
         return self.minus or not self.other
 
     @property
     def by(self) -> str:
-        """Name of the code of its branch bits."""
+        """Name of the code that selects the joint's branch bits."""
         return "_".join(name.removeprefix("branch_") for name in self.branch)
 
 
@@ -235,7 +235,7 @@ def row_reads(placed: Placed) -> list[int]:
 
 
 def word_reads(placed: Placed) -> list[Use]:
-    """Return the words read and their clocks, without constants."""
+    """Return the words that the step reads, without constants, and their clocks."""
     step, at = placed.step, placed.at
     operands = [word_of(o) for o in (step.a, step.b) if o is not None]
     uses = [Use(name, at + READ) for name in operands if name not in ("0", "1", "1/2", POWER)]
@@ -243,14 +243,14 @@ def word_reads(placed: Placed) -> list[Use]:
 
 
 def word_writes(placed: Placed) -> list[Use]:
-    """Return the words written and their clocks."""
+    """Return the words that the step writes and their clocks."""
     step, at = placed.step, placed.at
     written = [Use(word_of(step.write.to), at + WRITE)] if step.write else []
     return written + ([Use(step.norm.to, at + NORM)] if step.norm else [])
 
 
 def selections(placed: Placed) -> list[tuple[Selector, int]]:
-    """Return the selectors and the clocks in which they are needed."""
+    """Return the step's selectors and the clocks in which they are needed."""
     step, at = placed.step, placed.at
     needs = [(o.flag, at + READ) for o in (step.a, step.b) if isinstance(o, Pick)]
     needs += [(step.addend_by, at + ADD), (step.minus, at + ADD)]
@@ -279,7 +279,7 @@ def registers_set(placed: Placed) -> list[Use]:
 
 
 def first_count(placed: Placed) -> int:
-    """Return the clock that adds the first term of a step's count; the last term is added just before the first use."""
+    """Return the clock in which a count's first term is added; the last term is added just before the first use."""
     assert placed.step.count
     return placed.at + (WRITE if placed.step.norm else READ) - len(placed.step.count.terms)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Test the bit-true datapaths: accuracy in the reachable workspace, unit quaternions and exact flags for arbitrary
-words, equations of model and RTL, and the program of the fold datapath; of the whole arm also poses with exact angles,
-branches, limits, and the choice of a branch against a search of all eight, written without the dataflow.
+words, equations of model and RTL, and the program of the fold datapath. For the whole arm, test also poses with exact
+angles, branches, limits, and the choice of a branch against an independent search of all eight.
 
 Angles are in radians, distances relative to the reach.
 """
@@ -37,7 +37,7 @@ WORST = {
     27: (67077117, 0, 768, -67108864, 49495, 67108861),
     32: (1073715856, -320, 176, 434768086, 4177478, 1073729441),
 }
-"""Tested word length -> the target with the largest wrist error of the lean datapath that a search has found."""
+"""Tested word length -> target for which a search found the largest wrist error of the lean datapath."""
 
 ANGLE_ULPS = dict.fromkeys(WORST, 3) | {32: 21}
 """Word length -> tolerance of the lean datapath's shoulder and elbow angles, ulps of a result; 2e-8 rad at W = 32."""
@@ -64,7 +64,7 @@ class Run:
         self.norms = [np.abs((q**2).sum(axis=1) - 1) / ulp(width) for q in (values[:, :4], values[:, 4:])]
 
     def off(self, poses: np.ndarray) -> list[np.ndarray]:
-        """Return the errors of elbow and wrist in poses (N, 6): distance from the correct point / reach."""
+        """Return the errors of elbow and wrist for result values (N, 6): distance from the correct point / reach."""
         at, reached = self.at, self.answer.flags & UNREACHABLE == 0
         exact, found = (forward(q[:, :4], q[:, 4:], at.d1, at.d2) for q in (self.exact, poses))
         aims = exact[0], np.where(reached[:, None], at.position, exact[1])
@@ -86,7 +86,7 @@ class Run:
             self.below(getattr(self, name), ANGLE_ULPS[self.width] * ulp(self.width), f"{name} error (rad)")
 
     def check_words(self, permitted, where: str = "") -> None:
-        """Assert unit quaternions with the core's signs, exact flags, and words that fit their formats."""
+        """Assert norms of Qs and Qe within ``permitted`` ulps, their signs, exact flags, and words inside formats."""
         for name, off, tolerance in zip(("Qs", "Qe"), self.norms, permitted, strict=True):
             self.below(off, tolerance, f"|{name}|^2 - 1 in ulps:")
         results, flags = self.answer.results, expected_flags(self.words, self.width)
@@ -100,7 +100,7 @@ class Run:
 
 
 def walks(width: int) -> np.ndarray:
-    """Return targets at the limits of formats, reach and equations, and near them: one word moved by up to 24 lsb."""
+    """Return targets at limits of formats, reach and equations, and the same with one word moved by up to 24 LSBs."""
     steps = np.arange(-24, 25)[:, None] * np.eye(len(FIELDS), dtype=np.int64)[:, None]
     rows = np.concatenate([target + steps.reshape(-1, len(FIELDS)) for target in corners(width).values()])
     return rows[(np.abs(rows) < 1 << (width - 1)).all(axis=1)]
@@ -155,7 +155,7 @@ def test_every_input_has_a_unit_answer_and_exact_flags(datapath, width):
 
 @pytest.mark.parametrize(("datapath", "width"), [*(("lean", w) for w in WORST), ("paper", 18), ("paper", 32)])
 def test_clamps_as_double_precision_does(datapath, width):
-    """Check clamped targets against double precision: Qe is exactly -i or 1."""
+    """Check clamped targets against double precision, and that Qe is exactly -i or 1."""
     words = stimuli.unreachable(6000, width, 6)
     if datapath == "lean":
         words = np.concatenate([words, walks(width)])
@@ -227,7 +227,7 @@ def test_the_equation_is_what_the_operation_computes(datapath):
     ("datapath", "section"), [(name, section) for name in ("choose", "paper") for section in MODELS[name].sections]
 )
 def test_the_verilog_has_the_equation_of_each_operator(datapath, section):
-    """Check that each equation in a comment is the model's, and that each operator has one, with the paper's number."""
+    """Check that equations in comments are the model's, and that each operator has one, with the paper's number."""
     path = MODELS[datapath]
     if section == "results":
         return
@@ -319,7 +319,7 @@ def test_every_input_has_an_answer(width):
     assert (answer.flags & BAD_HAND > 0).tolist() == bad.tolist() and 0.5 < bad.mean() < 1
     core = np.column_stack([*(nodes[axis] for axis in "xyz"), words[:, 3:6]])
     assert (answer.flags & sum(CORE_FLAGS.values()) == expected_flags(core, width)).all()
-    # the wrist: exact without a tool, at the edge of the format beyond it
+    # the wrist is exact without a tool, and limited to the format
     hand = np.where(bad[:, None], (1, 0, 0, 0), words[:, 7:] / one)
     offset = rotate(hand, (0.0, 0.0, 1.0)) * np.where(bad, 0, words[:, 6])[:, None]
     offset[:, 2] += (1 - (hand**2).sum(axis=1)) * np.where(bad, 0, words[:, 6])  # 1 - 2 ii - 2 jj
@@ -339,7 +339,7 @@ def test_every_input_has_an_answer(width):
 
 @every_width
 def test_poses_with_exact_angles(width):
-    """Check straight arms: th2, th4 and th6 are 0.  Half a turn: th4 of a closed arm, th6 of a reversed hand."""
+    """Check that th2, th4, th6 of straight arms are 0, and th4 of a closed arm, th6 of a reversed hand half a turn."""
     one, half = 1 << width - 2, 1 << width - 1
     arm = 0, one // 2, one // 2, 0  # phi, d1, d2, tool
     hands = np.array([(one, 0, 0, 0), (-one, 0, 0, 0), (0, 0, 0, one), (one, 0, 0, 0), (0, one, 0, 0)])
@@ -361,7 +361,7 @@ def test_a_branch_turns_and_negates_words(width):
         moved = np.where(NEGATED_BY @ bits & 1, -own[:, :7], own[:, :7]) + half * (TURNED_BY @ bits & 1)
         off = (found[:, :7] - moved) % (2 * half)
         assert (found[:, 7:] == own[:, 7:]).all() and set(off.ravel().tolist()) <= {0, 1}  # 1: a negated tie
-        ties = (NEGATED_BY @ bits & 1 > 0) & (sum(table(width)) % 2 == 0)  # no tie where an angle's words add up to odd
+        ties = (NEGATED_BY @ bits & 1 > 0) & (sum(table(width)) % 2 == 0)  # no tie if the sum of the table is odd
         assert off.any(axis=0).tolist() == ties.tolist()
 
 
@@ -384,7 +384,7 @@ def test_over_limit_is_exact(width):
 
 
 def searched(joints, references, limits, width):
-    """Return the steps of all branches (8, N), the joints of each (8, N, 7), and the mask (N,) of singular poses."""
+    """Return all branches' steps (8, N) and joints (8, N, 7), and the mask (N,) of singular poses."""
     turn, half, joints = 1 << width, 1 << width - 1, joints.copy()
     singular = np.zeros(len(joints), dtype=bool)
     for first, middle, last in ((0, 1, 2), (4, 5, 6)):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test primitives of the bit-true model against fractions and unlimited integers, which model and RTL do not use; and
-the tables of reciprocal root, sine and cosine, and the vectoring CORDIC: words, error bounds, symmetry.
+"""Test primitives of the bit-true model against fractions and unlimited integers, which model and RTL do not use. Test
+words, error bounds and symmetry of the tables (reciprocal root, sine, cosine) and of the vectoring CORDIC.
 
 model/bounds/tests/test_figures.py compares the tables' measured errors with proved bounds.
 """
@@ -30,7 +30,7 @@ def signed(width: int):
 NEAR_SQUARES = st.tuples(st.integers(1, math.isqrt(ROOT_LIMIT)), st.integers(-1, 1)).map(
     lambda drawn: (drawn[0] ** 2 + drawn[1], 0)
 )
-"""(n, shift) with n at most 1 from a square, which may have more bits than the mantissa of a double."""
+"""(n, 0) with n at most 1 from a square; the square may have more bits than the mantissa of a double."""
 
 
 @given(st.one_of(st.tuples(signed(33), st.integers(0, 29)), NEAR_SQUARES))
@@ -48,7 +48,7 @@ def test_floor_root_is_isqrt(operands):
 
 @st.composite
 def factors(draw):
-    """Draw two factors, a shift, the factors' widths and a tile; the mixed products reach down to the sum's LSB."""
+    """Draw two factors, a shift so large that the mixed products reach the sum's LSB, both widths and a tile."""
     widths = draw(st.integers(3, 35)), draw(st.integers(3, 35))
     tile = draw(st.sampled_from([TILE, 25, 16, 5]))
     least = 2 + max(map(sum, zip(cuts(*widths, tile), reversed(unseen(*widths, tile)), strict=True)))
@@ -64,7 +64,7 @@ def factors(draw):
 @example((-1, (1 << 21) - 1, 20, 22, 22, TILE))
 @example((-(1 << 24), (1 << 24) - 1, 23, 25, 25, 25))
 def test_mul3_is_within_its_error(case):
-    a, b, shift, *widths = case  # widths and tile
+    a, b, shift, *widths = case  # widths: of a, of b, of a tile
     least, greatest = mul3_error(shift, *widths)
     assert Fraction(least) < mul3(a, b, shift, *widths) - Fraction(a * b, 1 << shift) <= Fraction(greatest)
 
@@ -80,7 +80,7 @@ def test_words_of_a_table_fit(table, size):
     """Check that all coefficients fit their widths, c0 also after the largest rounding constant is added."""
     form = getattr(table, size)
     c0, *rest = quadratic.columns(table, form)
-    frac = {"short": 19, "long": table.short_frac + 1, "small": 19}[size]  # the smallest has the largest constant
+    frac = {"short": 19, "long": table.short_frac + 1, "small": 19}[size]  # the fewest bits have the largest constant
     constant = quadratic.rounding(form, frac) if table is INVERSE_ROOT else 1 << form.sum_frac - frac - 1
     added = constant >> form.sum_frac - form.c_frac[0]
     for column, bits in zip(rest, form.c_bits[1:], strict=True):
@@ -91,7 +91,7 @@ def test_words_of_a_table_fit(table, size):
     # c0 stays below 1, and its MSB, which is not stored, is 1
     assert form.c_bits[0] == form.c_frac[0] - 1
     assert set(c0 >> form.c_bits[0]) == set(c0 + added >> form.c_bits[0]) == {1}
-    # No slope exceeds the first one at its left end.
+    # The largest slope, at the left end of the first segment, fits.
     _, width = table.segment(form, 0)
     bend = rest[1][0] * width / 2 / 2 ** form.c_frac[2] if len(rest) > 1 else 0
     assert rest[0][0] / 2 ** form.c_frac[1] + bend < 2 ** (form.c_bits[1] - form.c_frac[1])
@@ -146,8 +146,8 @@ def vectors(width: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def turned_exactly(x, y, width):
-    """Return vectors, and those near them that the first M iterations turn without rounding, as complex numbers in the
-    right half plane in LSBs of X; and the sum of the angle words (rad)."""
+    """Return the vectors as complex numbers in the right half plane, in LSBs of X; nearby ones that M iterations turn
+    to the same result without rounding; and the sum of the angle words (rad)."""
     x, y, real = x << angles.GUARD, y << angles.GUARD, np.longdouble
     given = np.where(x < 0, -1, 1) * (x.astype(real) + 1j * y.astype(real))
     x, y, head = np.where(x < 0, ~x, x), np.where(x < 0, -y, y), angles.iterations(width)[0]
@@ -191,7 +191,7 @@ def test_angle_and_length_are_within_their_bounds(width):
 
 @pytest.mark.parametrize("width", (*SHORT, 18, 24, 32))
 def test_longest_vector_keeps_every_bit(width):
-    """Check vectors of length LONGEST, too long for words, with guard bits; twice that length loses bits."""
+    """Check that vectors of length LONGEST, too long for words, lose no bit, and that twice that length does."""
     turn = np.linspace(-np.pi, np.pi, 20001)
 
     def off(length):
@@ -205,7 +205,7 @@ def test_longest_vector_keeps_every_bit(width):
 
 
 def test_small_angles_keep_their_sign():
-    """Check that no angle of a straight arm or of a hand along an axis is rounded to below 0, where a limit may be."""
+    """Check that no angle of a straight arm or of a hand along an axis is rounded to below 0, which may be a limit."""
     for width in range(8, 33):
         one, what = 1 << width - 2, f"W = {width}"
         x, y = np.meshgrid([one - 1, one, one + 2], np.arange(min(400, one)))
