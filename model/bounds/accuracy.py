@@ -40,8 +40,8 @@ STATED = {
     (path, name): dict(zip(WIDTHS, map(Fraction, row), strict=False))
     for path, name, *row in map(str.split, LIMITS.strip().splitlines())
 }
-"""Datapath and constant -> word length -> its proved limit in units of 2^-(W-2): of the error of the wrist / (d1 + d2),
-of the hand's orientation (rad), and of its point for d1 + d2 + |tool| = 1."""
+"""Datapath and constant -> word length -> proved limit in units of 2^-(W-2).  wrist: error / (d1 + d2); orientation:
+angle (rad); point: error for d1 + d2 + |tool| = 1."""
 
 CELLS = 8
 """Number of parts of a mantissa's range [1/4, 1), each with its largest errors."""
@@ -72,8 +72,8 @@ def ulps(node: Node) -> Interval:
 
 
 class Cell(NamedTuple):
-    """Mantissas V, real numbers, in a part of [1/4, 1): sqrt V, the error of ``ik_rsqrt``'s word y relative to
-    1/(2 sqrt V), and the error of the product 2 y m relative to sqrt V, where m is V's word."""
+    """Part of the range [1/4, 1) of mantissas V: sqrt V; the error of ``ik_rsqrt``'s word y relative to 1/(2 sqrt V);
+    and the error of 2 y m relative to sqrt V, where m is the word of V."""
 
     root: Interval
     inverse: Interval
@@ -82,8 +82,8 @@ class Cell(NamedTuple):
 
 @cache
 def cells(frac: int, tile: int, cut: bool) -> list[Cell]:
-    """Return the cells of a mantissa whose root has ``frac`` fraction bits: groups of rows of equal number.  ``cut``:
-    the word of a mantissa may be truncated."""
+    """Return the cells of a mantissa whose root has ``frac`` fraction bits; all have equally many rows of the table.
+    ``cut``: the mantissa's word may be truncated."""
     form, ulp, rows = INVERSE_ROOT.form(frac, tile), 2.0**-frac, []
     for row in range(form.rows):
         left, width = map(iv.mpf, INVERSE_ROOT.segment(form, row))
@@ -101,7 +101,7 @@ def cells(frac: int, tile: int, cut: bool) -> list[Cell]:
 
 
 def combinations(node: Node, given: str = "") -> Iterator[dict[str, Cell]]:
-    """Yield all combinations of cells of the mantissas on which a node depends, except through the node ``given``."""
+    """Yield all combinations of cells for the mantissas on which a node depends.  Operands of ``given`` are ignored."""
 
     def mantissas(node: Node) -> list[Node]:
         if isinstance(node.op, Even):
@@ -114,8 +114,8 @@ def combinations(node: Node, given: str = "") -> Iterator[dict[str, Cell]]:
 
 
 class Word(NamedTuple):
-    """Bound of a node's word: the exact value times ``factor``, plus ``rest``.  ``value``: range of the exact value,
-    where it is known to be positive."""
+    """Bound of a node's word, which is the exact value times ``factor``, plus ``rest``.  ``value``: range of the exact
+    value; None if it is not known to be positive."""
 
     factor: Interval
     rest: Interval = None
@@ -123,8 +123,8 @@ class Word(NamedTuple):
 
 
 def bound(node: Node, at: Mapping[str, Cell], given: str = "") -> Word:
-    """Return the bound of a node's word for mantissas in the cells ``at``, by name.  The word of the node ``given``
-    counts as exact.  Raises TypeError for an operation without a rule."""
+    """Return the bound of a node's word.  ``at``: mantissa name -> its cell.  The word of the node ``given`` counts as
+    exact.  Raises TypeError for an operation without a rule."""
     op = node.op
     if node.name == given:
         return Word(ONE)
@@ -167,8 +167,8 @@ def _product(node: Node, one: Word, two: Word, scale: Interval) -> Word:
 
 
 class Turn(NamedTuple):
-    """Error of a rotation by words of a half angle: the matrix is 1 + ``stretch`` times a rotation whose angle is off
-    by at most ``angle`` (rad).  The word of the squared length is from ``least`` to 1 + ``above``."""
+    """Error of the rotation by the words of a half angle.  Its matrix is 1 + ``stretch`` times a rotation, off by an
+    angle of at most ``angle`` (rad).  The word of the squared length is from ``least`` to 1 + ``above``."""
 
     stretch: Interval
     angle: Interval
@@ -183,10 +183,10 @@ Pairs = Sequence[tuple[Interval, Interval]]
 
 
 def turned(shared: Pairs, single: Pairs) -> Turn:
-    """Return the error of a rotation.  Its parts are L, 2 L = 1 + |C| (1 + r) + c, and s, 2 s = S (1 + r) (1 + o) + e,
-    where C is its exact cosine and S its exact sine.
+    """Return the error of a rotation with the exact cosine C and sine S.  The words of its half angle are L and s, with
+    2 L = 1 + |C| (1 + r) + c and 2 s = S (1 + r) (1 + o) + e.
 
-    ``shared`` lists pairs (r, c), ``single`` pairs (o, e); each pair of one list may occur with each of the other.
+    ``shared`` lists the pairs (r, c), ``single`` the pairs (o, e); any of one may occur with any of the other.
     """
     r, c, o, e = (hull(part) for pairs in (shared, single) for part in zip(*pairs, strict=True))
     wrong = abs(r).b + abs(c).b  # at most |C| where C's word has the wrong sign
@@ -205,8 +205,8 @@ def turned(shared: Pairs, single: Pairs) -> Turn:
 
 
 def turn(flow: Dataflow, cosine: str, sine: str, common: str, mirrored: bool = False) -> Turn:
-    """Return the error of the rotation by half the angle of two nodes, whose words have the factor of the node
-    ``common``.  ``mirrored``: the sine may be negative."""
+    """Return the error of the rotation by a half angle from the nodes ``cosine`` and ``sine``, whose words have the
+    factor of the node ``common``.  ``mirrored``: the sine may be negative."""
     c, s, of = (flow.nodes[name] for name in (cosine, sine, common))
     one, two = (iv.mpf([n, n + 1]) * c.format.ulp for n in (0, 1))
     shared, single = [], []
@@ -228,7 +228,7 @@ def turn(flow: Dataflow, cosine: str, sine: str, common: str, mirrored: bool = F
 
 
 def lengths(flow: Dataflow, turns: Sequence[Turn]) -> tuple[Interval, Interval]:
-    """Return the errors of the squared length of (cos, sin) of phi/2, and of Qs's squared length times inv_q^2."""
+    """Return two relative errors of squared lengths: of (cos, sin) of phi/2, and of Qs after its product with inv_q."""
     az_tilt_sq, length_sq, m_q, sine = (flow.nodes[name] for name in ("az_tilt_sq", "length_sq", "m_q", "sin_h"))
     frac = min(sine.frac, SINE_FRACS[-1])
     table = norm(*[iv.mpf(half_sincos_error(frac, flow.tile)) * (1 + 2.0**-50) / 2**frac] * 2)
@@ -242,7 +242,7 @@ def lengths(flow: Dataflow, turns: Sequence[Turn]) -> tuple[Interval, Interval]:
 
 
 def products(flow: Dataflow) -> dict[str, Interval]:
-    """Return the lengths of the errors of Qs that its products and roundings add, by name."""
+    """Return a dict: name -> length of the error of Qs due to a group of products, or to the rounding of results."""
 
     def at(names: str) -> list[Interval]:
         return [ulps(flow.nodes[name]) for name in names.split()]
@@ -262,7 +262,7 @@ def products(flow: Dataflow) -> dict[str, Interval]:
 
 
 def shoulder(flow: Dataflow, *turns: Turn) -> dict[str, Interval]:
-    """Return the constants of a unit vector rotated by Qs, by name, for the errors of azimuth, tilt and bend."""
+    """Return, by name, the constants for a unit vector rotated by Qs.  ``turns``: errors of azimuth, tilt and bend."""
     phi, last = lengths(flow, turns)
     stretch = reduce(mul, (1 + turn.stretch for turn in turns)) * (1 + phi) * (1 + last)
     k, w = abs(stretch - 1).b, norm(turns[0].angle, turns[1].angle) + turns[2].angle
@@ -292,8 +292,8 @@ def elbow(flow: Dataflow) -> dict[str, Interval]:
 
 @cache
 def core(flow: Dataflow) -> dict[str, Interval]:
-    """Return the constants of the wrist's theorem, by name: its limit for d1 + d2 = 1 is ``wrist`` = ``a`` + ``b``, for
-    a clamped target ``c``."""
+    """Return the constants of the wrist's theorem, by name.  For d1 + d2 = 1, the limit is ``wrist`` = ``a`` + ``b`` in
+    reach and ``c`` for a clamped target."""
     turns = {
         "azimuth": turn(flow, "u_y", "u_x", "inv_rho", mirrored=True),
         "tilt": turn(flow, "sin_el", "cos_el", "inv_s"),
@@ -314,8 +314,8 @@ def core(flow: Dataflow) -> dict[str, Interval]:
 
 
 def ball(width: int, least: Interval) -> Interval:
-    """Return the limit of the angle (rad) between a quaternion of words, at least ``least`` long, and the rotation by
-    the words of its three angles."""
+    """Return the limit of the angle (rad) between a quaternion of words, whose length is at least ``least``, and the
+    rotation by the words of the three angles computed from it."""
     word, half, root = iv.mpf(4) / 2**width, iv.pi / 2**width, iv.sqrt(iv.mpf(2))
     lsb = word / 2**GUARD
     worst = ZERO
@@ -342,7 +342,7 @@ def ball(width: int, least: Interval) -> Interval:
 
 
 def frame(flow: Dataflow, elbow: Interval) -> Interval:
-    """Return the length of Qw's error, for the largest length of Qe."""
+    """Return the limit of the length of Qw's error.  ``elbow``: largest length of Qe."""
     turned, moved = [], []
     for c, row in PRODUCTS.items():
         turned.append(
@@ -354,8 +354,8 @@ def frame(flow: Dataflow, elbow: Interval) -> Interval:
 
 
 def arm(flow: Dataflow) -> dict[str, Interval]:
-    """Return the constants of the whole arm's theorem, by name: limits of the errors of the ``orientation`` (rad) and
-    of the ``point`` for d1 + d2 + |tool| = 1, of which ``coordinates`` does not scale with it."""
+    """Return the constants of the whole arm's theorem, by name: limits of the errors of the ``orientation`` (rad) and,
+    for d1 + d2 + |tool| = 1, of the ``point``, whose part ``coordinates`` does not scale with these lengths."""
     width, wrist = flow.width, core(dataflow("lean", flow.width))
     k, moved, factors, rests = (wrist[name] for name in ("K", "rounded", "Qe factors", "Qe rests"))
     qs, qe, half = iv.sqrt(1 - k) - moved, 1 - factors - rests, iv.pi / 2**width  # least lengths
@@ -383,7 +383,7 @@ def arm(flow: Dataflow) -> dict[str, Interval]:
 
 @cache
 def accuracy(width: int, datapath: str = "lean") -> dict[str, Fraction]:
-    """Return the constants of a datapath's theorem in units of 2^-(W-2), by name: of :func:`core` or :func:`arm`."""
+    """Return the constants of a datapath's theorem (:func:`core` or :func:`arm`), by name, in units of 2^-(W-2)."""
     parts = (arm if datapath == "arm" else core)(dataflow(datapath, width))
     return {name: Fraction(*to_rational(abs(size).b._mpi_[1])) * (1 << width - 2) for name, size in parts.items()}
 

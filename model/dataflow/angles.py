@@ -35,8 +35,8 @@ GUARD = 3  # bits of X and Y below a word's LSB
 ANGLE = 4  # bits of an angle below the LSB of a word of one turn
 
 LONGEST = 2.4
-"""Longest vector for which X and Y fit.  A vector of parts of a unit quaternion is at most 1 long, a vector of two such
-lengths, each times K, at most K."""
+"""Longest vector for which X and Y fit.  A vector of two parts of a unit quaternion is at most 1 long; a vector of two
+computed lengths, each K times the true one, at most K."""
 
 
 TABLE_BITS = 48
@@ -101,7 +101,7 @@ def gain(width: int) -> float:
 
 
 class Head(NamedTuple):
-    """Errors for vectors of a least length; intervals, whose upper ends are limits, rounded outwards.
+    """Error limits for vectors of at least a given length: the upper ends of intervals that are rounded outwards.
 
     * ``along``, ``across``: parts of the sum of the roundings of X in the given vector's frame, in LSBs of X
     * ``lost``: angle that they turn the vector; ``left``: angle left after the first M iterations (rad)
@@ -118,12 +118,12 @@ class Head(NamedTuple):
 
 
 def upper(*limits: Interval) -> Interval:
-    """Return the largest upper end."""
+    """Return the largest upper end of the intervals."""
     return iv.mpf(max(iv.mpf(limit).b for limit in limits))
 
 
 def arc(sine: Interval) -> Interval:
-    """Return a limit of the angle with a sine."""
+    """Return an upper limit of the angle whose sine is ``sine``."""
     return sine / iv.sqrt(1 - sine**2)
 
 
@@ -211,7 +211,7 @@ class Angle(Operation):
 
 
 class Gained(Operation):
-    """Length of an :class:`Angle`'s vector, times K."""
+    """Length of an :class:`Angle`'s vector, multiplied by K."""
 
     kind, latency = "vector", "vector_x"
 

@@ -8,13 +8,13 @@ TILE = 18
 
 
 def cuts(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
-    """Return the number of low bits of either operand of :func:`mul3`: those below the highest ``tile`` bits of a, and
-    those below the highest min(``tile``, 18) bits of b."""
+    """Return how many low bits of a and b, operands of :func:`mul3`, are below a's highest ``tile`` bits and b's
+    highest min(``tile``, 18) bits."""
     return max(a_width - tile, 0), max(b_width - min(tile, 18), 0)
 
 
 def unseen(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
-    """Return the number of low bits of either operand beyond two signed tiles, which :func:`mul3` ignores."""
+    """Return how many low bits of a and b :func:`mul3` ignores because they do not fit two signed tiles."""
     return max(a_width - 2 * tile + 1, 0), max(b_width - 2 * min(tile, 18) + 1, 0)
 
 
@@ -58,7 +58,7 @@ def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tupl
 
 
 class Mul3(Product):
-    """a * b * 2^scale from three tiles.  Bits above the node's format, set only for clamped targets, are dropped."""
+    """Product a * b * 2^scale from three tiles.  Bits above the node's format, set only if clamped, are dropped."""
 
     kind, latency, adds_rounding = "mul3", "mul3", True
 

@@ -32,7 +32,7 @@ Segment = tuple[mpmath.mpf, mpmath.mpf]
 
 @dataclass(frozen=True)
 class Form:
-    """Size of a table, and the formats of ``ik_quadratic``.  Without c2 the slope is c1: interpolation is linear."""
+    """Size of a table, and the formats of ``ik_quadratic``.  A table without c2 is linear: its slope is c1."""
 
     rows: int
     u_frac: int  # fraction bits of u
@@ -100,8 +100,8 @@ def interpolant(form: Form, function: Function, segment: Segment) -> list[mpmath
 
 
 def _words(form: Form, function: Function, segment: Segment) -> tuple[int, ...]:
-    """Return a row of the table: the coefficients' magnitudes, rounded to nearest.  Before that, half of the error that
-    the rounding of c2 causes at the segment's ends is subtracted from c0."""
+    """Return a row of the table: the coefficients' magnitudes, rounded to nearest.  The rounding of c2 causes an error
+    at the segment's ends; half of it is subtracted from c0 before c0 is rounded."""
     c0, *c = interpolant(form, function, segment)
     rounded = [mpmath.nint(abs(value) * 2**frac) for value, frac in zip(c, form.c_frac[1:], strict=True)]
     for word, value, frac in list(zip(rounded, c, form.c_frac[1:], strict=True))[1:]:
@@ -118,7 +118,7 @@ def table_rows(table: Table, form: Form) -> tuple[tuple[int, ...], ...]:
 
 @cache
 def columns(table: Table, form: Form) -> np.ndarray:
-    """Return a table as an array per coefficient."""
+    """Return a table as an array (coefficient, row)."""
     return np.array(table_rows(table, form), dtype=np.int64).T
 
 
@@ -225,9 +225,9 @@ def place(form: Form, m, frac: int):
 
 
 def rounding(form: Form, frac: int) -> int:
-    """Return the rounding constant that is added to c0; it has ``sum_frac`` fraction bits.  It is 3/8 ulp of the result
-    minus half of what the tiles' truncation takes away at most.  It is less than half an ulp because a truncated
-    mantissa makes the root too large by up to a quarter ulp."""
+    """Return the rounding constant, with ``sum_frac`` fraction bits, that is added to c0: 3/8 ulp of the result minus
+    half of the largest loss by the tiles' truncation.  It is not half an ulp, because a truncated mantissa makes the
+    root too large by up to a quarter ulp."""
     return (3 << form.sum_frac - frac - 3) - (form.tiles + 1) // 2
 
 

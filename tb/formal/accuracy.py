@@ -33,12 +33,12 @@ Lemma = tuple[str, tuple[str, ...]]
 
 
 def equations(names: str) -> tuple[str, ...]:
-    """Return the facts that are the equations of nodes."""
+    """Return the names of the facts that are the equations of nodes; ``names`` are separated by spaces."""
     return tuple(f"={name}" for name in names.split())
 
 
 def pair(name: str, cosine: str, sine: str, small: str, large: str, *facts: str) -> Lemma:
-    """Return the lemma on the parts of a half angle: which is large depends on the sign of the cosine's word."""
+    """Return the lemma on the two parts of a half angle; the sign of the cosine's word decides which one is large."""
     parts = (f"({name}_{one} == {name}_sq and 2*{name}_{two} == {sine})" for one, two in (small + large, large + small))
     choice = " if {} else ".join(parts).format(f"neg_{cosine}")
     size = f"2*{name}_sq == 1 + (-{cosine} if {cosine} < 0 else {cosine})"
@@ -101,9 +101,9 @@ NODES: dict[str, Lemma] = {
     )
     for unit in "wijk"
 }
-"""Lemma -> statement about exact values of nodes, and the facts that prove it (:mod:`model.dataflow.lean`).  Without
-facts it is an assumption; R is rho, P is |p|.  A count e stands for 2^e, neg_n for the sign of the word of node n, and
-n_w for the word."""
+"""Lemma -> statement about exact values of nodes, and the facts that prove it (:mod:`model.dataflow.lean`).  A lemma
+without facts is an assumption.  R is rho, P is |p|; a count e stands for 2^e, n_w for the word of node n, and neg_n for
+the sign of this word."""
 
 GIVEN = ("sin a", "1/|q|")
 """Lemmas of the dataflow that the page uses, besides those on which :data:`NODES` rest."""
@@ -161,7 +161,7 @@ ALGEBRA: dict[str, tuple[Sequence[str], str]] = {
 """Step -> facts, and the claim that follows for real numbers."""
 
 FALSE = ("stretch", HALF, "L*L + s*s == L*(1 + (1 - g*g)*l + 2*g*t)")
-"""Seeded bug: the stretch of a half angle without its second order."""
+"""False claim (seeded bug): "stretch" without its second-order term."""
 
 
 def algebra(name: str, facts: Sequence[str], claim: str) -> Question:
@@ -178,7 +178,8 @@ def stated(width: int, datapath: str) -> dict[str, Fraction]:
 
 
 def holds(width: int, datapath: str) -> Answer:
-    """Return "unsat" if every word of a datapath fits its format and the constants are at most the stated ones."""
+    """Return "unsat" if every word of the datapath fits its format and no constant exceeds its stated limit; otherwise
+    "sat" or the error."""
     try:
         fits, constants = not LeanRanges(width, datapath).failed, accuracy(width, datapath)
     except (TypeError, ValueError, ZeroDivisionError) as error:  # the dataflow is not of the form that is bounded
@@ -197,7 +198,7 @@ def questions(widths: Sequence[int] = WIDTHS) -> Iterator[Question]:
 
 
 def digest() -> str:
-    """Return a digest of the questions, of the code that computes the constants, and of what it reads of the nodes."""
+    """Return a digest of the questions, and of the code and the nodes' attributes that the constants depend on."""
     texts = [lean_proofs.digest(Steps), *(code(ROOT / file) for file in FILES)]
     for (datapath, _), limits in STATED.items():
         for width in limits:
