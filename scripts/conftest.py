@@ -54,7 +54,7 @@ class FakeSimulator:
         return runs
 
     def record(self, path, jobs, datapath, width, limits=None):
-        """Write a VCD of the first job. If there are several jobs, show only the first target's words."""
+        """Write a VCD of jobs[0]; if there are more jobs, with only the words of its first target."""
         nodes, of = nodes_of(jobs[0], datapath, width, limits), MODELS[datapath]
         top = (of.top,)
         admitted = admissions(len(jobs[0])) if len(jobs) == 1 else [0]

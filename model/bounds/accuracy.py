@@ -389,7 +389,7 @@ def accuracy(width: int, datapath: str = "lean") -> dict[str, Fraction]:
 
 
 def main(datapath: str = "", width: str = "") -> None:
-    """Print the constants of a datapath at a word length; without both, the limits of all at every word length."""
+    """Print a datapath's constants at a word length; without arguments, all limits at every word length."""
     if datapath:
         for name, part in accuracy(int(width), datapath).items():
             print(f"{name:<16}{math.ceil(part * 1000) / 1000:8.3f} {math.ldexp(part, 2 - int(width)):.3e}")

@@ -204,7 +204,7 @@ class Operation(Term):
         return [] if self.free else [f"(= {node.name} {self.formula(domain)})"]
 
     def lower(self, to, node) -> None:
-        """Add the node's steps to the folded program: call ``method`` of ``to``, a :class:`.fold.lowering.Lowering`."""
+        """Add the node's steps to the folded program by the method of the Lowering ``to`` that ``method`` names."""
         if not self.method:
             raise NotImplementedError(f"{node.name}: the folded program has no {type(self).__name__}")
         getattr(to, self.method)(node, *(self.given or self.parts))

@@ -100,7 +100,7 @@ class Latency:
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """Return the clocks of ``kind`` as a Verilog expression; a table's small and long form take equally many."""
+        """Return ``kind``'s latency in clocks, as a Verilog expression; equal for a table's small and long form."""
         if kind in cls.FORMS:
             frac, table, more = cls.FORMS[kind]
             short, long = (table.clocks(table.short_frac + longer) + more for longer in (0, 1))

@@ -213,7 +213,7 @@ def limited(raw: Term) -> Choice:
 
 
 def mantissa(value: Term, low: Term) -> Choice:
-    """Return a word, multiplied by 4 where the mask ``low`` is set, and limited to the format of its node."""
+    """Return ``value``, times 4 where the mask ``low`` is set, limited to the format of its node."""
     return Choice(_at_most(Select(low, 4 * value, value)), "mantissa", value, low)
 
 

@@ -49,7 +49,7 @@ def upto(size: Callable[[Any], float]) -> Callable[[Any], Interval]:
 
 
 def used(limit: Callable[[Any], Interval]) -> Callable[[Any], Interval]:
-    """Return the function ``limit``, changed to permit any word of clamped targets, which is unused and may wrap."""
+    """Return ``limit``, but permitting any word if the target is clamped: the word is then unused and may wrap."""
     return lambda c: ANYTHING if c.clamped else limit(c)
 
 
@@ -348,8 +348,8 @@ def rotate_to_elbow(d: Dataflow) -> None:
 
     L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) may be scaled freely, so the factor d1 is dropped.
     If the elbow is above the shoulder, d1 - p_ez loses digits.  But p_ex^2 + p_ey^2 = (d1 - p_ez)(d1 + p_ez), so L_m is
-    divided by d1 - p_ez: (p_ex, p_ey, d1 + p_ez).  If the elbow is below, one factor (p_ex, p_ey) is scaled up to
-    (u_x, u_y).  On the z axis the first form is (0, 0, 2 d1) and the second (d1, 0, 0), so 0/0 never occurs.
+    divided by d1 - p_ez: (p_ex, p_ey, d1 + p_ez).  If the elbow is below, one (p_ex, p_ey) of each term is scaled up
+    to (u_x, u_y).  On the z axis the first form is (0, 0, 2 d1) and the second (d1, 0, 0), so 0/0 never occurs.
     """
     n = d.nodes
     d.at("to_elbow", "(15)")

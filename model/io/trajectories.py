@@ -147,7 +147,7 @@ def drinking() -> tuple:
 
 @trajectory
 def handwriting() -> tuple:
-    """Write a line of small loops on a table, the hand moving to the right as it writes."""
+    """Return a motion: the hand writes small loops on a tabletop, moving to the right."""
     stroke = 2 * np.pi * 6 * TIME
     position = _points(0.36 + 0.02 * np.cos(stroke), 0.10 - 0.18 * TIME + 0.015 * np.sin(stroke), -0.25)
     return position, np.pi - 0.05 * TIME

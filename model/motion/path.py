@@ -71,7 +71,7 @@ class JointPath:
 
 
 class Candidates(NamedTuple):
-    """Candidates of a path, sorted by row: row, branch, phi (M,) and joint positions (7, M)."""
+    """Candidate poses, sorted by row of the path: row, branch, phi (M,) and joint positions (7, M)."""
 
     row: NDArray[np.int64]
     branch: NDArray[np.int64]

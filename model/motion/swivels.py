@@ -166,7 +166,7 @@ class Circles:
     def of(
         cls, wrists: ArrayLike, hands: Hands, d1: ArrayLike, d2: ArrayLike, axis: Axis = "z", bent: Any = None
     ) -> "Circles":
-        """Return the circles for wrist targets (N, 3) and hands.  Raises ValueError like :func:`solve`."""
+        """Return the circles for wrist targets (N, 3) and hands.  Arguments and errors as in :func:`solve`."""
         pose = solve(wrists, 0.0, d1, d2, axis=axis)
         count, frame = len(pose.qs), to_z(axis)
         lengths = [np.broadcast_to(np.asarray(d, dtype=np.float64), count) for d in (d1, d2)]

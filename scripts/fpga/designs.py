@@ -21,8 +21,8 @@ PAGE = GENERATED / "fpga.md"
 class Design:
     """Top module with its parameters, and the families for which it is synthesized (``families``) or placed (``aims``).
 
-    ``parameters`` excludes W. ``aims``: family -> clock (MHz) at which no further placement seed is tried; clocks vary
-    by up to a fifth between seeds. If ``within`` is given, `ik_axis` with these parameters is placed, not the top.
+    ``parameters`` excludes W. ``aims``: family -> clock (MHz) that, once met, ends the tries of seeds; clocks vary by
+    up to a fifth between seeds. If ``within`` is given, `ik_axis` with these parameters is placed, not the top.
     """
 
     datapath: str
@@ -154,7 +154,7 @@ def clock(data: dict, datapath: str, width: int) -> float | None:
 
 
 def size(data: dict, datapath: str, width: int) -> tuple[dict | None, str]:
-    """Return a design's cells, None if not measured, on a family with LUT4, and that family, such as up5k."""
+    """Return a design's cells (None: not measured) on a LUT4 family, and that family's name, such as up5k."""
     design = find(datapath, width)
     family = next((one for one in ("xc2vp", "up5k", "ecp5-12k") if design and one in design.families), "")
     return (run_of(data, design.run(family)).get("cells") if family else None), family

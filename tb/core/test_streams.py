@@ -192,7 +192,7 @@ async def reset_in_traffic(dut, after):
 async def reset_in_any_clock(dut):
     """Reset for one clock after 1 to 200 clocks of traffic with gaps and stalls; check the later results.
 
-    Every 11th number of clocks is simulated; `make formal` proves all.
+    Only every 11th count is simulated; `make formal` proves all.
     """
     async with started(dut) as bench:
         for clocks in range(1, 201, 11):

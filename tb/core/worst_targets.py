@@ -227,7 +227,7 @@ def _bits_failure(run: Run, differing: list[int], numbers: Sequence[int]) -> Fai
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the list."""
+    """Listed target."""
 
     datapath: str
     width: int

@@ -234,7 +234,7 @@ class Rules(Questions):
         return self.proved
 
     def says(self, name: str) -> str:
-        """Return a sentence on what question ``name`` proves, for the table in build/proofs."""
+        """Return a sentence for the table in build/proofs: what question ``name`` proves."""
         return self.claim(name) if name in self.lemmas else self.exact.nodes[name].within.why
 
     def claim(self, name: str) -> str:

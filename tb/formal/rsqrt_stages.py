@@ -133,7 +133,7 @@ class Stages:
 
     @property
     def row(self) -> tuple[str, ...]:
-        """Coefficients from the table's word: c0, aligned to the sum and with the rounding constant, then c1 and c2."""
+        """Coefficients from the table's word: c0 (in the sum's scale, plus the rounding constant), c1 and c2."""
         spare = self.form.sum_frac - self.form.c_frac[0]
         lowest = rounding(self.form, self.frac) & (1 << spare) - 1
         c0, *others = (self.field(*field) for field in self.fields)

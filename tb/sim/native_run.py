@@ -111,7 +111,7 @@ def program(
 ) -> Path:
     """Build the program of a datapath if necessary; return its path.
 
-    The parameters are as in :func:`tb.sim.simulate.simulate`; ``kind`` is ``cores`` there. Raises
+    Parameters as in :func:`tb.sim.simulate.simulate`, where ``kind`` is named ``cores``. Raises
     :class:`SimulationError` with the compilers' messages.
     """
     digit = CORES.index(cores(kind)) if MODELS[datapath].rtl == "paper" else 0

@@ -212,7 +212,7 @@ def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
 
 
 def fold_angle(W: int) -> Tests:
-    """Check ``th`` in the program of a ball joint, repeated for random quaternions, some with vectors on an axis.
+    """Check ``th`` by running a ball joint's program on random quaternions, some with (w, k) or (i, j) on an axis.
 
     The program stores the angle d of (i, j) in h and shows s + d and s - d, where s is the angle of (w, k). Then it
     shows twice the angle of (|(w, k)|, |(i, j)|) and twice the angle of (i, -w). Signs and half turns are random."""

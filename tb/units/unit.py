@@ -178,7 +178,8 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
 
     Inputs change after the rising edge. Outputs are sampled at the falling edge, when all ports have settled in both
     simulators, and compared as bits, so that X is a difference. A module's parameter DA delays its port ``a``, DB its
-    port ``b``, and so on. A port gets its word earlier by its delay; ``latency`` counts from ports without delay.
+    port ``b``, and so on (``delays``: parameter -> clocks). So ``a`` is driven DA clocks early; ``latency`` counts from
+    ports without delay.
     """
     assert vectors, "no vectors to check"
     for name, words in (inputs | outputs).items():

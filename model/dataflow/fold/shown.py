@@ -141,7 +141,7 @@ class _Finder:
 
 
 def shown(lowering: Lowering, program: Program) -> dict[str, Shown]:
-    """Return each node's location, in the order of the dataflow.  Raises LookupError if a node has no location."""
+    """Return where each node's word is stored, in dataflow order.  Raises LookupError if one is nowhere."""
     finder = _Finder(lowering, program)
     for name, clock in program.loads.items():
         finder.add(name, clock, "in")

@@ -162,7 +162,7 @@ class AngleClocks(NamedTuple):
 
     * ``iterated``: from loading y until the vector can be handed over to the second stage
     * ``shown``: from the hand-over to the angle
-    * ``again``: from the hand-over to the next hand-over, if the next vector consists of two lengths
+    * ``again``: from one hand-over to the next, if both components of the next vector are lengths
     """
 
     iterated: int

@@ -182,7 +182,7 @@ class Step:
         return expression.replace(halves, lambda part: self.root(part.base) ** (2 * part.exp))
 
     def absolute(self, v: sp.Expr) -> sp.Expr:
-        """Return |v|: the square in `roots` that equals v or -v; if there is none, the root of v**2."""
+        """Return |v|: v or -v, if one of them is a square in `roots`; else the root of v**2."""
         for known in self.roots.values():
             if self.rest(v - known) == 0 or self.rest(v + known) == 0:
                 return known
