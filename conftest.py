@@ -47,7 +47,7 @@ def is_missing(need: str) -> bool:
 
 
 def modules(item) -> set[str]:
-    """Return the modules of rtl/ that a test compares with the model: those of its `bench` markers, with submodules."""
+    """Return the modules of rtl/ that a test compares with the model, from its `bench` markers, with submodules."""
     return {path.stem for mark in item.iter_markers("bench") for path in closure(*mark.args, **mark.kwargs)}
 
 

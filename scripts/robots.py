@@ -80,7 +80,7 @@ def planned(
     """Convert poses of the robot's tip to targets of `ik_arm`; return them with the planned path through them.
 
     Swivel angles are planned if all phi are nan, branches if there is no column ``branch``. Rows with the same ``path``
-    form a path; with `each`, each row does. A row without joints within the limits gets those of `Arm.solve`.
+    form a path; with `each`, each row does. A row without joints within the limits gets the joints of `Arm.solve`.
     progress: called with the number of planned rows and a text.
     Raises ValueError for bent links, and for axes that do not meet exactly; use :meth:`Arm.nearest` for these.
     """

@@ -360,7 +360,7 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
     """Return the contents of results.csv and results.npz by suffix; results.npz has the same data as arrays.
 
     CSV: one row per target in input order, lengths in the user's unit and frame, angles in rad, followed by the other
-    columns of the target file and those of `more`, name -> (N,). Reading the file returns the same bits.
+    columns of the target file and of `more`, name -> (N,). Reading the file returns the same bits.
     docs/targets.md lists columns and arrays.
     """
     value = dict(zip(MODELS[result.datapath].results, result_values(run.results, result.width).T, strict=True))

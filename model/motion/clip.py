@@ -162,7 +162,7 @@ def _known(clip: Clip, side: str, table: Sequence[tuple[str, str, str]]) -> tupl
 
 
 def _body(clip: Clip) -> tuple[list[int], list[int]]:
-    """Return the joints of head, neck or shoulders, and those of the feet; two empty lists if either is not found."""
+    """Return joints of head, neck or shoulders, and joints of the feet; two empty lists if either is not found."""
     optional = "(?:left|right|l|r)?"
     heads, feet = (
         next((joints for names in table if (joints := _called(clip, rf"{optional}(?:{names})\d*{optional}"))), [])

@@ -96,7 +96,7 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
 def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     """Return the page's data for hand poses. Angles are in degrees unless rad is stated.
 
-    * names, joints (N, 7), limits (7, 2): those of the robot, otherwise of th1 to th7; a missing limit is None
+    * names, joints (N, 7), limits (7, 2): of the robot, otherwise of th1 to th7; a missing limit is None
     * over: bits of the joints outside their limits, bit 0 for the first joint; error: orientation error in rad
     * arcs (N, 8): for each branch, intervals of the swivel angle in which all joints are within their limits; free
       (N,): the same for the target's branch; branch (N,); without a robot, these are None or absent

@@ -32,7 +32,7 @@ def write_poses(points, hands, **columns):
 
 @pytest.mark.parametrize(("width", "axis"), [(32, "z"), (18, "0,-1,1")])
 def test_hand_poses_of_a_file(cli, simulator, width, axis):
-    """Check that the joints equal those of `solve`, and that results.csv can be read as a file of the same poses."""
+    """Check that `solve` gives the same joints, and that results.csv can be read as a file of the same poses."""
     tool, branch = np.linspace(0.0, 0.2, 40), np.arange(40) % 8
     points, q, phi = poses(40, tool=tool[:, None])
     write_poses(points, q, phi=phi, tool=tool, branch=branch)

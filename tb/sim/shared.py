@@ -66,7 +66,7 @@ def passes(label: str, **options) -> None:
 
 
 def judge(messages: list[str], log: Path) -> None:
-    """Fail with the first message that is not empty; skip if this message says that the test was not run."""
+    """Fail with the first message that is not empty; skip if, by this message, the test was not run."""
     if wrong := [message for message in messages if message]:
         others = sum(not message.startswith(NOT_RUN) for message in wrong[1:])
         more = f" ({others} more fail)" if others else ""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Software in table 6: C, numpy, JAX and EAIK. Each solves its targets repeatedly.
 
-The lean equations for arrays are those of equations.c, without flags, and need targets in reach. Each sum is
+The lean equations for arrays are the ones in equations.c, without flags, and need targets in reach. Each sum is
 rounded.
 
 C, numpy and JAX find one pose from the hand's position and the swivel angle. EAIK solves another problem: in closed
@@ -98,7 +98,7 @@ the hand errors / reach (N,), nan for a target without an answer."""
 
 @dataclass(frozen=True)
 class Contender:
-    """Software in the comparison. ``bind`` binds the software to targets. ``lacks`` says what is missing on this
+    """Software in the comparison. ``bind`` binds the software to targets. ``lacks`` names what is missing on this
     computer; the software is then not measured. ``most`` limits the number of random targets."""
 
     key: str
