@@ -116,9 +116,10 @@ def table_of_many(scores: Sequence[Score]) -> Table:
     first = scores[0]
     latency = "" if first.latency_cycles is None else f", latency {first.latency_cycles} clocks"
     title = f"{first.datapath} datapath, {first.width} bits, {first.simulator}{latency}"
-    passed = [result for result in scores if result.passed]
+    passed = [result for result in scores if result.outcome.startswith("pass")]
     without = sum(result.hand_error_tolerance is None and result.clamped_error_tolerance is None for result in passed)
-    share = f"{len(passed)} of {len(scores)} pass"
+    warned = sum(result.passed for result in scores) - len(passed)
+    share = f"{len(passed)} of {len(scores)} pass" + f", {warned} with targets out of reach" * bool(warned)
     share += f", {without} of them without a tolerance, by bits, flags and norms" if without else ""
     caption = (
         f"{share}\nhand: largest hand error / reach, at target; {EXPLAINED}; clamped: largest error "

@@ -310,7 +310,7 @@ def score_runs(
         result = score(item.targets, item.words, item.exponent, run, **core, **more)
         if result.passed and item.path and (item.path.jumps or result.over_limit):  # not a pass without a word
             text = f"{len(item.path.jumps)} targets jump or have no joints, {result.over_limit} are outside the limits"
-            result = replace(result, outcome=f"warn: {text}; {result.outcome.removeprefix('pass: ')}")
+            result = replace(result, outcome=f"warn: {text}; {result.outcome[6:]}")
         scored.append((run, result))
     return scored
 

@@ -127,7 +127,8 @@ class Score:
     * `*_tolerance`: largest permitted error of the worst target, None without a tolerance; `hand_error_over_tolerance`:
       largest ratio of a hand error to its tolerance
     * `hand_error_target`: the target with the largest error; `hand_error_pose`: how near that is to a singular pose
-    * `outcome`: largest error and its tolerance as text; `failures` is empty exactly if `passed`
+    * `outcome`: verdict (pass, warn or FAIL), largest error and its tolerance as text; `failures` is empty exactly if
+      `passed`; the verdict is warn if a target out of reach is missed by more than the tolerance
     * `over_limit`: number of targets with a joint outside its limits; it and `orientation_error_*`: None for wrists
     """
 
@@ -260,6 +261,7 @@ def score(
         *_large_errors("abs(norm^2-1) of Qe", qe_norm, norm_tolerance),
     ]
     over = [*_over_limits(of_hand.over_limit)] if of_hand and strict else []
+    missed = clamped & (hand_error > (0.0 if permitted is None else permitted))
     largest, furthest = _max(hand_error, reachable), _max(clamped_error, clamped)
     judged, at = np.where(clamped, clamped_error, hand_error), targets.points_from_core
     if of_hand:
@@ -299,7 +301,7 @@ def score(
         over_limit=int(of_hand.over_limit.any(axis=1).sum()) if of_hand else None,
         scale_exponent=int(exponent),
         passed=not failures + over,
-        outcome=f"FAIL: {over[0]}" if over and not failures else _outcome(not failures, permitted, judged),
+        outcome=f"FAIL: {over[0]}" if over and not failures else _outcome(not failures, permitted, judged, missed),
         failures=(*failures, *over),
         per_target=per_target,
     )
@@ -319,10 +321,14 @@ def _max(values: np.ndarray, where: np.ndarray) -> float | None:
     return float(values[where].max()) if where.any() else None
 
 
-def _outcome(passed: bool, tolerance: np.ndarray | None, errors: np.ndarray) -> str:
-    """Return a line of text with the verdict, the largest error and its tolerance."""
-    verdict, n = "pass" if passed else "FAIL", errors.argmax()
+def _outcome(passed: bool, tolerance: np.ndarray | None, errors: np.ndarray, missed: np.ndarray) -> str:
+    """Return a line of text with the verdict, the number of ``missed`` (N,) targets, the largest error and its
+    tolerance."""
+    n, count = errors.argmax(), np.count_nonzero(missed)
+    verdict = "FAIL" if not passed else "warn" if count else "pass"
     error = f"error {errors[n]:.1e} of the reach"
+    if count:
+        error = f"{count} of {len(missed)} targets out of reach, solved by the nearest pose; {error}"
     if tolerance is None:
         bits = "bits, flags and norms are right" if passed else "bits, flags or norms are wrong"
         return f"{verdict}: {bits}; {error}, no tolerance"

@@ -6,6 +6,7 @@ import dataclasses
 import io
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -184,12 +185,16 @@ def test_clamped_targets_are_judged_apart():
     assert case.flags.tolist() == [0, TOO_FAR, TOO_NEAR]
     result = case.score()
     assert result.passed and result.flagged == 2
+    assert re.match("warn: .*; 2 of 3 targets out of reach, solved by the nearest pose; error ", result.outcome)
     # hand_error is the distance to the target itself; the score uses the nearest reachable point.
     assert result.per_target.hand_error[1] == pytest.approx(math.hypot(0.7, 0.1) / 0.6 - 1, rel=1e-6)
     assert result.per_target.hand_error[2] == pytest.approx(0.05 / 0.6, rel=1e-6)
     assert result.hand_error_max == result.per_target.hand_error[0] < 1e-8
     assert result.clamped_error_max < 1e-8
     assert result.hand_error_tolerance is None and result.clamped_error_tolerance is None
+
+    straight = Case(arm([0.6 + 1e-9])).score(tolerance=1e-8)
+    assert straight.flagged == 1 and straight.outcome.startswith("pass: ")
 
     case.turn_shoulder(1, 1e-3)
     assert case.score().passed
