@@ -103,8 +103,8 @@ def command(
     """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status.
 
     After an error, `main` prints one line that begins with `name`. If make started the command, the line shows options
-    as make variables. For --help, about: what the command does (default: first line of the module's docstring);
-    passes, fails: meanings of exit status 0 and 1.
+    as make variables. Texts for --help: `about` says what the command does (default: first line of the module's
+    docstring), `passes` and `fails` what exit status 0 and 1 mean.
     """
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
     epilog = f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}."
@@ -191,8 +191,8 @@ def installed(need: str) -> bool:
 
 
 def choose_simulator(options: Options, targets: int) -> None:
-    """Set --sim to verilator, if installable, for `LONG` targets or more, unless --sim or --waves is given; print which
-    simulator runs them."""
+    """Choose the simulator of `LONG` targets or more, and print the choice: Verilator if it can be installed, unless
+    --sim or --waves is given."""
     chosen = "sim" in options.given
     if targets < LONG or getattr(options, "waves", None) or (chosen and options.sim != "verilator"):
         return

@@ -112,8 +112,8 @@ def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.n
 
 
 def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.ndarray:
-    """Return up to `KEPT` targets with the largest errors, largest first, and no more than `ALIKE` of one kind. `unit`:
-    index of the error in SEARCHED."""
+    """Return up to `KEPT` targets, largest error first, at most `ALIKE` of each kind. `unit`: error's index in
+    SEARCHED."""
     seen, chosen = Counter(), []
     for n in np.argsort(-hand_errors(words, width, datapath)[0, unit], kind="stable").tolist():
         row = np.delete(words[n, :7], 3)

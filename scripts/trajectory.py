@@ -76,8 +76,8 @@ class Prepared:
 
 def datapaths(arguments: Options, prepared: Sequence[Prepared]) -> dict[str, Path]:
     """Return a dict: datapath to run -> folder of its results. Without --datapath, the paper's scenario runs on all of
-    DATAPATHS, other wrist targets on lean. Hand poses run on the datapath's whole arm; raises InputError for paper,
-    which has none."""
+    DATAPATHS, other wrist targets on ``lean``. Hand poses run on the datapath's whole arm. Raises InputError for hand
+    poses on ``paper``, which has no whole arm."""
     scenario = arguments.trajectory == trajectories.DEFAULT
     chosen = arguments.datapath or (list(DATAPATHS) if scenario else [DEFAULT])
     chosen = [chosen] if isinstance(chosen, str) else chosen

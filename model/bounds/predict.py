@@ -57,7 +57,7 @@ CORNERS = 32
 
 
 def predicted_error(words: np.ndarray, width: int, datapath: str = DEFAULT) -> np.ndarray:
-    """Return, for input words (N, 6), the largest hand errors / reach (N,) that a datapath's rounding can cause.
+    """Return the largest hand errors (N,), relative to the reach, that rounding can cause for input words (N, 6).
 
     First, each node alone is moved to both ends of its rounding range. Then, for both directions of each axis, all
     nodes are moved at once, each to the end that pushes the hand further that way: to first order, the worst case.

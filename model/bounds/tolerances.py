@@ -54,7 +54,8 @@ tool's offset to an inner word, which has three more bits at W = 32. Searches fi
 
 
 def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
-    """Return the largest permitted errors of hand poses (N, 11): of the point (N,), ulps, and the orientation, rad."""
+    """Return the largest permitted errors for hand poses (N, 11): the point's in ulps (N,), the orientation's in
+    rad."""
     reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
     point, orientation = ARM_ULPS if width < 28 else (float(STATED["arm", "point"][width]), ARM_ULPS[1])
     return point * 2.0 ** (2 - width) * reach + WRIST_ULPS, orientation * 2.0 ** (2 - width)

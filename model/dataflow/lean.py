@@ -293,7 +293,7 @@ def triangle(d: Dataflow, f: LeanFormats) -> None:
 
 
 def triangle_lemmas(d: Dataflow) -> None:
-    """State the lemmas on sin a.  n_ab >= 0 because sin a <= 1 and, where A B = 0, because lengths are whole ulps."""
+    """State the lemmas on sin a.  n_ab >= 0: if A B > 0, because sin a <= 1; if A B = 0, as lengths are whole ulps."""
     d.lemma("|a| = 1", f"{norm('cos_a', 'sin_a')} <= 1", "cos a; sin a; K^2 + A B; s > 0; =d1")
     uses = "=sin_a; =inv_law_ab; =inv_law_ab_raw; =n_ab; =root_ab; root of m_far; root of m_near; 1/(d1 |p|); 1/|p|; "
     uses += "=m_far; =m_near; =m_1; =m_s; =e_far; =e_near; =e_1; =e_s; =d1; s > 0"

@@ -140,7 +140,7 @@ class Count(Operation):
 
 
 class Shift(Operation):
-    """Word v times 2^(power + sign n), truncated; n is a shift count."""
+    """Word v times 2^(power + sign * n), truncated.  n is a shift count; sign is 1 or -1."""
 
     sign: int
 

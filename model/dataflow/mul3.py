@@ -23,8 +23,8 @@ def mul3(a, b, shift: int, a_width: int, b_width: int, tile: int = TILE):
     rounded half up.
 
     Each tile product is truncated two bits below the result's ulp.  The rounding constant enters as a carry into each
-    of the two sums.  If the LSB of the highest product lies above these two bits, the product of the low parts' two
-    highest bits, an estimate of the omitted one, fills the gap.  Errors: :func:`mul3_error`.
+    of the two sums.  If the LSB of the highest product lies above these two bits, they are filled with an estimate of
+    the omitted product: the product of the two highest bits of each low part.  Errors: :func:`mul3_error`.
     """
     a_unseen, b_unseen = unseen(a_width, b_width, tile)
     a, b, shift = a >> a_unseen, b >> b_unseen, shift - a_unseen - b_unseen

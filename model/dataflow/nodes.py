@@ -230,8 +230,8 @@ class Dataflow:
 
     * ``limits``: (lower, upper) limit of each joint of the whole arm, words with one turn = 2^W; by default no limits
     * ``learned``: indices of nodes before which :func:`model.bounds.ranges.off_length` tightens the bounds of a case
-    * ``restarts``: index of a node -> names of earlier nodes that define a plane.  From that node on their words count
-      as exact, because all later nodes are correct for any plane
+    * ``restarts``: index of a node -> names of earlier nodes that define a plane.  From the node with this
+      index on, the words of these earlier nodes count as exact, because all later nodes are correct for any plane
     * ``lemmas``: name -> (statement, facts that prove it); without facts the statement is assumed
     * ``definitions``: name -> expression that the name abbreviates in lemmas; proofs treat the name as one number
     """

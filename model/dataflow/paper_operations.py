@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations of the paper's dataflow: rounded products and sums, division, root, CORDIC, normalization.
 
-Method ``interval(node, bounds)``: low, high, error and (floor, ceiling) of a :class:`model.bounds.ranges.Bound`.
+Method ``interval(node, bounds)`` returns the fields of a :class:`model.bounds.ranges.Bound`: low, high, error and
+(floor, ceiling).
 """
 
 import math

@@ -151,9 +151,8 @@ def row_error(table: Table, form: Form, row: int, rises: bool) -> tuple[mpmath.m
     """Return the least and greatest error of :func:`polynomial` over the segment of a table row, both ends included.
     The cosine reads the sine's rows with ``rises`` False and u negated.  The errors that add up:
 
-    * Interpolation: 1/6 of the third derivative times (u + a) u (u - a), a product of at most 1/32 of the cube of the
-      segment's width; in a linear form, 1/2 of the second derivative times (u + a) (u - a), a product of at most 1/8 of
-      the square of the width.
+    * Interpolation: 1/6 of the third derivative times (u + a) u (u - a); these three factors multiply to at most
+      width^3 / 32.  In a linear form, 1/2 of the second derivative times (u + a) (u - a), at most width^2 / 8.
     * Rounding of the coefficients: exactly r0 + r1 u + r2 u^2.
     * u times the error of the slope, which is less than one ulp of the slope plus c2 times an ulp of u's high part.
     * Tiles: each is truncated by less than an ulp of the sum, and the product of the low parts is omitted.

@@ -103,8 +103,8 @@ class PerTarget:
     """Points and errors of each target: points (N, 3) in scaled lengths and the user's frame; errors (N,) relative to
     the reach, tool included, or in rad.
 
-    `judged_error` is `hand_error`, or the distance from the clamped pose's hand if the target is unreachable
-    (`clamped`).
+    `judged_error` is `hand_error`, or for an unreachable target (`clamped`) the distance between the core's hand and
+    the clamped pose's.
     """
 
     elbow: np.ndarray

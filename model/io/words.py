@@ -295,9 +295,9 @@ TAG_BITS = 24  # bits of a tag that a result record returns
 class Records:
     """Layout of target and result records: words of 32 bits, little endian, whatever the core's word length.
 
-    Lengths and quaternions are Q2.30, one turn is 2^32. Word number `tag` holds the tag and above it the branch
-    (target) or flags (result); `inputs` and `results` name the other words. The results are followed by the record's
-    index in its job and, for the whole arm, by over_limit: a bit for each joint from bit 0, and bad_hand in bit 8.
+    Lengths and quaternions are Q2.30, one turn is 2^32. The word with index `tag` holds the tag in its low bits and,
+    above them, the branch (target) or the flags (result); `inputs` and `results` name the other words. Results end
+    with the record's index in its job and, for the whole arm, over_limit: a bit for each joint, bad_hand in bit 8.
     """
 
     size: int  # bytes

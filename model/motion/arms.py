@@ -331,8 +331,8 @@ class Arm:
     def continuous_joints(self, positions: ArrayLike) -> Floats:
         """Return joint positions (N, 7), rad, with the same hands and elbows but without jumps between branches.
 
-        positions (N, 7): rad; each row may be in any branch.  The results are within the limits, or nan where no branch
-        is.  Raises ValueError.
+        positions (N, 7): rad; each row may be in any branch.  The results are within the limits; a
+        row is nan if none of its branches is within them.  Raises ValueError.
         """
         rows = _rows("positions", positions, 7)
         points, hand = self.forward(rows)

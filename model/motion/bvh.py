@@ -56,7 +56,7 @@ class Node:
 class Clip:
     """Clip of F frames, K nodes and C channels.
 
-    * head: the text before and after the number of frames, up to the table
+    * head: two texts, before the number of frames, and from there to the table
     * table (F, C): positions, and rotations in degrees
     * notes: warnings about the file, each one line for the user
     * up: the up axis, as in :data:`kinematics.NAMED_AXES`

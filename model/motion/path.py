@@ -189,8 +189,8 @@ class Planner:
         return parts
 
     def plan(self, phi: Floats | None, branch: NDArray | None, start: Floats | None, goal: float) -> JointPath:
-        """Return the best path of several attempts; stop when one reaches the goal. Each attempt tries more swivel
-        angles near the jumps of the previous one; later attempts avoid the previous joints there.
+        """Return the best path of several attempts; stop when one reaches the goal. Each further attempt tries
+        more swivel angles near the jumps of the previous one, and from the third on avoids the joints found there.
 
         phi, branch (N,): fixed, or None; start (7,): joints before the first row; goal: largest wanted step, rad.
         """

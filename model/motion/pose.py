@@ -50,7 +50,7 @@ class Hands:
     * q (4, N): orientations, unit quaternions w, i, j, k
     * tool (N,): distance from the wrist to the hand's point, along the hand's z axis
     * branch (N,): bits of :class:`Branch`
-    * missing (N,): True for poses with a nan in hand or tool; q and tool then hold other numbers
+    * missing (N,): True for poses whose input has a nan in orientation or tool; q and tool then hold placeholders
     """
 
     q: Floats

@@ -348,7 +348,7 @@ def continuous_core_angles(angles: ArrayLike) -> Floats:
 
 
 def elbow_jumps(targets: Targets) -> tuple[NDArray[np.intp], list[float]]:
-    """Return the rows of a path at which the elbow jumps as the wrist passes the reference axis, and a better axis.
+    """Return (1) the rows at which the elbow jumps because the wrist passes the reference axis, (2) a better axis.
 
     Let the wrist move by s from one row to the next, and let r be its smaller distance from the axis in the two rows.
     The elbow jumps if it moves by more than a tenth of the reach, more than 4 s, and more than 4 (r - s).

@@ -173,7 +173,8 @@ def quaternion_coefficients(q):
 
 
 def rotation(axis, phi):
-    """Return cos(phi/2) + L sin(phi/2), (4): the right-handed rotation by phi (rad) about a standard line, |L| = 1."""
+    """Return the right-handed rotation by phi (rad) about the standard line ``axis``, |L| = 1, by equation (4):
+    cos(phi/2) + L sin(phi/2)."""
     lib = _functions(phi)
     return scalar(lib.cos(phi / 2)) + axis * scalar(lib.sin(phi / 2))  # (4)
 

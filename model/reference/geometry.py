@@ -60,7 +60,7 @@ def elbow_quaternion(P_e, P_w):
 
 
 def elbow_rotation(P_e, d1):
-    """Return P_ze, pi_m, pi_e, L_m and Q_12, the half turn from the z axis to an elbow off that axis (3.4)."""
+    """Return P_ze, pi_m, pi_e, L_m, Q_12 (3.4). Q_12 is the half turn from the z axis to an elbow that is off it."""
     P_ze = cga.point(0, 0, d1)
     pi_m = P_ze - P_e
     pi_e = cga.dual(e_0 ^ P_ze ^ P_e ^ e_inf)

@@ -92,7 +92,7 @@ def angle_between(a, b):
 
 
 def forward(qs, qe, d1, d2):
-    """Return the points (N, 3) of elbow and wrist for the joints Qs (N, 4) and Qe, (N, 4) or only w and i (N, 2).
+    """Return the points (N, 3) of elbow and wrist for joints Qs (N, 4) and Qe: (N, 4), or (N, 2) with w and i only.
 
         elbow = Qs (d1 e3) Qs~          wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~
 

@@ -9,10 +9,11 @@ B = s - (d1 - d2)^2 and K = s + d1^2 - d2^2, for a target in reach:
     cos a = K/(2 d1 |p|)    sin a = sqrt(A) sqrt(B)/(2 d1 |p|)
     Qs = Rz(azimuth + 90 deg) Rx(90 deg - elevation) Rz(phi) Rx(-a)                  the paper's (18)
 
-Each factor of Qs except Rz(phi) is computed from the cosine c and sine s of its angle, as a quaternion that is not of
-unit length: (1 + c, s)/2, or (s, 1 - c)/2 if c < 0. Its squared length is (1 + |c|)/2. One root normalizes the product.
+Each factor of Qs except Rz(phi) is computed from its angle's cosine cos and sine sin, as a quaternion that is not of
+unit length: (1 + cos, sin)/2, or (sin, 1 - cos)/2 if cos < 0. Its squared length is (1 + |cos|)/2. One root
+normalizes the product.
 
-Both functions are independent of the core's dataflow (:mod:`model.dataflow.lean`), and tests compare it with them.
+Neither function uses the core's dataflow (:mod:`model.dataflow.lean`); tests compare the dataflow with both.
 :func:`solve_lean` computes the squares of all sines and cosines as ratios of integers. It keeps full relative precision
 next to the z axis and for an almost straight or closed arm, where ``equations.solve`` loses up to half of its digits.
 :func:`solve_direct` has the same precision in a tenth of the time.

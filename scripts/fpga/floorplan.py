@@ -38,8 +38,8 @@ def floorplan(module: dict, seed: int) -> None:
 
 
 def coupling(module: dict, names: list[str]) -> np.ndarray:
-    """Return the symmetric coupling matrix of the named cells: how often random walks from one named cell through other
-    cells reach another named cell first."""
+    """Return the symmetric coupling matrix of the named cells. Entry (a, b): how often a random walk that starts at a
+    and passes only unnamed cells has b as the first named cell that it reaches."""
     order = {name: k for k, name in enumerate(dict.fromkeys([*names, *module["cells"]]))}
     drivers: dict[int, int] = {}
     readers = defaultdict(list)

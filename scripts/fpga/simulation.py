@@ -58,8 +58,8 @@ class Ports:
 
     def stimuli(self, clocks: int, width: int) -> np.ndarray:
         """Return uint64 (clocks,): the wrapper's input pins in each clock, bit k for in[k]. valid and ready are high in
-        three of four clocks, other pins in one of two. rst is high in the first 8 clocks and in one in the middle.
-        Wrappers with a pin ``hold`` shift in hand poses, in words of ``width`` bits, and hold each for HELD clocks. For
+        three of four clocks, other pins in one of two. rst is high in the first 8 clocks and in one in the middle. If
+        there is a pin ``hold``, hand poses in words of ``width`` bits are shifted in and held for HELD clocks each. For
         ``ik_axi``, register writes start jobs."""
         draw = np.random.default_rng(1)
         shifted = draw.integers(0, 2, clocks).astype(bool)

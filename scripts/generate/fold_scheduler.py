@@ -41,7 +41,7 @@ class _Problem:
         self._resources(vectors)
 
     def _clock(self, name: str, first: int, last: int):
-        """Return a variable for a clock. ``at_place[name]`` gets a mask per place of the lap, 1 for the clock's."""
+        """Return a variable for a clock. ``at_place[name]`` gets a mask for each place of a lap, 1 at the clock."""
         clock, place = self.model.new_int_var(first, last, name), self.model.new_int_var(0, self.period - 1, name)
         lap = self.model.new_int_var(0, last // self.period, name)
         self.model.add(clock == lap * self.period + place)
@@ -134,9 +134,9 @@ class _Problem:
     def _results(self, registers: dict[str, list], vectors: dict[str, tuple[str, int]]) -> None:
         """Constrain the results of a target, and minimize the clock of the last result.
 
-        Flags and tag leave with the first result. The last result precedes the next target's first result and is not
-        in a lap's last clocks, which already fetch steps of the next lap. A joint's angle is compared with its limits
-        after it is written.
+        Flags and tag leave with the first result. The last result leaves before the next target's first result. It does
+        not leave in the final clocks of a lap, in which steps of the next lap are already fetched. A joint's angle is
+        compared with its limits after it is written.
         """
         over = {angle: self.starts[name] + clock for angle, (name, clock) in vectors.items()}
         shown = self.lowering.angle_clocks.shown

@@ -142,7 +142,7 @@ def _rows(made: Program) -> list[tuple[str, list[str]]]:
 
 
 def _pick(values: Iterable[object]) -> str:
-    """Return Verilog for a value of one or two programs; SHORT selects the first if they differ."""
+    """Return the Verilog of a value that each program has. If two programs differ, SHORT selects the first one's."""
     values = list(map(str, values))
     return values[0] if len(set(values)) == 1 else f"SHORT ? {values[0]} : {values[1]}"
 

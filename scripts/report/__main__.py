@@ -136,7 +136,7 @@ def _arcs(item: Prepared, branch: np.ndarray) -> list[Any]:
 
 
 def step_figures(item: Prepared) -> list[tuple[str, ...]]:
-    """Return rows for the table of figures: largest step of a joint, rows that jump or have no joints."""
+    """Return rows for the table of figures: a joint's largest step; how many targets jump or have no joints."""
     if not item.path:
         return []
     kind, names = ("targets", range(len(item.targets))) if item.targets.rows is None else ("rows", item.targets.rows)

@@ -52,7 +52,8 @@ def test_simulations_that_pass_are_added(tmp_path, monkeypatch):
 
 
 def test_only_unchanged_files_of_a_copy_count(tmp_path, monkeypatch):
-    """The counts of a copy with AXI rules are added to its original's; the echo's are not added to ik_lean's."""
+    """A copied file that is unchanged, or only has AXI rules added, counts as the original; the echo's ik_lean does
+    not."""
     monkeypatch.setenv("IK_COVERAGE", str(tmp_path / "counts"))
     root = echoing(tmp_path / "echo")["root"]
     (rules,) = [path for path in with_rules([root / "rtl/ik_axis.v"], tmp_path) if path.parent == tmp_path]

@@ -148,8 +148,8 @@ class Driver:
         return NAMES[self.call("ik_solve_arm_words" if self.arm else "ik_solve_words", ctypes.c_size_t(count))]
 
     def solve(self, targets: np.ndarray) -> tuple[str, np.ndarray]:
-        """Call ik_solve or ik_solve_arm. Return the code's name and the results that the driver reports as written.
-        Check that the driver has changed no other result."""
+        """Call ik_solve or ik_solve_arm. Return the name of its return code and as many results as the driver
+        says it has written. Check that the driver has changed no other result."""
         results = np.full(len(targets) * self.result_type.itemsize, 0xA5, np.uint8)
         name = "ik_solve_arm" if self.arm else "ik_solve"
         code = self.call(name, targets.ctypes, results.ctypes, ctypes.c_size_t(len(targets)))

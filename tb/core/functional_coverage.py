@@ -110,7 +110,7 @@ def regions(target: Sequence[int]) -> list[str]:
 
 @functools.cache
 def examples(width: int, datapath: str) -> dict[Kind, tuple[int, ...]]:
-    """Return kind -> words of an example target of ``datapath``, for each kind that occurs. Few targets cover all."""
+    """Return kind -> words of an example target of ``datapath``, for each kind that occurs."""
     k, targets = 1 << width - 5, mixed(4000, width, 8)
     if datapath == "lean":
         targets = np.array([*targets, (k - 2, 0, 0, 9, k, 1), (k + 2, 0, 0, 9, k, 1)])

@@ -33,7 +33,7 @@ Lemma = tuple[str, tuple[str, ...]]
 
 
 def equations(names: str) -> tuple[str, ...]:
-    """Return the names of the facts that state the equations of nodes; ``names`` is a text, separated by spaces."""
+    """Return the facts that state the equations of nodes. ``names``: the nodes, separated by spaces."""
     return tuple(f"={name}" for name in names.split())
 
 

@@ -49,7 +49,8 @@ class Proof:
     * ``depth``: number of clocks within which all covers must be reached; 0 if there are no covers.
     * ``uses``: property -> properties assumed in the previous clock to prove it; by default all.
     * ``after``: property -> properties of the same clock that imply it.
-    * ``gates``: inputs, outputs, and the number of each; no combinational path may lead from the inputs to the outputs.
+    * ``gates``: patterns of inputs and of outputs, and how many of each there are; no combinational path may lead from
+      the inputs to the outputs.
     """
 
     name: str

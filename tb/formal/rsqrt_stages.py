@@ -180,7 +180,7 @@ class Stages:
             yield Question(f"{name}{label}", says, partial(self._cases, claim), partial(self._cases, None))
 
     def _fit(self) -> Answer:
-        """Check that each product fits for all factors of their widths with a first factor (c2 or slope part) >= 0."""
+        """Check that each product fits for any two factors that fit, if the first one (c2 or slope part) is >= 0."""
         widths = self.unrolled.widths
         for product in self.products:
             a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)
@@ -202,7 +202,8 @@ class Stages:
         return (*model(form, self.frac, (c0, *others), Term(text, lower, (registers, factors))), factors)
 
     def _cases(self, claim) -> Answer:
-        """Check a claim for mantissas below 1/4, in [1/4, 1/2) and above; if None, check that each range has some."""
+        """Check a claim for mantissas below 1/4, in [1/4, 1/2) and above. If ``claim`` is None, check that none of
+        these ranges is empty."""
         m, seconds = self.unrolled.at("m_next", 0), 0.0
         half, quarter = (_number(1 << self.frac + bits, self.frac + 3) for bits in (2, 1))
         for lower, below in ((True, True), (True, False), (False, False)):

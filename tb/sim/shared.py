@@ -135,7 +135,8 @@ def recording(label: str) -> Path | None:
 
 
 def marked(vcd: Path | None, test: str, scope: str, time: float) -> str:
-    """Write a save file that marks the time (ns) at which a test failed; return its path as the end of a message."""
+    """Write a save file that marks the time (ns) at which a test failed. Return an ending
+    for the test's message, with the file's path; "" without ``vcd``."""
     if not vcd:
         return ""
     save = vcd.with_name(f"{vcd.stem}-{test}.gtkw".replace("/", "-"))

@@ -78,7 +78,7 @@ def _named(text: str) -> list[str]:
 
 
 def header(text: str) -> str:
-    """Return a module's header without its body."""
+    """Return the header of the module in ``text``."""
     return text[: text.index("\n);\n")] + "\n);\nendmodule\n"
 
 

@@ -49,7 +49,8 @@ def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
         return [(d, count) for bit, count in bits for d in (bit, bit - 1, -bit, -bit - 1) if d in words]
 
     def normalized_words():
-        """Return short words of either sign, with counts that shift the highest bit next to q's sign or one off."""
+        """Return short words of either sign, with counts that shift the highest bit just below q's sign, or one place
+        off."""
         short = [random.getrandbits(random.randint(1, IW - 1)) for _ in range(500)]
         near = [(d, top - 1 - d.bit_length() + random.choice((-1, 0, 0, 1))) for d in short]
         return [(random.choice((d, ~d)), min(max(count, 0), COUNTS[-1])) for d, count in near]

@@ -29,8 +29,9 @@ def lower(width: int, name: str = "fold") -> tuple[Lowering, Groups]:
 
 @dataclass(frozen=True)
 class Schedule:
-    """Program schedule.  ``period``: clocks of a lap.  ``loads``: input -> clock in which it is loaded.  ``starts``:
-    group -> clock of its first step's issue; angle of a vector of results -> clock of the vector's hand-over."""
+    """Program schedule.  ``period``: clocks of a lap.  ``loads``: input -> clock in which it is loaded.  ``starts``
+    has two kinds of keys: a group gives the clock in which its first step is issued; the angle of a vector gives the
+    clock in which that vector is handed over."""
 
     period: int
     loads: dict[str, int]

@@ -5,8 +5,8 @@ A step reads two words, multiplies them, adds the product to the addend S or sub
 Steps cover the whole dataflow, because a product with a power of two is a copy or a shift.  The steps of a group are a
 fixed number of clocks apart, because the addend of each is the T of an earlier one.
 
-A program repeats every lap, and around the end of a lap two targets are in flight.  Clocks here count from the start of
-the lap in which the target is loaded; modulo the lap's period they are addresses in the program.
+A program repeats every lap, and around the end of a lap two targets are in flight.  In a program, clocks count from
+the start of the lap in which the target is loaded; modulo the lap's period they are addresses.
 """
 
 from dataclasses import dataclass

@@ -66,7 +66,7 @@ def test_lines_and_sines(name, seeds):
 
 @pytest.mark.parametrize("tilts", [(1,), (5,), (1, 5), (3,)], ids=str)
 def test_through_singular_poses(tilts):
-    """Follow lines on which th2, th6, both, or th4 pass exactly through 0 in row 100."""
+    """Follow lines on which joints pass exactly through 0 in row 100: th2, or th6, or th2 and th6, or th4."""
     for seed in range(2):
         joints = curve(IIWA14, "line", seed, 201)
         for tilt in tilts:

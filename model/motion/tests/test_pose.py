@@ -59,7 +59,7 @@ def poses(count, seed=1, tool=TOOL):
 
 
 def assert_reached(pose, points, hand, axis="z", tool=TOOL):
-    """Check that the joints reach points within 1e-14 of the reach, and orientations within 1e-14 in each element."""
+    """Check the hands by forward kinematics: points to 1e-14 times the reach, orientations to 1e-14 in each element."""
     to_core = matrix(to_z(axis))
     point, m = chain(pose.joints, tool)
     for reached in (point @ to_core, pose.hand):

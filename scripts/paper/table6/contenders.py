@@ -76,8 +76,8 @@ def shared_object(equations: str, real: str, extra: tuple[str, ...]) -> ctypes.C
 def solver(
     columns: list[np.ndarray], equations: str = "lean", real: str = "double", way: str = "batch"
 ) -> Callable[..., np.ndarray]:
-    """Return a function solve(times=1) that solves targets in C ``times`` times and returns the answers: (N, 6), or for
-    hand poses seven joints (N, 7). columns: x, y, z, phi, d1, d2, (N,) each; for hand poses also tool and qh."""
+    """Return a function solve(times=1) that solves all targets in C, ``times`` over, and returns (N, 6) answers, or
+    (N, 7) joints of hand poses. columns: x, y, z, phi, d1, d2, (N,) each; for hand poses also tool and qh."""
     name, extra = (WAYS | {"arm": ARM})[way]
     function = getattr(shared_object(equations, real, extra), name)
     inputs = [np.ascontiguousarray(column, dtype=REALS.get(real, np.longdouble)) for column in columns]

@@ -215,7 +215,7 @@ def test_a_clip_is_played_by_frames(clip, browser):
 
 @pytest.mark.parametrize(("size", "scheme"), SIZES[::2], ids=str)
 def test_a_clip_is_drawn_and_fits(clip, browser, size, scheme):
-    """The whole figure is in the picture; bones have nearly the same directions in figure 1 and in the scene."""
+    """The whole body is visible in figure 1, and its bones have nearly the same directions there as in the scene."""
     page = browser(clip + "#frame=0", size, color_scheme=scheme)
     pictures = set()
     for frame in (0, 20, 40, 55):  # the motion ends in the pose of its beginning
