@@ -122,7 +122,7 @@ def _through(board: Board, prepared: Sequence[Prepared]) -> list[Run]:
         option("--baud", "bits per second", whole(1), default=1000000, metavar="N"),
         option("--timeout", "seconds without answer before targets are sent again", POSITIVE, default=0.5, metavar="S"),
     ],
-    passes="all trajectories pass",
+    passes="no trajectory fails",
     fails="one fails or the board does not answer",
 )
 def main(parsed: Options) -> int:
