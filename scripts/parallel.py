@@ -4,8 +4,7 @@
     python -m scripts.parallel --farm tcp://SCHEDULER:8786 [--jobs N]
 
 This command makes this machine a worker of the scheduler (`make farm-worker`). A work item is a function of this tree
-with its arguments. A worker refuses items if its sources differ from the client's. The farm repeats the items of a
-worker that died.
+with its arguments. A worker refuses items of a client with other sources; the farm repeats a dead worker's items.
 """
 
 import contextlib

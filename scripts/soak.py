@@ -82,8 +82,7 @@ KEPT, EACH, ALIKE = 400, 50, 8
 one kind have coordinates and lengths of the same signs and sizes."""
 
 RESTART, FRESH, GENERATIONS, COPIES = 40, 100_000, 40, 24
-"""Search of lean: rounds from one restart to the next; at a restart, random targets, generations that choose from them,
-and neighbours of each."""
+"""Search of lean: rounds between restarts; at a restart, random targets, generations of choices, neighbours of each."""
 
 SEARCHED = {"lean": ("of the reach",), "arm": ("of the reach", "rad")}
 """Datapath -> units of the errors that --worst searches for; arm: error of the hand's point, error of orientation."""
@@ -112,8 +111,7 @@ def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.n
 
 
 def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.ndarray:
-    """Return up to `KEPT` targets with the largest errors, largest first, and no more than `ALIKE` of one kind. `unit`:
-    index of the error in SEARCHED."""
+    """Return up to `KEPT` targets, largest error first, at most `ALIKE` of one kind. unit: index in SEARCHED."""
     seen, chosen = Counter(), []
     for n in np.argsort(-hand_errors(words, width, datapath)[0, unit], kind="stable").tolist():
         row = np.delete(words[n, :7], 3)

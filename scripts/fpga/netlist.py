@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""YoWASP's Yosys and nextpnr: versions and calls of the tools, cells by kind, packing of registers into a netlist's
-hard blocks, clock and critical path."""
-
-from __future__ import annotations
+"""YoWASP's Yosys and nextpnr: versions, calls, cells by kind, registers packed into hard blocks, critical path."""
 
 import re
 import subprocess

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs of Yosys, nextpnr and OpenSTA in build/fpga. A run's key is a hash of its sources, options and tools."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re
@@ -84,8 +82,7 @@ def commands() -> dict[str, str]:
 class Run:
     """One run of the tools: ``kind`` is synth (flat), tree (hierarchy kept, for counts by section) or place.
 
-    ``values``: the top's parameters. ``aim``: clock (MHz) at which no further placement seed is tried. ``echo``: a
-    stand-in replaces the datapath.
+    ``values``: the top's parameters. ``aim``: clock (MHz) that ends the tries of seeds. ``echo``: stand-in datapath.
     """
 
     kind: str

@@ -58,9 +58,8 @@ class Ports:
 
     def stimuli(self, clocks: int, width: int) -> np.ndarray:
         """Return uint64 (clocks,): the wrapper's input pins in each clock, bit k for in[k]. valid and ready are high in
-        three of four clocks, other pins in one of two. rst is high in the first 8 clocks and in one in the middle.
-        Wrappers with a pin ``hold`` shift in hand poses, in words of ``width`` bits, and hold each for HELD clocks. For
-        ``ik_axi``, register writes start jobs."""
+        three of four clocks, other pins in one of two, rst in the first 8 and one in the middle. With a pin ``hold``,
+        hand poses (words of ``width`` bits) are shifted in and held for HELD clocks. Writes start ``ik_axi``'s jobs."""
         draw = np.random.default_rng(1)
         shifted = draw.integers(0, 2, clocks).astype(bool)
         pins = {
@@ -136,8 +135,7 @@ def simulated(
     """Simulate a netlist and the RTL side by side. ``folder`` holds the RTL, ``design`` is write_json's output.
 
     values: the parameters. whole: the netlist includes the wrapper. Returns the numbers of clocks compared and of
-    results seen. Raises LeftOutError if any output differs in any clock, and ToolError if there are fewer than 4000
-    results, or 1000 for jobs of ``ik_axi``."""
+    results. Raises LeftOutError if an output differs, ToolError below 4000 results (1000 for jobs of ``ik_axi``)."""
     place, arm = folder / "simulation", values.get("ARM", 0)
     place.mkdir(exist_ok=True)
     modules = {n: deepcopy(of) for n, of in design["modules"].items() if "blackbox" not in of["attributes"]}

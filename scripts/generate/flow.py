@@ -86,8 +86,7 @@ def delays(nodes: Mapping[str, Node]) -> dict[str, Delay]:
 
 
 def cone(nodes: Mapping[str, Node], name: str) -> dict[str, Node]:
-    """Return a node and the nodes of the same equation on which it depends. Operands from other equations are included
-    with the operation :class:`Outside`."""
+    """Return a node and its equation's nodes on which it depends; operands from other equations are `Outside`."""
     found, todo = {}, [name]
     while todo:
         node = nodes[todo.pop()]

@@ -32,8 +32,7 @@ def table(head: Sequence[Any], rows: Iterable[Iterable[Any]], left: int = 1) -> 
 
 
 def read_table(page: Path, heading: str) -> list[list[str]]:
-    """Return the rows of the page's table whose first heading is ``heading``; [] if there is no such table. Backquotes
-    around a cell are removed."""
+    """Return the rows of the table that begins with ``heading``, cells without backquotes; [] if there is none."""
     lines = page.read_text(encoding="utf-8").splitlines() if page.exists() else []
     start = next((i for i, line in enumerate(lines) if line.startswith(f"| {heading} |")), len(lines))
     rows = itertools.takewhile(lambda line: line.startswith("|"), lines[start + 2 :])

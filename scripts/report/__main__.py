@@ -10,8 +10,7 @@ If a trajectory fails, the page is written with a notice.
 
 The entities of figures 1 to 5 are computed in double precision from the core's input words, not from its results. A
 clip's figure has every bone in every frame; the core poses the arms. The page draws with z up, so the clip's axes are
-permuted cyclically until the up axis is z. Points are integers in a small unit, relative to the root, so that a page
-of 3000 frames has only a few megabytes.
+permuted cyclically until the up axis is z. To keep the page small, points are integers relative to the root.
 """
 
 import html
@@ -323,8 +322,7 @@ def joint_angles(item: Prepared, ran: Run, width: int) -> np.ndarray:
 
 
 def _links(out: Path, folders: Sequence[Path], prepared: Sequence[Prepared]) -> dict[str, list[str]]:
-    """Return a dict: trajectory name -> files to link to; "" -> files common to all trajectories. folders: one per
-    datapath."""
+    """Return a dict: trajectory name, or "" for all of them -> files to link to. folders: one per datapath."""
     names = [item.targets.name for item in prepared]
     links: dict[str, list[str]] = {name: [] for name in (*names, "")}
     for folder in folders:

@@ -219,8 +219,7 @@ def test_types_of_the_package(installed, tmp_path):
 @pytest.mark.slow
 @pytest.mark.cost(90)
 def test_debugging(tmp_path):
-    """Run all commands of the page in a copy of the checkout. Simulations must find the bug and print every line that
-    the page shows."""
+    """Run the page's commands in a copy of the checkout. Simulations find the bug and print every line shown there."""
     skipped = shutil.ignore_patterns(".git", ".venv", "build", "shared", "__pycache__")
     checkout = shutil.copytree(ROOT, tmp_path / "checkout", ignore=skipped)
     (checkout / ".venv").symlink_to(ROOT / ".venv")

@@ -214,7 +214,6 @@ def test_a_netlist_equals_the_rtl(figures, family):
     ("family", "factor"), [("xc7", "{a[17], a[17:0]}"), pytest.param("up5k", "a", marks=pytest.mark.release)]
 )
 def test_a_wrong_netlist_is_refused(figures, family, factor):
-    """Use two bugs of Yosys 0.70 (docs/integration.md): products are wrong on xc7 if an operand is sign-extended, on
-    iCE40 if two registers follow."""
+    """Bugs of Yosys 0.70 (docs/integration.md): sign-extended operands on xc7, products with two registers on iCE40."""
     with pytest.raises(netlist.LeftOutError, match="clocks differ from the RTL"):
         figures(family, factor)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Check that generated files are up to date, that headers have the model's values, and that every file named
-in a document exists."""
+"""Check that generated files are up to date, headers have the model's values, and files named in documents exist."""
 
 import re
 import subprocess

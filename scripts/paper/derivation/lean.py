@@ -58,8 +58,7 @@ def _compares(term: Term) -> bool:
 def evaluate(section: str, values: Mapping[str, Any]) -> dict[str, Any]:
     """Return `values` plus the values of those nodes in a section that can be computed from `values`.
 
-    Operations are evaluated in real numbers, as in :class:`model.bounds.predict.Real`. Shift counts of roots are 0,
-    because any count cancels.
+    Operations are in real numbers, as in :class:`model.bounds.predict.Real`. Shift counts are 0, as any count cancels.
     """
     values = {"e_rho": 0} | REACHABLE | dict(values)
     for name, node in NODES.items():

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proof engine of both derivations. Statements are text; they are decided by expansion modulo given relations.
 
-A statement is "left = right" in the names of the model. It is evaluated with sympy for the proof and written as LaTeX
-for the page.
+A statement is "left = right" in the names of the model, evaluated with sympy for the proof, as LaTeX on the page.
 """
 
 import contextlib
@@ -220,8 +219,7 @@ class Step:
         self._add(statement, wrong)
 
     def rows(self, number: str, derived: Mapping[str, Any], factor: int = 1, point: Mapping[str, Any] = {}) -> None:
-        """Prove that the rows of equation ``number``, with misprints corrected, equal the derived rows times
-        ``factor``. Refute each misprint at ``point``."""
+        """Prove that the corrected rows equal the derived ones times ``factor``; refute misprints at ``point``."""
         wrong = []
         for name, text in PRINTED[number].items():
             value = self.value(corrected(number, name))

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Software in table 6: C, numpy, JAX and EAIK. Each solves its targets repeatedly.
 
-The lean equations for arrays are the ones in equations.c, without flags, and need targets in reach. Each sum is
-rounded.
+The lean equations for arrays are the ones in equations.c, without flags, for targets in reach. Each sum is rounded.
 
 C, numpy and JAX find one pose from the hand's position and the swivel angle. EAIK solves another problem: in closed
 form, it finds all sets of joint angles of this arm from the full pose of the hand. EAIK's input is the forearm's frame
@@ -123,8 +122,7 @@ def columns(targets: Targets) -> list[np.ndarray]:
 
 
 def _repeated(solve: Callable[[], Any], errors: Callable[[Any], np.ndarray]) -> Bound:
-    """Return a :class:`Bound` from ``solve``, which solves all targets once, and ``errors``, which maps the result of
-    ``solve`` to hand errors (N,)."""
+    """Return a :class:`Bound` from ``solve``, which solves all targets once, and hand ``errors`` (N,) of its result."""
 
     def again(times: int = 1) -> Any:
         with np.errstate(all="ignore"):
@@ -181,8 +179,7 @@ def joints(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any, too
 
 
 def poses(targets: Targets) -> list[np.ndarray]:
-    """Return the columns, (N,) each, of hand poses with the targets' wrists, random orientations, and tools as long as
-    the forearms."""
+    """Return columns (N,) of hand poses: the targets' wrists, random orientations, tools as long as the forearms."""
     hand = np.random.default_rng(1).standard_normal((4, len(targets)))
     w, i, j, k = hand = hand / np.linalg.norm(hand, axis=0)
     tool = targets.d2

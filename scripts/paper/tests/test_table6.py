@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test that table 6's software agrees with the model, equations.c in long double with the bit-true model, and the page
-with the figures. No test asserts a time."""
+"""Test table 6: software against the model, equations.c in long double against the bit-true model, the page."""
 
 import json
 
@@ -32,8 +31,7 @@ def by_model(targets, solve=solve_lean):
 
 
 def difference(answers, expected):
-    """Return the largest difference between answers and expected answers, (N, 6). Either sign of Qs is accepted:
-    rounding decides the sign where k is nearly 0."""
+    """Return the largest difference of answers (N, 6), up to Qs' sign, which rounding decides where k is nearly 0."""
     answers = np.asarray(answers, dtype=float)
     sign = np.sign((answers[:, :4] * expected[:, :4]).sum(axis=1))[:, None]
     return max(np.abs(sign * answers[:, :4] - expected[:, :4]).max(), np.abs(answers[:, 4:] - expected[:, 4:]).max())

@@ -103,8 +103,7 @@ def test_several_datapaths(cli, command, simulator):
 
 
 def test_hands_of_a_robot(shown):
-    """Points, orientations, joints and limits are right. A swivel angle is in an arc if and only if no joint exceeds
-    its limits."""
+    """Points, orientations, joints, limits are right. Arcs hold exactly the swivel angles with joints within limits."""
     poses = trajectories.make("pick_and_place")
     poses = replace(poses, phi=np.linspace(-3, 3, 100), others=poses.others | {"branch": ["0"] * 100})
     Path("t.csv").write_text(format_csv(poses))
@@ -226,8 +225,7 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
 
 @pytest.mark.parametrize("axis", ["torso", "0.3,1,0"])
 def test_joint_angles(shown, axis):
-    """Compare the upper arm's elevation and azimuth relative to the torso's axes, and the elbow's flexion, with the
-    bones."""
+    """Compare the upper arm's elevation and azimuth in the torso's axes, and the elbow's flexion, with the bones."""
     mine = clips.read(figure.write(Path("t.bvh").absolute(), up="z", frames=40))
     data = shown("--trajectory", "t.bvh", f"--axis={axis}")
     elbow, wrist, angles = (np.array(data[key]) for key in ("elbow", "wrist", "angles"))
