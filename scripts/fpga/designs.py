@@ -71,10 +71,8 @@ DESIGNS = (
     Design("lean25", 18, "ik_lean", ("xc7", "xcup"), {}, {"TILE": 25}),
     *(Design("arm", width, "ik_arm", FAMILIES, {}, {"DATAPATH": 1}) for width in (18, 24, 32)),
     *(
-        Design(
-            name, width, top, ("ecp5",), {"ecp5": aim}, {} if top == "ik_lean_joints" else {"N": inner_frac(width) + 2}
-        )
-        for width, aim in ((18, 170), (24, 150), (32, 150))
+        Design(name, w, top, ("ecp5",), {"ecp5": aim}, {} if top == "ik_lean_joints" else {"N": inner_frac(w) + 2})
+        for w, aim in ((18, 170), (24, 150), (32, 150))
         for name, top in ARM_PARTS.items()
     ),
     Design("paper", 32, "ik_paper", FAMILIES, {}, {"DIGIT": 1}),

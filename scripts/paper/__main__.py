@@ -42,10 +42,8 @@ SHOWN = GENERATED / "figures"
 
 
 def derivation_page(name: str, steps: Mapping[str, Step]) -> str:
-    halves = {
-        rf"h(c, s) \text{{ for }} {branch}".replace(">=", r"\ge"): rf"\left({tex(c)},\ {tex(s)}\right)"
-        for branch, (c, s) in lean.HALF.items()
-    }
+    pairs = {branch: rf"\left({tex(c)},\ {tex(s)}\right)" for branch, (c, s) in lean.HALF.items()}
+    halves = {rf"h(c, s) \text{{ for }} {branch}": pair for branch, pair in pairs.items()}
     proofs = {step: done.block() for step, done in steps.items()}
     shown = [(n.section, f"{n.name} = {n.right_side}") for n in lean.NODES.values() if n.kind != "input"]
     sections = {title: [text for where, text in shown if where == part] for part, title in LEAN_SECTIONS.items()}
