@@ -55,8 +55,7 @@ OPTIONS = [
 
 
 def run_chunk(core: Core, seed: int | None, end: int, number: int) -> tuple[Found, list[str]]:
-    """Run the targets of chunk `number` that are below `end`; return totals and messages of failures. If `core` has no
-    simulation program, as on a farm, it is built first."""
+    """Run the targets of chunk `number` below `end`, on a farm build the program first; return totals and failures."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
     if MODELS[core.datapath].side:

@@ -77,10 +77,7 @@ def test_from_c(tmp_path):
     assert ctypes.CDLL(str(compiled(tmp_path, "-Wl,-z,defs", text=example + "\n"))).reach
 
 
-TOPS = "ik_axis", "ik_axis_bytes", "ik_arm", "ik_arm_bytes", "ik_axi"
-
-
-@pytest.mark.parametrize("module", TOPS)
+@pytest.mark.parametrize("module", ["ik_axis", "ik_axis_bytes", "ik_arm", "ik_arm_bytes", "ik_axi"])
 def test_ports_of_a_module(module):
     """Check that the VHDL component has the module's ports; the clock's attribute must name all buses and the reset."""
     text = read(f"rtl/{module}.v").partition("\n);")[0]

@@ -72,10 +72,7 @@ def test_clock_and_critical_path_of_a_report():
     assert netlist.placed(quick)["mhz"] == round(1000 / netlist.MULTIPLIER_NS, 1), "the limit of a multiplier"
 
 
-TOPS = dict.fromkeys(design.top for design in designs.DESIGNS)
-
-
-@pytest.mark.parametrize("module", TOPS)
+@pytest.mark.parametrize("module", dict.fromkeys(design.top for design in designs.DESIGNS))
 def test_wrapper_connects_every_port(module):
     text = closure(module)[0].read_text()
     ports = simulation.Ports(text)
@@ -109,32 +106,29 @@ def on_farm(work, jobs):
     return (pickle.loads(pickle.dumps(work(pickle.loads(pickle.dumps(job))))) for job in jobs)
 
 
-RECORDED = designs.load()
-
-
 def test_recorded_figures_give_the_same_runs_and_placements(monkeypatch, tmp_path):
     """Replace the tools with the figures in fpga.json; check that a command executes exactly the runs recorded there
     and a repeated command executes none. A run that times out has no figures and is reported."""
-    late, ran = set(), []
-    chosen = [design for design in designs.DESIGNS if design.name in RECORDED["designs"]]
+    late, ran, recorded = set(), [], designs.load()
+    chosen = [design for design in designs.DESIGNS if design.name in recorded["designs"]]
     for name in ("FIGURES", "PAGE"):
         monkeypatch.setattr(designs, name, tmp_path / name)
     for module in (runs, fpga):
         monkeypatch.setattr(module, "version", lambda *_: "1")
-    monkeypatch.setattr(fpga, "describe", lambda design: RECORDED["designs"][design.name])
+    monkeypatch.setattr(fpga, "describe", lambda design: recorded["designs"][design.name])
     assert designs.find("echo", 32).run("xc7").key() != designs.find("memory", 32).run("xc7").key()
-    monkeypatch.setattr(runs.Run, "key", lambda run: RECORDED["runs"][run.title]["key"])
+    monkeypatch.setattr(runs.Run, "key", lambda run: recorded["runs"][run.title]["key"])
 
     def done(run):
         ran.append(run.title)
-        return None if run.title in late else RECORDED["runs"][run.title]
+        return None if run.title in late else recorded["runs"][run.title]
 
     monkeypatch.setattr(fpga, "done", done)
-    data = RECORDED | {"designs": {}, "runs": {}}
+    data = recorded | {"designs": {}, "runs": {}}
     for _ in range(2):
         assert not fpga.measure(data, chosen, on_farm)
-        assert data["designs"] == RECORDED["designs"] and data["runs"] == RECORDED["runs"]
-        assert sorted(ran) == sorted(RECORDED["runs"])
+        assert data["designs"] == recorded["designs"] and data["runs"] == recorded["runs"]
+        assert sorted(ran) == sorted(recorded["runs"])
         data = designs.load()
     late.add("axis-W18-ecp5-place")
     data["runs"]["axis-W18-ecp5-place"]["key"] = "stale"
