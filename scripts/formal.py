@@ -69,7 +69,8 @@ def accuracy_page() -> str:
 
     def constants(datapath: str) -> list[list]:
         names = [name for name in accuracy(WIDTHS[0], datapath) if name != "rounded"]
-        return [[f"{datapath}, W =", *shown], *([name, *(up(of[name], 3) for of in shown.values())] for name in names)]
+        numbers = [[name, *(up(of[name], 3) for of in shown.values())] for name in names]
+        return [[f"{datapath}, W =", *shown], *numbers]
 
     stated = [[w, *(share(of[w], w) if w in of else "" for of in STATED.values())] for w in WIDTHS]
     tables = {"stated": stated, "wrist": constants("lean"), "hand": constants("arm")}

@@ -55,7 +55,7 @@ OPTIONS = [
 
 
 def run_chunk(core: Core, seed: int | None, end: int, number: int) -> tuple[Found, list[str]]:
-    """Run the targets of chunk `number` below `end`, on a farm build the program first; return totals and failures."""
+    """Run the targets of chunk `number` below `end`, after a build if needed; return totals and failure messages."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
     if MODELS[core.datapath].side:

@@ -54,7 +54,7 @@ class Design:
 
 FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
 TILED = {name: {k: v for k, v in one.parameters.items() if k != "CHOOSE"} for name, one in MODELS.items()}
-"""Datapath -> its parameters DATAPATH and TILE."""
+"""Datapath -> its parameters, without CHOOSE."""
 FOLD, FOLD16 = TILED["fold"], TILED["fold16"]
 MEMORY = ("xc2vp", "xc7", "ecp5")
 SMALL = ("ecp5-12k", "xc7", "gowin")

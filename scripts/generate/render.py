@@ -40,9 +40,9 @@ def read_table(page: Path, heading: str) -> list[list[str]]:
     return [[re.sub(r"^`([^`]*)`$", r"\1", cell) for cell in row] for row in cells]
 
 
-def form(value: Any, form: str = "{}") -> str:
+def form(value: Any, pattern: str = "{}") -> str:
     """Format a value; a missing one (None or empty) becomes a dash."""
-    return "-" if value in (None, "") else form.format(value)
+    return "-" if value in (None, "") else pattern.format(value)
 
 
 def error(value: float | None, digits: int = 1) -> str:

@@ -6,7 +6,7 @@
 Makes `.venv` from requirements/run.lock, which is sufficient for `make run`. An EXTRA adds the packages of
 requirements/EXTRA.lock; checkout adds the packages of tests and pages. Missing programs are installed with apt-get if
 allowed (as root, or by sudo without a password). Otherwise missing optional programs are left out; if required programs
-are missing, one line names their packages and the exit status is 2. If nothing is missing, it takes milliseconds.
+are missing, one line names their packages; exit status 2. If all is set up, it prints nothing and takes milliseconds.
 
     .venv/cga-ik.json   stamp, written when .venv is complete, and again after each extra
     build/setup.log     output of pip and apt-get

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test table 6: software against the model, equations.c in long double against the bit-true model, the page."""
+"""Test table 6 except its times: software against the model, C in long double against the bit-true model, page."""
 
 import json
 

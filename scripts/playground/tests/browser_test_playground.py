@@ -199,7 +199,7 @@ NOW += "(playground.state.runs[0].now)"
 @pytest.mark.parametrize("name", playground.ARMS)
 def test_the_hand_turns_and_the_joints_follow(page, name, touch):
     """Dragging a ring or pressing keys turns the hand about the ring's axis; the hand's point stays. The joint angles
-    equal the arm's in double precision, in a branch within the limits if there is one; others are marked."""
+    equal the arm's in double precision, in a branch within the limits if there is one, else joints are marked."""
     arm = playground.ARMS[name]
     page.choose("robot", name)
     step(page, LEAN + 2)
