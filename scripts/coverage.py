@@ -21,6 +21,7 @@ from importlib.metadata import version
 from model.io.files import write_atomically
 from scripts.console import InputError, Options, command, switch
 from scripts.generate.render import render
+from scripts.test import PYTEST
 from tb.core.functional_coverage import BINS
 from tb.sim.coverage import Point, read
 from tb.sim.env import GENERATED, ROOT
@@ -43,8 +44,7 @@ KINDS = ("line", "branch", "expr", "toggle")
 def run() -> int:
     """Delete earlier counts and run the tests; return pytest's status."""
     shutil.rmtree(COUNTS, ignore_errors=True)
-    words = ["env", "SIM=verilator", f"IK_COVERAGE={COUNTS}", sys.executable, "-m", "pytest", "-n", "auto"]
-    words += ["--dist", "loadfile", "--no-loadscope-reorder", "-m", "sim", "-k", f"not ({LEFT_OUT})", *SUITE]
+    words = ["env", "SIM=verilator", f"IK_COVERAGE={COUNTS}", *PYTEST, "-m", "sim", "-k", f"not ({LEFT_OUT})", *SUITE]
     with tempfile.TemporaryDirectory(prefix="ik_") as folder, started(words, folder) as process:
         return process.wait()
 
@@ -55,9 +55,7 @@ def source(point: Point) -> str:
 
 def text(point: Point) -> str:
     """Return the text that waivers match. Toggle point: bit and transition; others: kind, values and source line."""
-    if point.kind == "toggle":
-        return point.what
-    return f"{point.kind} {point.what}: {source(point)}"
+    return point.what if point.kind == "toggle" else f"{point.kind} {point.what}: {source(point)}"
 
 
 def matcher(pattern: str) -> re.Pattern:

@@ -8,7 +8,6 @@ Each successful proof updates its row in docs/generated/proofs.md and writes its
 import json
 import math
 import sys
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from datetime import date
@@ -68,25 +67,16 @@ def accuracy_page() -> str:
         exponent = math.floor(math.log10(units) + (2 - width) * math.log10(2))
         return f"{up(units * Fraction(2) ** (2 - width) / Fraction(10) ** exponent, 2)}e{exponent}"
 
-    def rows(*lines: Sequence) -> str:
-        return "\n".join(f"    {name:<14}" + "".join(f"{cell:>10}" for cell in cells) for name, *cells in lines)
-
-    def parts(datapath: str) -> str:
+    def constants(datapath: str) -> list[list]:
         names = [name for name in accuracy(WIDTHS[0], datapath) if name != "rounded"]
-        lines = [[name, *(up(of[name], 3) for of in shown.values())] for name in names]
-        return rows([f"{datapath}, W =", *shown], *lines)
+        numbers = [[name, *(up(of[name], 3) for of in shown.values())] for name in names]
+        return [[f"{datapath}, W =", *shown], *numbers]
 
     stated = [[w, *(share(of[w], w) if w in of else "" for of in STATED.values())] for w in WIDTHS]
-    return render(
-        "accuracy",
-        stated=rows(["W", "E lean", "lean25", "lean16", "Eo (rad)", "Ep"], *stated),
-        wrist=parts("lean"),
-        hand=parts("arm"),
-        claim={name: text for name, (text, _) in (dataflow("lean", WIDTHS[0]).lemmas | NODES).items()}
-        | {name: text for name, (_, text) in ALGEBRA.items()},
-        cells=CELLS,
-        sides=SIDES,
-    )
+    tables = {"stated": stated, "wrist": constants("lean"), "hand": constants("arm")}
+    claim = {name: text for name, (text, _) in (dataflow("lean", WIDTHS[0]).lemmas | NODES).items()}
+    claim |= {name: text for name, (_, text) in ALGEBRA.items()}
+    return render("accuracy", **tables, claim=claim, cells=CELLS, sides=SIDES)
 
 
 def prove(task: Task, pool: ThreadPoolExecutor, again: bool) -> tuple[Outcome, str]:

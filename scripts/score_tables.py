@@ -14,7 +14,7 @@ from model.dataflow.datapaths import MODELS
 from model.io import flags as flag_bits
 from model.io.scoring import Score
 from scripts.fpga.designs import CHIPS, clock, find, load, size
-from scripts.generate.render import error
+from scripts.generate.render import error, form
 from tb.core.worst_targets import Core, Found
 
 LATENCY, CLOCKS, RATE = "latency (clocks)", "clocks for all targets", "results per clock while they flow"
@@ -128,12 +128,10 @@ def table_of_many(scores: Sequence[Score]) -> Table:
     headings = ("trajectory", "hand", "at", "tolerance", "predicted", "clamped", "angle", "bits", "flags", "")
     table = empty_table(title, headings, caption=caption, padding=0)
     for result in scores:
-        at = "-" if result.hand_error_target is None else str(result.hand_error_target)
-        tolerance = "-" if result.hand_error_tolerance is None else _written(result.hand_error_tolerance)
-        rest = map(error, (result.hand_error_predicted, result.clamped_error_max, result.angle_error_max))
-        errors = error(result.hand_error_max), at, tolerance, *rest
+        hand = error(result.hand_error_max), form(result.hand_error_target), form(result.hand_error_tolerance, "{:.3g}")
+        others = map(error, (result.hand_error_predicted, result.clamped_error_max, result.angle_error_max))
         counts = str(result.bit_mismatches), str(result.flagged)
-        table.add_row(escape(result.trajectory), *errors, *counts, _verdict(result))
+        table.add_row(escape(result.trajectory), *hand, *others, *counts, _verdict(result))
     return table
 
 

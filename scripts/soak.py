@@ -82,8 +82,7 @@ KEPT, EACH, ALIKE = 400, 50, 8
 one kind have coordinates and lengths of the same signs and sizes."""
 
 RESTART, FRESH, GENERATIONS, COPIES = 40, 100_000, 40, 24
-"""Search of lean: rounds from one restart to the next; at a restart, random targets, generations that choose from them,
-and neighbours of each."""
+"""Search of lean: rounds between restarts; at a restart, random targets, generations of choices, neighbours of each."""
 
 SEARCHED = {"lean": ("of the reach",), "arm": ("of the reach", "rad")}
 """Datapath -> units of the errors that --worst searches for; arm: error of the hand's point, error of orientation."""

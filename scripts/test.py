@@ -63,9 +63,8 @@ def selection(only: str) -> list[str]:
     if only in modules:
         return ["tb", f"--module={only}", "--exitfirst", "-n0"]  # in order, the module's own bench first
     if only.startswith("ik_") and only.isidentifier() and not any(only in module for module in modules):
-        raise InputError(
-            f"argument --only: no module {only}; near: {', '.join(difflib.get_close_matches(only, modules))}"
-        )
+        near = ", ".join(difflib.get_close_matches(only, modules))
+        raise InputError(f"argument --only: no module {only}; near: {near}")
     return ["-k", only]
 
 

@@ -79,14 +79,6 @@ def measure(data: dict, chosen: Sequence[Design], ordered_map: Callable = map) -
     return [run.title for run in [*runs, *placements] if run.title not in figures]
 
 
-def form(value: object, form: str = "{}") -> str:
-    """Format a value with `form`; a missing value (None) becomes a dash."""
-    return "-" if value in (None, "") else form.format(value)
-
-
-TEMPLATES.filters["form"] = form
-
-
 def page(data: dict) -> TemplateModule:
     """Return the page as a template module, whose macros `comparison` and `folded` render single tables."""
     dates = sorted(run["date"] for run in data["runs"].values())

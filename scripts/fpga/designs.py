@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Designs that `make fpga` measures, and their figures in docs/generated/fpga.json."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -55,20 +53,16 @@ class Design:
 
 
 FAMILIES = ("xc2vp", "xc7", "xcup", "ecp5")
-FOLD, FOLD16 = ({key: MODELS[name].parameters[key] for key in ("DATAPATH", "TILE")} for name in ("fold", "fold16"))
+TILED = {name: {k: v for k, v in one.parameters.items() if k != "CHOOSE"} for name, one in MODELS.items()}
+"""Datapath -> its parameters, without CHOOSE."""
+FOLD, FOLD16 = TILED["fold"], TILED["fold16"]
 MEMORY = ("xc2vp", "xc7", "ecp5")
 SMALL = ("ecp5-12k", "xc7", "gowin")
 ARM_PARTS = {"arm_hand": "ik_lean_hand", "arm_frame": "ik_lean_frame", "arm_joints": "ik_lean_joints"}
-"""Modules around the lean datapath in `ik_arm`. Each is placed alone: a whole `ik_arm` needs more multipliers than the
-ECP5-85k has."""
+"""Modules around the lean datapath in `ik_arm`, placed alone: `ik_arm` has too many multipliers for the ECP5-85k."""
 FOLDED_MEMORY = ("fold_memory", "fold_arm_memory")
 ASIC, STANDARD_CELLS = "asic", (("fold16", 18), ("fold", 24), ("fold_arm", 24), ("lean", 18))
 """Group of the designs for standard cells, measured by `make asic`; their datapaths and word lengths."""
-
-
-def _standard_cells(name: str, width: int) -> Design:
-    parameters = {key: MODELS[name].parameters[key] for key in ("DATAPATH", "TILE")}
-    return Design(f"{ASIC}_{name}", width, MODELS[name].top, ("osu018",), {}, parameters)
 
 
 DESIGNS = (
@@ -77,10 +71,8 @@ DESIGNS = (
     Design("lean25", 18, "ik_lean", ("xc7", "xcup"), {}, {"TILE": 25}),
     *(Design("arm", width, "ik_arm", FAMILIES, {}, {"DATAPATH": 1}) for width in (18, 24, 32)),
     *(
-        Design(
-            name, width, top, ("ecp5",), {"ecp5": aim}, {} if top == "ik_lean_joints" else {"N": inner_frac(width) + 2}
-        )
-        for width, aim in ((18, 170), (24, 150), (32, 150))
+        Design(name, w, top, ("ecp5",), {"ecp5": aim}, {} if top == "ik_lean_joints" else {"N": inner_frac(w) + 2})
+        for w, aim in ((18, 170), (24, 150), (32, 150))
         for name, top in ARM_PARTS.items()
     ),
     Design("paper", 32, "ik_paper", FAMILIES, {}, {"DIGIT": 1}),
@@ -94,9 +86,8 @@ DESIGNS = (
     *(Design("fold16", width, "ik_axis", ("up5k",), {"up5k": 33}, FOLD16) for width in (18, 24)),
     *(Design("fold", width, "ik_axis", SMALL, {"ecp5-12k": 100}, FOLD) for width in (24, 32)),
     Design("fold_arm16", 24, "ik_arm", ("up5k",), {"up5k": 28}, FOLD16),
-    Design("fold_arm", 24, "ik_arm", ("ecp5-12k",), {"ecp5-12k": 90}, FOLD),
-    Design("fold_arm", 32, "ik_arm", ("ecp5-12k",), {"ecp5-12k": 85}, FOLD),
-    *(_standard_cells(*one) for one in STANDARD_CELLS),
+    *(Design("fold_arm", w, "ik_arm", ("ecp5-12k",), {"ecp5-12k": mhz}, FOLD) for w, mhz in ((24, 90), (32, 85))),
+    *(Design(f"{ASIC}_{name}", w, MODELS[name].top, ("osu018",), {}, TILED[name]) for name, w in STANDARD_CELLS),
     *(Design("choice", width, "ik_choose", ("xc2vp", "ecp5"), {"ecp5": 180}) for width in (24, 32)),
     *(Design("fold_choice", width, "ik_fold_choose", ("xc2vp", "ecp5-12k"), {"ecp5-12k": 100}) for width in (24, 32)),
 )

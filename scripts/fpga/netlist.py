@@ -2,8 +2,6 @@
 """YoWASP's Yosys and nextpnr: versions and calls of the tools, cells by kind, packing of registers into a netlist's
 hard blocks, clock and critical path."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import time

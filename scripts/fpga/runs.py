@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs of Yosys, nextpnr and OpenSTA in build/fpga. A run's key is a hash of its sources, options and tools."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re
@@ -113,14 +111,12 @@ class Run:
         return Ports(self.files()[0].read_text())
 
     def script(self) -> str:
-        files = [path.name for path in self.files() if path.suffix == ".v"]
-        top = self.top
-        if self.kind == "place":
-            top = "fpga_top"
-            files.append(f"{top}.v")
+        placed = self.kind == "place"
+        top = "fpga_top" if placed else self.top
+        files = [path.name for path in self.files() if path.suffix == ".v"] + ["fpga_top.v"] * placed
         # -defer: the files have only one of the three datapaths, which fits the top's parameters but not its defaults
         lines = [f"read_verilog -defer{MACROS.get(self.family, '')} -I. {' '.join(files)}"]
-        if self.kind != "place":
+        if not placed:
             values = "".join(f" -chparam {key} {value}" for key, value in self.values.items())
             lines.append(f"hierarchy -check -top {top}{values}")
         flatten = "" if self.kind == "tree" else " -flatten"
@@ -179,8 +175,7 @@ class Run:
         """Return flip-flops, cell area (um2) and pre-layout clock (MHz) in standard cells. Raises ToolError."""
         (cells,) = json.loads((folder / "area.json").read_text())["modules"].values()
         flipflops = sum(n for cell, n in cells["num_cells_by_type"].items() if cell.startswith("DFF"))
-        command = ["env", "-C", folder, "sta", "-no_splash", "-exit", "sta.tcl"]
-        said = compiled(command)
+        said = compiled(["env", "-C", folder, "sta", "-no_splash", "-exit", "sta.tcl"])
         if not (slack := re.search(r"^ *(-?[\d.]+) +slack", said.stdout, re.MULTILINE)):
             raise ToolError(f"{self.title}: OpenSTA failed: {(said.stderr or said.stdout)[-2000:].strip()}")
         period = float(re.search(r"-period ([\d.]+)", SDC.read_text())[1])

@@ -63,10 +63,8 @@ class Ports:
         ``ik_axi``, register writes start jobs."""
         draw = np.random.default_rng(1)
         shifted = draw.integers(0, 2, clocks).astype(bool)
-        pins = {
-            label: draw.random(clocks) < (0.75 if label.endswith(("valid", "ready")) else 0.5)
-            for label in self.single["input"]
-        }
+        shares = {label: 0.75 if label.endswith(("valid", "ready")) else 0.5 for label in self.single["input"]}
+        pins = {label: draw.random(clocks) < share for label, share in shares.items()}
         if "rst" in pins:
             pins["rst"] = np.isin(np.arange(clocks), [*range(8), clocks // 2])
         if "hold" in pins:

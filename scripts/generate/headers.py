@@ -123,10 +123,6 @@ def fold_fields(name: str) -> str:
     return BODIES.fold_fields(name, zip(bits, bits.values(), accumulate(bits.values(), initial=0), strict=False))
 
 
-NO_STEP = 255
-"""Address of the step that does nothing; used in reset."""
-
-
 def _rows(made: Program) -> list[tuple[str, list[str]]]:
     """Return (word in Verilog, notes for the comment) for each clock of a program's lap."""
     bits, period = sum(fields(made.name).values()), made.period
@@ -164,7 +160,7 @@ def fold_program(of: str) -> str:
     after = _pick(f"136'h{_after(p)}" for p in made) if arm else ""
     tables = dict(zip(("short", "long") if arm else ("",), map(_rows, made), strict=True))
     words = 1 + max(place % WORDS for p in made for place in p.places.values())
-    last = NO_STEP if arm else None
+    last = 255 if arm else None  # address of the step that does nothing, used in reset
     return BODIES.fold_program(of, later, size, lap, laps, words, min(schedules(of)), after, last, tables)
 
 

@@ -41,9 +41,14 @@ def read_table(page: Path, heading: str) -> list[list[str]]:
     return [[re.sub(r"^`([^`]*)`$", r"\1", cell) for cell in row] for row in cells]
 
 
+def form(value: Any, pattern: str = "{}") -> str:
+    """Format a value; a missing one (None or empty) becomes a dash."""
+    return "-" if value in (None, "") else pattern.format(value)
+
+
 def error(value: float | None, digits: int = 1) -> str:
-    """Format an error. None, for an error that was not measured, becomes a dash."""
-    return "-" if value is None else f"{value:.{digits}e}"
+    """Format an error; None, for an error that was not measured, becomes a dash."""
+    return form(value, f"{{:.{digits}e}}")
 
 
 def update(texts: Mapping[Path, str]) -> None:
@@ -63,7 +68,7 @@ def commit() -> str:
     return git("rev-parse", "--short", "HEAD") + ("+" if git("status", "--porcelain", "rtl") else "")
 
 
-TEMPLATES.filters |= {"row": row, "error": error}
+TEMPLATES.filters |= {"row": row, "form": form, "error": error}
 TEMPLATES.globals |= {"table": table}
 
 

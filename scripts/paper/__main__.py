@@ -8,7 +8,6 @@ clock in which a node is ready to the last clock in which a consumer starts. Gra
 contains a digest of the graph's text, so a test detects an outdated picture without graphviz.
 """
 
-import hashlib
 import re
 import shutil
 import subprocess
@@ -34,6 +33,7 @@ from scripts.generate.render import render, update
 from scripts.paper.derivation import lean, paper
 from scripts.paper.derivation.proofs import ProofError, Step, aligned, derive, failures, tex
 from scripts.paper.table6 import __main__ as table6
+from tb.formal.task import digest_of
 from tb.sim.env import GENERATED
 
 STEPS = {"derivation": paper.STEPS, "lean": lean.STEPS}  # page of the derivation -> its steps
@@ -42,10 +42,8 @@ SHOWN = GENERATED / "figures"
 
 
 def derivation_page(name: str, steps: Mapping[str, Step]) -> str:
-    halves = {
-        rf"h(c, s) \text{{ for }} {branch}".replace(">=", r"\ge"): rf"\left({tex(c)},\ {tex(s)}\right)"
-        for branch, (c, s) in lean.HALF.items()
-    }
+    pairs = {branch: rf"\left({tex(c)},\ {tex(s)}\right)" for branch, (c, s) in lean.HALF.items()}
+    halves = {rf"h(c, s) \text{{ for }} {branch}": pair for branch, pair in pairs.items()}
     proofs = {step: done.block() for step, done in steps.items()}
     shown = [(n.section, f"{n.name} = {n.right_side}") for n in lean.NODES.values() if n.kind != "input"]
     sections = {title: [text for where, text in shown if where == part] for part, title in LEAN_SECTIONS.items()}
@@ -98,18 +96,13 @@ def drawn(nodes: Mapping[str, Node]) -> dict[str, Any]:
     return {"nodes": nodes, "arrows": arrows, "path": path, "steps": steps, "kinds": flow.KINDS, "flow": flow}
 
 
-def digest(text: str) -> str:
-    """Return the digest of a graph's text, which the picture contains."""
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
 def svg(text: str) -> str:
     """Draw a graph's text with graphviz' ``dot``; return the picture. Raises InputError if dot is not installed."""
     if shutil.which("dot") is None:
         raise InputError("graphviz' dot is missing: `make paper ONLY=figures` installs it (Debian's package graphviz)")
     drawn = subprocess.run(["dot", "-Tsvg"], input=text, capture_output=True, text=True, check=True).stdout
     drawn = re.sub(r"<!--.*?-->\n?", "", drawn[drawn.index("<svg") :], flags=re.S)
-    return f"<!-- of the graph {digest(text)} -->\n{drawn}"
+    return f"<!-- of the graph {digest_of(text)} -->\n{drawn}"
 
 
 def schedule(nodes: Mapping[str, Node]) -> str:

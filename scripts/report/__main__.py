@@ -269,7 +269,8 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
     turn = place(clip.up)
     nodes = trajectory.turned(item, ran, width).positions @ turn.T
     root = nodes[:, :1].copy()
-    joints = [joint for move in moves for joint in (move.limb.fore, move.limb.hand)]
+    limbs = [move.limb for move in moves]
+    joints = [joint for limb in limbs for joint in (limb.fore, limb.hand)]
     clip_arms = clip.positions[:, joints] @ turn.T - root
     low, high = float(nodes[..., 2].min()), float(nodes[..., 2].max())
     size = np.linalg.norm(np.ptp(nodes - root, axis=1), axis=1).max()
@@ -285,10 +286,7 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
 
     return {
         "rate": float(f"{1 / clip.period:.6g}"),
-        "arms": [
-            {"side": move.limb.label} | {part: getattr(move.limb, part) for part in ("upper", "fore", "hand")}
-            for move in moves
-        ],
+        "arms": [{"side": of.label, "upper": of.upper, "fore": of.fore, "hand": of.hand} for of in limbs],
         "parents": clip.parents,
         "parts": _parts(clip, moves),
         "unit": unit,
@@ -361,10 +359,8 @@ def main(parsed: Options) -> int:
     prepared = trajectory.prepare(parsed)
     folders = trajectory.datapaths(parsed, prepared)
     with trajectory.outputs(parsed.out, folders.values(), prepared, path) as files:
-        done = [
-            trajectory.score_runs(parsed, datapath, prepared, trajectory.simulated(parsed, datapath, prepared))
-            for datapath in folders
-        ]
+        runs = {datapath: trajectory.simulated(parsed, datapath, prepared) for datapath in folders}
+        done = [trajectory.score_runs(parsed, datapath, prepared, ran) for datapath, ran in runs.items()]
         shown = [trajectory_data(item, scored) for item, *scored in zip(prepared, *done, strict=True)]
         links = _links(parsed.out, list(folders.values()), prepared)
         text = page(shown, links, names=list(folders), width=parsed.width, simulator=parsed.sim)

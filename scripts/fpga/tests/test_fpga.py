@@ -16,22 +16,19 @@ from tb.sim.sources import closure
 
 DELAY = "$paramod\\ik_delay\\W=s32'00000000000000000000000000001000"
 MUL3 = {"LUT4": 10, "MULT18X18": 3, "XORCY": 9, "MUXF5": 2, "$scopeinfo": 5, DELAY: 1}
-STAT = {
-    "modules": {
-        name: {"num_cells_by_type": cells}
-        for name, cells in {
-            "\\ik_top": {"LUT2": 3, "INV": 1, "MUXCY": 4, "FDRE": 2, DELAY: 2, "$paramod$0a1b\\ik_mul3": 1},
-            DELAY: {"SRL16E": 8, "FDRE": 1},
-            "$paramod$0a1b\\ik_mul3": MUL3,
-        }.items()
-    }
-}
+TOP = {"LUT2": 3, "INV": 1, "MUXCY": 4, "FDRE": 2, DELAY: 2, "$paramod$0a1b\\ik_mul3": 1}
+
+
+def stat(modules):
+    """Return Yosys' `stat -json` for a dict: module -> number of cells by type."""
+    return {"modules": {name: {"num_cells_by_type": cells} for name, cells in modules.items()}}
 
 
 def test_a_section_has_all_cells_inside():
+    modules = {"\\ik_top": TOP, DELAY: {"SRL16E": 8, "FDRE": 1}, "$paramod$0a1b\\ik_mul3": MUL3}
     total = (3 + 1 + 10 + 3 * 8, 24, 2 + 3, 4, 2, 3, 0)
-    assert netlist.counted(STAT, "xc2vp") == dict(zip(netlist.KINDS, total, strict=True))
-    sections = netlist.by_section(STAT, "xc2vp")
+    assert netlist.counted(stat(modules), "xc2vp") == dict(zip(netlist.KINDS, total, strict=True))
+    sections = netlist.by_section(stat(modules), "xc2vp")
     assert sections["ik_mul3"]["LUT"] == 18 and sections["ik_delay"]["LUT"] == 16 and sections["itself"]["LUT"] == 4
 
 
@@ -44,11 +41,10 @@ def test_a_section_has_all_cells_inside():
     ],
 )
 def test_cells_are_counted_by_kind(family, cells, kinds):
-    stat = {"modules": {"\\t": {"num_cells_by_type": cells}}}
-    assert netlist.counted(stat, family) == dict(zip(netlist.KINDS, kinds, strict=True))
+    assert netlist.counted(stat({"\\t": cells}), family) == dict(zip(netlist.KINDS, kinds, strict=True))
     cells["SRLC32E_X"] = 1
     with pytest.raises(netlist.ToolError, match="SRLC32E_X"):
-        netlist.counted(stat, family)
+        netlist.counted(stat({"\\t": cells}), family)
 
 
 def test_clock_and_critical_path_of_a_report():
@@ -76,10 +72,7 @@ def test_clock_and_critical_path_of_a_report():
     assert netlist.placed(quick)["mhz"] == round(1000 / netlist.MULTIPLIER_NS, 1), "the limit of a multiplier"
 
 
-TOPS = dict.fromkeys(design.top for design in designs.DESIGNS)
-
-
-@pytest.mark.parametrize("module", TOPS)
+@pytest.mark.parametrize("module", dict.fromkeys(design.top for design in designs.DESIGNS))
 def test_wrapper_connects_every_port(module):
     text = closure(module)[0].read_text()
     ports = simulation.Ports(text)
@@ -113,32 +106,29 @@ def on_farm(work, jobs):
     return (pickle.loads(pickle.dumps(work(pickle.loads(pickle.dumps(job))))) for job in jobs)
 
 
-RECORDED = designs.load()
-
-
 def test_recorded_figures_give_the_same_runs_and_placements(monkeypatch, tmp_path):
     """Replace the tools with the figures in fpga.json; check that a command executes exactly the runs recorded there
     and a repeated command executes none. A run that times out has no figures and is reported."""
-    late, ran = set(), []
-    chosen = [design for design in designs.DESIGNS if design.name in RECORDED["designs"]]
+    late, ran, recorded = set(), [], designs.load()
+    chosen = [design for design in designs.DESIGNS if design.name in recorded["designs"]]
     for name in ("FIGURES", "PAGE"):
         monkeypatch.setattr(designs, name, tmp_path / name)
     for module in (runs, fpga):
         monkeypatch.setattr(module, "version", lambda *_: "1")
-    monkeypatch.setattr(fpga, "describe", lambda design: RECORDED["designs"][design.name])
+    monkeypatch.setattr(fpga, "describe", lambda design: recorded["designs"][design.name])
     assert designs.find("echo", 32).run("xc7").key() != designs.find("memory", 32).run("xc7").key()
-    monkeypatch.setattr(runs.Run, "key", lambda run: RECORDED["runs"][run.title]["key"])
+    monkeypatch.setattr(runs.Run, "key", lambda run: recorded["runs"][run.title]["key"])
 
     def done(run):
         ran.append(run.title)
-        return None if run.title in late else RECORDED["runs"][run.title]
+        return None if run.title in late else recorded["runs"][run.title]
 
     monkeypatch.setattr(fpga, "done", done)
-    data = RECORDED | {"designs": {}, "runs": {}}
+    data = recorded | {"designs": {}, "runs": {}}
     for _ in range(2):
         assert not fpga.measure(data, chosen, on_farm)
-        assert data["designs"] == RECORDED["designs"] and data["runs"] == RECORDED["runs"]
-        assert sorted(ran) == sorted(RECORDED["runs"])
+        assert data["designs"] == recorded["designs"] and data["runs"] == recorded["runs"]
+        assert sorted(ran) == sorted(recorded["runs"])
         data = designs.load()
     late.add("axis-W18-ecp5-place")
     data["runs"]["axis-W18-ecp5-place"]["key"] = "stale"
@@ -187,20 +177,17 @@ def figures(monkeypatch, tmp_path):
 
     def figures(family, factor="a", square=0):
         words = {"FACTOR": factor, "PRODUCT": str(square), "PART": str(int(family == "ecp5"))}
-        made = text
-        for name, value in words.items():
-            made = made.replace(name, value)
-        small.write_text(made)
+        small.write_text(re.sub("FACTOR|PRODUCT|PART", lambda name: words[name[0]], text))
         return runs.Run("place" if family == "ecp5" else "synth", family, "ik_small", {}).done()
 
     return figures
 
 
+LATER = [pytest.param(family, marks=pytest.mark.release) for family in ("xcup", "xc2vp")]
+
+
 @pytest.mark.needs("fpga", "verilator")
-@pytest.mark.parametrize(
-    "family",
-    ["xc7", "ecp5", "up5k", "gowin", *(pytest.param(each, marks=pytest.mark.release) for each in ("xcup", "xc2vp"))],
-)
+@pytest.mark.parametrize("family", ["xc7", "ecp5", "up5k", "gowin", *LATER])
 def test_a_netlist_equals_the_rtl(figures, family):
     made = figures(family, square=int(family == "up5k"))
     assert made["simulated"]["results"] >= 8000

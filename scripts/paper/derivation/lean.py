@@ -36,7 +36,7 @@ SQUARES = (
 ROOTS = {"rho": "rho", "s": "dist", "far": "sqrt_a", "near": "sqrt_b", "1": "sqrt_1", "2": "sqrt_2"}
 """Suffix in the names of a root's nodes -> symbol for the root's value."""
 
-HALF = {"c >= 0": ("(1 + c)/2", "s/2"), "c < 0": ("s/2", "(1 - c)/2")}
+HALF = {r"c \ge 0": ("(1 + c)/2", "s/2"), "c < 0": ("s/2", "(1 - c)/2")}
 """Branch -> parts of the quaternion h(c, s), as in :func:`model.dataflow.lean_operations.half_part`."""
 
 NODES = fixed.nodes("lean", 32)
@@ -232,17 +232,15 @@ def half(step: Step) -> None:
     c, s = symbols("c s")
     step.suppose("s**2 = 1 - c**2")
     for branch, (text_c, text_s) in HALF.items():
-        size = (1 + c) / 2 if ">" in branch else (1 - c) / 2
+        large, size = ("h_c", (1 + c) / 2) if "ge" in branch else ("h_s", (1 - c) / 2)
         step.values = {"h_c": parse(text_c), "h_s": parse(text_s), "length_sq": size}
-        large = "h_c" if ">" in branch else "h_s"
-        when = r"\text{ for }" + branch.replace(">=", r"\ge")
         for text, label in (
             ("h_c**2 + h_s**2 = length_sq", "|h|^2 = (1 + |c|)/2"),
             ("h_c**2 - h_s**2 = length_sq*c", r"h_c^2 - h_s^2 = |h|^2\,c"),
             ("2*h_c*h_s = length_sq*s", r"2 h_c h_s = |h|^2\,s"),
             (f"{large} = length_sq", f"{large} = |h|^2"),
         ):
-            step.prove(text, label=label + when)
+            step.prove(text, label=rf"{label}\text{{ for }}{branch}")
     at_0 = {"c": sp.Integer(0), "s": symbol("sigma")}
     first, second = (sp.Matrix([parse(text, at_0) for text in pair]) for pair in HALF.values())
     step.suppose("sigma**2 = 1")
@@ -276,9 +274,9 @@ def product(step: Step) -> None:
     c, s = symbols("c s")
     for (axis, unit), branch in itertools.product((("z", "k"), ("x", "i")), HALF):
         h_c, h_s = map(parse, HALF[branch])
-        size = (1 + c) / 2 if ">" in branch else (1 - c) / 2
+        size = (1 + c) / 2 if "ge" in branch else (1 - c) / 2
         matrix = rotation_matrix((h_c, 0, 0, h_s) if axis == "z" else (h_c, h_s, 0, 0))
-        label = rf"M(h_c + h_s {unit}) = |h|^2 R_{axis}(c, s) \text{{ for }}" + branch.replace(">=", r"\ge")
+        label = rf"M(h_c + h_s {unit}) = |h|^2 R_{axis}(c, s) \text{{ for }}{branch}"
         step.prove("matrix = expected", label=label, matrix=matrix, expected=size * turn(axis, c, s))
     back, forth = (rotation_matrix((bend_c, sign * bend_s, 0, 0)) for sign in (-1, 1))
     step.prove("back = forth", label=r"M(\widetilde{\mathrm{bend}}) = M(\mathrm{bend})^T", back=back, forth=forth.T)

@@ -9,6 +9,7 @@ form, it finds all sets of joint angles of this arm from the full pose of the ha
 in the model's answer, which contains the swivel angle. Among EAIK's solutions, the smallest hand error counts.
 """
 
+import contextlib
 import ctypes
 import importlib
 import itertools
@@ -16,11 +17,11 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -96,8 +97,7 @@ Bound = tuple[Callable[[int], Any], Callable[[], np.ndarray]]
 the hand errors / reach (N,), nan for a target without an answer."""
 
 
-@dataclass(frozen=True)
-class Contender:
+class Contender(NamedTuple):
     """Software in the comparison. ``bind`` binds the software to targets. ``lacks`` names what is missing on this
     computer; the software is then not measured. ``most`` limits the number of random targets."""
 
@@ -169,13 +169,12 @@ def joints(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any, too
     w, i, j, k = hand
     x, y = x - 2 * (i * k + w * j) * tool, y - 2 * (j * k - w * i) * tool
     *qs, s, c = lean(library, x, y, z - ((w * w + k * k) - (i * i + j * j)) * tool, phi, d1, d2)
-    forearm = (qs[0] * -c - qs[1] * s, qs[0] * s - qs[1] * c, qs[2] * -c + qs[3] * s, -qs[3] * c - qs[2] * s)
+    v, f, g, h = (qs[0] * -c - qs[1] * s, qs[0] * s - qs[1] * c, qs[2] * -c + qs[3] * s, -qs[3] * c - qs[2] * s)
 
     def zxz(w: Any, i: Any, j: Any, k: Any) -> tuple[Any, Any, Any]:
         a, b = library.arctan2(k, w), library.arctan2(j, i)
         return a + b, 2 * library.arctan2(library.sqrt(i * i + j * j), library.sqrt(w * w + k * k)), a - b
 
-    v, f, g, h = forearm
     wrist = v * w + f * i + g * j + h * k, v * i - f * w - g * k + h * j, v * j - g * w - h * i + f * k
     return *zxz(*qs), 2 * library.arctan2(s, -c), *zxz(*wrist, v * k - h * w - f * j + g * i)
 
@@ -235,10 +234,8 @@ def _jax() -> Iterator[Contender]:
         device = None
         if jax:
             jax.config.update("jax_enable_x64", True)
-            try:
+            with contextlib.suppress(RuntimeError):  # no such device
                 device, lacks = jax.devices(platform)[0], ""
-            except RuntimeError:  # no such device
-                pass
         if device and platform == "gpu":
             where += f", {device.device_kind}"
         for (key, name), (real, kind) in itertools.product(NAMES.items(), REALS.items()):

@@ -120,7 +120,7 @@ def test_figures_and_page_are_up_to_date():
     """Compare texts; for a picture that graphviz draws, compare the digest of the graph."""
     drawn = main.pictures()
     for name, text in drawn.items():
-        shown, digest = (main.SHOWN / name).read_text("utf-8"), f"<!-- of the graph {main.digest(text)} -->\n"
+        shown, digest = (main.SHOWN / name).read_text("utf-8"), f"<!-- of the graph {main.digest_of(text)} -->\n"
         assert shown == text or shown.startswith(digest), "run `make paper ONLY=figures`"
     page = (main.GENERATED / "figures.md").read_text("utf-8")
     assert page == main.render("figures"), "run `make paper ONLY=figures`"

@@ -24,6 +24,7 @@ from tb.core.worst_targets import chunk
 needs_cc = pytest.mark.needs("cc")
 REACH, RANDOM = make("reach"), from_words(random_reachable(3000, 32, 7), 0, 32, "random")
 FEW = from_words(random_reachable(5, 32, 7), 0, 32, "few")
+STALE = "the RTL has changed: run `python -m scripts.paper.table6 --hardware`"
 
 
 def by_model(targets, solve=solve_lean):
@@ -58,16 +59,10 @@ def test_single_precision_arrays_stay_single():
 
 
 INSTALLED = [pytest.mark.release, pytest.mark.needs("table6")]
+KEYS = {"numpy": [], "c-arm": [needs_cc], "jax": INSTALLED, "eaik": INSTALLED}
 
 
-@pytest.mark.parametrize(
-    "key",
-    [
-        "numpy",
-        pytest.param("c-arm", marks=needs_cc),
-        *(pytest.param(name, marks=INSTALLED) for name in ("jax", "eaik")),
-    ],
-)
+@pytest.mark.parametrize("key", [pytest.param(key, marks=marks) for key, marks in KEYS.items()])
 def test_software_reaches_the_hand(key):
     named = [one for one in contenders() if one.key.startswith(key)]
     runnable = [one for one in named if not one.lacks]
@@ -91,8 +86,7 @@ def test_clocks_on_the_page_are_those_of_the_present_core():
     around = {}
     for row in figures()["hardware"]:
         around.setdefault(row["path"], set()).add(row["first"] - fixed.latency(row["datapath"], row["width"]))
-    stale = "the RTL has changed: run `python -m scripts.paper.table6 --hardware`"
-    assert around[table6.STREAMS] == {0} and {len(clocks) for clocks in around.values()} == {1}, stale
+    assert around[table6.STREAMS] == {0} and {len(clocks) for clocks in around.values()} == {1}, STALE
 
 
 @pytest.mark.sim
@@ -102,8 +96,7 @@ def test_clocks_on_the_page_are_those_of_the_present_core():
 def test_the_rtl_takes_the_clocks_on_the_page(path):
     kept = next(row for row in figures()["hardware"] if (row["datapath"], row["path"]) == ("lean", path))
     counted = table6.PATHS[path]()
-    stale = "the RTL has changed: run `python -m scripts.paper.table6 --hardware`"
-    assert counted == {name: kept[name] for name in counted}, stale
+    assert counted == {name: kept[name] for name in counted}, STALE
     assert 0 < table6.random_error(random_reachable(500, 32, 3)) <= kept["random_error"]
 
 

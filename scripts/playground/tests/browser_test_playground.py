@@ -123,10 +123,9 @@ def test_double_precision(page):
 @pytest.mark.parametrize("width", [18, 24, 32])
 def test_words_equal_the_model(page, width):
     random = np.random.default_rng(18)
-    rows = np.column_stack(
-        [random.uniform(-0.9, 0.9, (300, 3)), random.uniform(-9, 9, 300), 10.0 ** random.uniform(-2, 2, (300, 2))]
-    )
-    rows[:, :3] *= rows[:, 4:].sum(axis=1)[:, None]
+    lengths = 10.0 ** random.uniform(-2, 2, (300, 2))
+    position = random.uniform(-0.9, 0.9, (300, 3)) * lengths.sum(axis=1)[:, None]
+    rows = np.column_stack([position, random.uniform(-9, 9, 300), lengths])
     targets = [dict(zip(FIELDS, row, strict=True)) for row in rows.tolist()]
     answers = page.run(f"{json.dumps(targets)}.map((target) => playground.toWords(target, {width}))")
     for row, answer in zip(rows, answers, strict=True):

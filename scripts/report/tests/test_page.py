@@ -47,8 +47,8 @@ def data_in(path, key="trajectories"):
 def shown(cli):
     """Return a function that writes a page and returns the data of its only trajectory."""
 
-    def shown(*options, status=0):
-        assert cli(*options)[0] == status
+    def shown(*options):
+        assert cli(*options)[0] == 0
         (one,) = data_in(PAGE)
         return one
 
