@@ -38,7 +38,7 @@ def needs(item) -> set[str]:
 
 
 def is_missing(need: str) -> bool:
-    """Return True if packages or a program (other than ccache) of a need are not installed."""
+    """Return True if a need's packages, or any of its programs except ccache, are not installed."""
     return (
         need in EXTRAS
         and need not in STAMPED
@@ -47,7 +47,7 @@ def is_missing(need: str) -> bool:
 
 
 def modules(item) -> set[str]:
-    """Return the modules of rtl/ that a test compares with the model, from its `bench` markers, with submodules."""
+    """Return the modules of rtl/ that a test compares with the model: its `bench` modules and their submodules."""
     return {path.stem for mark in item.iter_markers("bench") for path in closure(*mark.args, **mark.kwargs)}
 
 

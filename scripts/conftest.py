@@ -54,7 +54,7 @@ class FakeSimulator:
         return runs
 
     def record(self, path, jobs, datapath, width, limits=None):
-        """Write a VCD of jobs[0]; if there are more jobs, with only the words of its first target."""
+        """Write a VCD of jobs[0]; if there are more jobs, it contains only the words of the first target of jobs[0]."""
         nodes, of = nodes_of(jobs[0], datapath, width, limits), MODELS[datapath]
         top = (of.top,)
         admitted = admissions(len(jobs[0])) if len(jobs) == 1 else [0]
@@ -81,7 +81,7 @@ class FakeSimulator:
 
 
 def without_rtl(patch):
-    """Replace simulations with the bit-true model and predicted errors with a ramp; return the fake simulator."""
+    """Replace simulations by the bit-true model, and predicted errors by a ramp; return the fake simulator."""
     fake = FakeSimulator()
     for module in (trajectory, worst_targets):
         patch.setattr(module, "simulate", fake)

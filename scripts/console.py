@@ -103,8 +103,8 @@ def command(
     """Return a decorator that turns a function of parsed options into `main(words)`, which returns an exit status.
 
     After an error, `main` prints one line that begins with `name`. If make started the command, the line shows options
-    as make variables. Texts for --help: `about` says what the command does (default: first line of the module's
-    docstring), `passes` and `fails` what exit status 0 and 1 mean.
+    as make variables. Texts for --help: `about` describes the command (default: first line of the module's
+    docstring), `passes` and `fails` describe exit status 0 and 1.
     """
     ends = ", ".join(f"{128 + number} {what}" for number, what in SIGNALS.items())
     epilog = f"Exit status: 0 {passes}, 1 {fails}, 2 bad input, {ends}."
@@ -191,8 +191,8 @@ def installed(need: str) -> bool:
 
 
 def choose_simulator(options: Options, targets: int) -> None:
-    """Choose the simulator of `LONG` targets or more, and print the choice: Verilator if it can be installed, unless
-    --sim or --waves is given."""
+    """For `LONG` targets or more, choose Verilator if it can be installed, unless --sim or --waves is given; print the
+    choice."""
     chosen = "sim" in options.given
     if targets < LONG or getattr(options, "waves", None) or (chosen and options.sim != "verilator"):
         return
@@ -260,7 +260,7 @@ def reference_axis(text: str) -> Axis:
 
 
 def point(text: str) -> list[float] | str:
-    """Convert an option's text x,y,z to a point. Return text without a comma, the name of a joint, unchanged."""
+    """Convert an option's text x,y,z to a point; return a text without commas (a joint's name) unchanged."""
     if "," not in text:
         return text
     numbers = [Finite()(part) for part in text.split(",")]
@@ -344,7 +344,7 @@ def trajectory_options(
 
 
 def output(out: Path, paths: Sequence[Path], inputs: Iterable[Path] = ()) -> contextlib.AbstractContextManager[Place]:
-    """Make `out` and the folders of `paths`; return `whole_files()`, by which all output files appear at once.
+    """Make `out` and the folders of `paths`; return the context `whole_files()`, at whose end all output files appear.
 
     Raises InputError if an output is one of `inputs` or a folder, and OSError if a folder is not writable.
     """

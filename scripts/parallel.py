@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ordered parallel map over processes of this machine or over a farm, which is Dask workers on other machines.
+"""Ordered parallel map over processes on this machine, or over a farm of Dask workers on other machines.
 
     python -m scripts.parallel --farm tcp://SCHEDULER:8786 [--jobs N]
 
-This command makes this machine a worker of the scheduler (`make farm-worker`). A work item is a function of this tree
-with its arguments. A worker refuses items if its sources differ from the client's. The farm repeats the items of a
-worker that died.
+This command makes this machine a worker of the scheduler (`make farm-worker`). A work item is a function from
+this checkout, with its arguments. A worker refuses items if its sources differ from the client's. The farm repeats the
+items of a worker that died.
 """
 
 import contextlib

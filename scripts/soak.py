@@ -89,7 +89,7 @@ SEARCHED = {"lean": ("of the reach",), "arm": ("of the reach", "rad")}
 
 
 def hand_errors(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
-    """Return errors and tolerances in the units of SEARCHED, (2, units, N). The error of an excluded target is 0."""
+    """Return errors and tolerances, (2, M, N), for the M units in SEARCHED. The error of an excluded target is 0."""
     answer = fixed.run(words, width, datapath)
     if datapath == "lean":
         hand = np.nan_to_num(worst_targets.errors(words, answer.results, width)[0])[None]
@@ -111,8 +111,8 @@ def _changed(words: np.ndarray, width: int, random: np.random.Generator) -> np.n
 
 
 def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.ndarray:
-    """Return up to `KEPT` targets, largest error first, at most `ALIKE` of each kind. `unit`: error's index in
-    SEARCHED."""
+    """Return up to `KEPT` targets, largest error first, at most `ALIKE` of each kind. `unit` selects the error by its
+    index in SEARCHED."""
     seen, chosen = Counter(), []
     for n in np.argsort(-hand_errors(words, width, datapath)[0, unit], kind="stable").tolist():
         row = np.delete(words[n, :7], 3)
@@ -180,7 +180,7 @@ def code(datapath: str) -> str:
 
 
 def _keep(core: Core, of: str, totals: Found) -> None:
-    """Write the totals to the page; a row for the same core and targets is replaced. of: description of the targets."""
+    """Write the totals to the page; a row for the same core and targets is replaced. `of` describes the targets."""
     key = [core.datapath, str(core.width), of]
     errors = totals.hand_error_max, tolerances.hand(core.width, core.datapath), totals.norm_error_max
     row = [*key, date.today().isoformat(), str(totals.targets), str(totals.reachable), *(error(e, 2) for e in errors)]

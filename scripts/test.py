@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run tests with pytest, for `make test`, `make test-all`, `make test-browser` and `make release-check`.
 
-Each test is in one gate. With SIM=verilator, tests that start no simulator are left out, as they have the same result.
+Each of these commands is a gate, and each test is in exactly one gate. With SIM=verilator, tests that start no
+simulator are left out, as they have the same result.
 """
 
 import difflib

@@ -86,7 +86,7 @@ class Board:
 
 
 def _why(error: BaseException) -> str:
-    """Return the operating system's text for an error, if any, since pyserial's messages are for programmers."""
+    """Return the operating system's text for an error (pyserial's is for programmers), or str(error) without errno."""
     numbers = [one.args[0] for one in (error, error.__context__) if one and one.args and isinstance(one.args[0], int)]
     return os.strerror(numbers[0]) if numbers else str(error)
 

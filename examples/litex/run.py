@@ -22,14 +22,14 @@ from tb.sim.job import SimulationError
 
 
 def wrists(count: int) -> tuple[np.ndarray, list]:
-    """Return the 32-bit words (N, 6) of the first targets of the paper's scenario, and their values by row."""
+    """Return the first targets of the paper's scenario, as 32-bit words (N, 6) and as a list of rows of values."""
     whole_set = trajectories.make(trajectories.DEFAULT)
     targets = Targets(name="", **{name: getattr(whole_set, name)[:count] for name in FIELDS})
     return to_words(targets, 32)[0], list(zip(*(getattr(targets, name) for name in FIELDS), strict=True))
 
 
 def hands(count: int) -> tuple[np.ndarray, list]:
-    """Return the 32-bit words (N, 11) of random hand poses in reach, and their values by row."""
+    """Return random hand poses in reach, as 32-bit words (N, 11) and as a list of rows of values."""
     wrist = random_reachable(4 * count, 32, 1)
     words = hand_poses(wrist[wrist[:, 4:].min(axis=1) > 1 << 24][:count], 32, 1)
     values = np.ldexp(words.astype(float), -30)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Replacement of memories and multipliers that have no simulation model in Yosys by cells of ``cells.v``."""
+"""Substitution of cells of ``cells.v`` for memories and multipliers that have no simulation model in Yosys."""
 
 import re
 from collections.abc import Iterator
@@ -57,7 +57,7 @@ class Cell:
         return str(self.parameters.get(parameter, "")).strip()
 
     def rows(self, prefix: str, bits: int) -> str:
-        """Return the parameters ``prefix`` + two hex digits, ``bits`` bits each, as one string, lowest bit first."""
+        """Join the parameters named ``prefix`` + two hex digits, ``bits`` bits each, to a string, lowest bit first."""
         keys = sorted(key for key in self.parameters if re.fullmatch(prefix + "[0-9A-F]{2}", key))
         return "".join(self.parameters[key].replace("x", "0").zfill(bits)[::-1] for key in keys)
 
@@ -156,8 +156,8 @@ def _instance(kind: str, values: dict, ports: dict) -> dict:
 
 
 def modelled(module: dict) -> dict:
-    """Replace memories and multipliers that Yosys does not model by cells of ``cells.v``. ``module``, in write_json's
-    format, is changed and returned. Raises ToolError for an option that ``cells.v`` does not model."""
+    """Substitute cells of ``cells.v`` for memories and multipliers that Yosys does not model. ``module``, in
+    write_json's format, is changed and returned. Raises ToolError for an option that ``cells.v`` does not model."""
     nets = (net for wire in module["netnames"].values() for net in wire["bits"] if isinstance(net, int))
     fresh = count(1 + max(nets, default=1))
     module["attributes"] = {}

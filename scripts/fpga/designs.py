@@ -19,8 +19,8 @@ PAGE = GENERATED / "fpga.md"
 class Design:
     """Top module with its parameters, and the families for which it is synthesized (``families``) or placed (``aims``).
 
-    ``parameters`` excludes W. ``aims``: family -> clock (MHz) that, once met, ends the tries of seeds; clocks vary by
-    up to a fifth between seeds. If ``within`` is given, `ik_axis` with these parameters is placed, not the top.
+    ``parameters`` excludes W. ``aims``: family -> clock (MHz) at which no further placement seed is tried; clocks
+    vary by up to a fifth between seeds. If ``within`` is given, `ik_axis` with these parameters is placed, not the top.
     """
 
     datapath: str
@@ -113,8 +113,8 @@ def find(datapath: str, width: int) -> Design | None:
 
 
 def select(groups: Sequence[str], widths: Sequence[int]) -> list[Design]:
-    """Return the default designs of ``groups``; if empty, of all groups but ASIC. With ``widths``, return their
-    datapaths at each of these word lengths."""
+    """Return the default designs of ``groups``; if empty, of all groups but ASIC. With ``widths``, return a design for
+    each of their datapaths at each of these word lengths that it supports."""
     designs = [one for one in DESIGNS if one.group in (groups or {*GROUPS} - {ASIC})]
     if widths:
         names = dict.fromkeys(one.datapath for one in designs)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Choice of the multipliers' sites on an ECP5-85k before nextpnr runs, whose placer puts some too far apart."""
+"""Choice of the multipliers' sites on an ECP5-85k before nextpnr runs, as its placer puts some too far apart."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ VERSION = digest([Path(__file__)])
 
 
 def floorplan(module: dict, seed: int) -> None:
-    """Assign a site to each MULT18X18D of a module in write_json's format. Multipliers with much logic between them get
-    sites close together. A module with fewer than 2 or more than len(SITES) multipliers is left unchanged."""
+    """Assign a site to each MULT18X18D of ``module``, which is in the format of Yosys' write_json. Strongly coupled
+    multipliers get nearby sites. A module with fewer than 2 multipliers, or more than len(SITES), is left unchanged."""
     names = [name for name, cell in module["cells"].items() if cell["type"] == "MULT18X18D"]
     if 1 < len(names) <= len(SITES):
         weights = np.zeros((len(SITES),) * 2)
@@ -38,8 +38,8 @@ def floorplan(module: dict, seed: int) -> None:
 
 
 def coupling(module: dict, names: list[str]) -> np.ndarray:
-    """Return the symmetric coupling matrix of the named cells. Entry (a, b): how often a random walk that starts at a
-    and passes only unnamed cells has b as the first named cell that it reaches."""
+    """Return the symmetric coupling matrix of the named cells. Entry (a, b) measures how often b is the
+    first named cell that a random walk from a through the netlist reaches."""
     order = {name: k for k, name in enumerate(dict.fromkeys([*names, *module["cells"]]))}
     drivers: dict[int, int] = {}
     readers = defaultdict(list)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""YoWASP's Yosys and nextpnr: versions and calls of the tools, cells by kind, packing of registers into a netlist's
-hard blocks, clock and critical path."""
+"""Interface to YoWASP's Yosys and nextpnr: finds their versions, runs them, reads cells by kind, clock and critical
+path from their reports, and packs registers into a netlist's hard blocks."""
 
 import re
 import subprocess
@@ -105,7 +105,7 @@ def by_section(stat: dict, family: str) -> dict[str, dict]:
 
 
 def _kinds(cells: Counter, family: str) -> dict[str, int]:
-    """Return a dict: kind -> number of cells, weighted. cells: cell type -> number."""
+    """Return a dict: kind -> number of cells, weighted as in CELLS. ``cells``: cell type -> number."""
     memories = LUT4_MEMORIES if family == "xc2vp" else LUT6_MEMORIES
     rules = [*CELLS, *(("LUT", pattern, luts) for pattern, luts in memories)]
     kinds, strange = Counter(dict.fromkeys(KINDS, 0)), []
@@ -169,8 +169,8 @@ PACKER = "5"
 
 
 def pack_registers(module: dict) -> dict:
-    """Move registers into MULT18X18D and DP16KD, as Lattice's tools do and Yosys does not. ``module``, in write_json's
-    format, has one clock and is changed in place.
+    """Move registers into MULT18X18D and DP16KD, as Lattice's tools do and Yosys does not. ``module`` is in the format
+    of Yosys' write_json, has one clock and is changed in place.
 
     A multiplier or memory port gets its output register if the only reader of each bit is a plain flip-flop. A memory
     with words of 36 bits uses both ports for a word, so both get the register or neither does.

@@ -172,7 +172,7 @@ class Run:
         return figures
 
     def timed(self, folder: Path) -> dict:
-        """Return flip-flops, cell area (um2) and pre-layout clock (MHz) in standard cells. Raises ToolError."""
+        """Return flip-flop count, cell area (um2) and pre-layout clock (MHz) in standard cells. Raises ToolError."""
         (cells,) = json.loads((folder / "area.json").read_text())["modules"].values()
         flipflops = sum(n for cell, n in cells["num_cells_by_type"].items() if cell.startswith("DFF"))
         said = compiled(["env", "-C", folder, "sta", "-no_splash", "-exit", "sta.tcl"])
@@ -184,7 +184,7 @@ class Run:
 
     def place(self, folder: Path, design: dict) -> dict:
         """Place and route with one seed after another until the clock reaches the aim. Return the figures of the
-        fastest placement; `tried` in them has all clocks. Raises LeftOutError if no placement is done in time."""
+        fastest placement; `tried` lists the clocks of all placements. Raises LeftOutError if none is done in time."""
         tried = []
         for seed in SEEDS:
             if self.family == "ecp5":

@@ -57,8 +57,8 @@ class Ports:
         return BENCH.wrapper(self, name, inner or self.name, f"#({parameters})" if names else "", overrides)
 
     def stimuli(self, clocks: int, width: int) -> np.ndarray:
-        """Return uint64 (clocks,): the wrapper's input pins in each clock, bit k for in[k]. valid and ready are high in
-        three of four clocks, other pins in one of two. rst is high in the first 8 clocks and in one in the middle. If
+        """Return uint64 (clocks,): the wrapper's input pins in each clock, bit k for in[k]. Pins valid and ready
+        are high in 3/4 of the clocks at random, others in 1/2. rst is high in the first 8 clocks and in one halfway. If
         there is a pin ``hold``, hand poses in words of ``width`` bits are shifted in and held for HELD clocks each. For
         ``ik_axi``, register writes start jobs."""
         draw = np.random.default_rng(1)

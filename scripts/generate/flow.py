@@ -76,7 +76,7 @@ class Delay(NamedTuple):
 
 
 def delays(nodes: Mapping[str, Node]) -> dict[str, Delay]:
-    """Return a dict: name -> delay, for each node that an operation samples later than the node is ready."""
+    """Return a dict: name -> delay, for each node that an operation samples after the clock in which it is ready."""
     last = {n: v.time for n, v in nodes.items()}
     for node in nodes.values():
         for name in operands(node):

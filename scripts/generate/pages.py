@@ -65,7 +65,7 @@ def scores_page(scores: dict[str, list[dict]]) -> str:
 
 
 def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -> list[dict]:
-    """Run test `rates` of tb/axi/test_ik_axi.py; return its rows. latency: None for all. Raises SimulationError."""
+    """Run test `rates` of tb/axi/test_ik_axi.py at `latency` (None: all); return its rows. Raises SimulationError."""
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         path = Path(folder) / "rates.json"
         env = {"IK_AXI_RATES": str(path), "COCOTB_TEST_FILTER": f"latency={latency or ''}" + ("$" if latency else "")}
@@ -74,7 +74,7 @@ def measured(sim: str, parameters: dict[str, int], latency: int | None = None) -
 
 
 def lanes(nodes: Iterable[Node]) -> list[list[tuple[str, int, int, list[str]]]]:
-    """Join operations of the same kind and clocks to a bar (kind, from, to, names). Return lanes of bars that do not
+    """Join operations of equal kind and clocks into a bar (kind, from, to, names). Return lanes of bars that do not
     overlap, with kinds in the order of ``BARS``. Selections that take no clock are wiring and are omitted."""
 
     def key(node: Node) -> tuple[int, int, int]:

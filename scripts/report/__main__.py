@@ -98,10 +98,11 @@ def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
 
     * names, joints (N, 7), limits (7, 2): of the robot, otherwise of th1 to th7; a missing limit is None
     * over: bits of the joints outside their limits, bit 0 for the first joint; error: orientation error in rad
-    * arcs (N, 8): for each branch, intervals of the swivel angle in which all joints are within their limits; free
-      (N,): the same for the target's branch; branch (N,); without a robot, these are None or absent
+    * arcs (N, 8): for each branch, intervals of the swivel angle in which all joints are within their limits
+    * branch (N,): the target's branch; free (N,): the arcs of this branch
     * steps (N,): largest step of a joint from the previous row, rad, None without joints; jumps: numbers of the rows
       that jump or have no joints; most: largest permitted step, rad
+    * without a robot, free is None, and arcs, branch, steps, jumps and most are absent
     * goal, point, turn (not for clips): requested point, reached point (both from the shoulder), reached orientation
     """
     targets, robot, hand = item.targets, item.robot, result.per_target.hand
@@ -262,7 +263,7 @@ def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
     * nodes: a flat list per frame: the root, then all other nodes relative to the root, as posed by the core
     * own: a flat list per frame: elbow and wrist of each arm as in the clip, relative to the root
     * unit: length of one step in nodes and own; floor: height of the floor
-    * middle: height of the view's centre, which follows the root horizontally; None if also vertically
+    * middle: height of the view's centre, None if it follows the root vertically (horizontally, it always does)
     * radius: largest distance of any point from the view's centre
     """
     clip, moves = item.clip, item.moves

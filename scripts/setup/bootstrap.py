@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set up .venv and the programs that a command needs; make runs this before each command. Standard library only.
 
-    python3 scripts/setup/bootstrap.py [icarus] [verilator] [lint] [graphviz] [EXTRA..]
+    python3 scripts/setup/bootstrap.py [NEED..]
 
-Makes `.venv` from requirements/run.lock, which is sufficient for `make run`. An EXTRA adds the packages of
-requirements/EXTRA.lock; checkout adds the packages of tests and pages. Missing programs are installed with apt-get if
-allowed (as root, or by sudo without a password). Otherwise missing optional programs are left out; if required programs
-are missing, one line names their packages and the exit status is 2. If everything is set up, nothing is printed, and
-the check takes a few milliseconds.
+Makes `.venv` from requirements/run.lock, which is sufficient for `make run`. A NEED is a key of PROGRAMS: programs,
+such as icarus, or an EXTRA, such as checkout (for tests and pages), which adds the packages of requirements/EXTRA.lock.
+Missing programs are installed with apt-get if allowed (as root, or by sudo without a password). Otherwise missing
+optional programs are left out; if required programs are missing, one line names their packages and the exit status is
+2. If everything is set up, nothing is printed, and the check takes a few milliseconds.
 
     .venv/cga-ik.json   stamp, written when .venv is complete, and again after each extra
     build/setup.log     output of pip and apt-get
@@ -103,13 +103,13 @@ def install_packages(packages, required=True):
 
 
 def missing(needs, optional=False):
-    """Return the required programs of these needs that are not installed; with `optional`, the optional programs."""
+    """Return the required programs (with `optional`, the optional programs) of `needs` that are not installed."""
     programs = [program for need in needs for program in PROGRAMS[need] if (program in OPTIONAL) == optional]
     return [program for program in programs if which(program) is None and not os.path.isfile(program)]
 
 
 def stamp_of(ready):
-    """Return the stamp for the needs that are ready: the needs, paths, and digests of the present lock files."""
+    """Return the stamp for the needs in `ready`: these needs, paths, and digests of the present lock files."""
     stamp = {"ready": sorted(ready), "python": os.path.realpath(PYTHON), "venv": os.path.abspath(".venv")}
     for name in ["lock"] + [extra for extra in EXTRAS if extra in ready]:
         with open(LOCK.format("run" if name == "lock" else name), "rb") as f:

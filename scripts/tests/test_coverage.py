@@ -61,7 +61,7 @@ def test_only_unchanged_files_of_a_copy_count(tmp_path, monkeypatch):
 
 @pytest.fixture
 def judge(tmp_path, monkeypatch, command):
-    """Return a function that runs the command on counts of one FIFO line. All files and bins count as reached."""
+    """Return a function that runs the command with given counts for one line of ik_fifo; all else counts as reached."""
     for name in ("COUNTS", "WAIVERS", "PAGE"):
         monkeypatch.setattr(coverage, name, tmp_path / name)
 

@@ -159,7 +159,7 @@ def test_the_paper_datapath_has_no_tolerance_and_its_excess_is_reported(cli, sim
 
 
 def test_keep(cli, simulator):
-    """The page keeps the last run of each datapath, word length and seed, with the exactly computed flag counts."""
+    """The page keeps the last run of each datapath, word length and seed; flag counts are those of `expected_flags`."""
     for words in (["800", "18"], ["400", "24"], ["400", "18", "--seed", "2"], ["400", "18"]):
         assert cli("--keep", "--targets", words[0], "--width", *words[1:])[0] == 0
     assert worst_targets.LIST.read_bytes() == Path("build/soak/hardest.csv").read_bytes()

@@ -167,7 +167,7 @@ def test_designs_are_selected_by_datapath_and_word_length():
 
 @pytest.fixture
 def figures(monkeypatch, tmp_path):
-    """Return a function of a family that returns the small design's figures, without placement."""
+    """Return a function that synthesizes the small design for a family, without placement, and returns its figures."""
     text = Path(__file__).with_name("ik_small.v").read_text()
     inner = [path for name in ("ik_exact", "ik_delay", "ik_ring", "ik_quadratic") for path in closure(name)]
     small = tmp_path / "ik_small.v"

@@ -96,7 +96,7 @@ def to_triangle(step: Step) -> None:
 
 
 def frame(step: Step) -> None:
-    """Set unit vectors n, m, e and `direction` (p/|p|), and in polar form the target p of (10)-(17)."""
+    """Set unit vectors n, m, e and `direction` (p/|p|). Also set the target p of (10)-(17), in polar form."""
     step.suppose(*CIRCLES)
     step.values |= {"n": parse(NORMAL), "m": parse(ACROSS), "direction": parse("vec(cos_el*u_x, cos_el*u_y, sin_el)")}
     step.values["e"] = step.value("cos_a*direction + sin_a*m")

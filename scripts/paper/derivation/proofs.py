@@ -174,7 +174,7 @@ class Step:
         return sp.sqrt(square)
 
     def named(self, expression: Any) -> Any:
-        """Return an expression from the algebra with roots and absolute values replaced by quantities in `roots`."""
+        """Replace roots and absolute values in an expression from the algebra by quantities in `roots`."""
         expression = sp.nsimplify(expression, rational=True).xreplace(HALF_PHI)
         for _ in range(2):  # replacing a root can leave another absolute value
             expression = expression.replace(sp.Abs, self.absolute)

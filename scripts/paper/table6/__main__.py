@@ -123,8 +123,8 @@ def stream_to_stream() -> dict:
 
 
 def memory_to_memory() -> dict:
-    """Return the figures of :func:`stream_to_stream` for `ik_axi`: register CLOCKS after a job of one target and after
-    a job of all, clocks of channel R per target in a long job, and the largest error of the results in memory."""
+    """Return the figures of :func:`stream_to_stream` for `ik_axi`: register CLOCKS after a job of 1 target and of all
+    100, clocks per target on channel R in a long job, and the largest error of the results in memory."""
     (row,) = measured(SIMULATORS[0], {"DATAPATH": 1, "DATA_W": BUS}, LATENCY)
     clocks = {name: row[name] for name in ("first", "last", "each")}
     return {**clocks, "reach_error": reach_error(np.array(row["results"]))}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Software in table 6: C, numpy, JAX and EAIK. Each solves its targets repeatedly.
 
-The lean equations for arrays are the ones in equations.c, without flags, and need targets in reach. Each sum is
-rounded.
+The lean equations for arrays are those of equations.c, without flags, and need targets in reach. Unlike the model's
+functions, they round every sum.
 
 C, numpy and JAX find one pose from the hand's position and the swivel angle. EAIK solves another problem: in closed
 form, it finds all sets of joint angles of this arm from the full pose of the hand. EAIK's input is the forearm's frame
@@ -77,8 +77,8 @@ def shared_object(equations: str, real: str, extra: tuple[str, ...]) -> ctypes.C
 def solver(
     columns: list[np.ndarray], equations: str = "lean", real: str = "double", way: str = "batch"
 ) -> Callable[..., np.ndarray]:
-    """Return a function solve(times=1) that solves all targets in C, ``times`` over, and returns (N, 6) answers, or
-    (N, 7) joints of hand poses. columns: x, y, z, phi, d1, d2, (N,) each; for hand poses also tool and qh."""
+    """Return a function solve(times=1) that solves all targets ``times`` times in C and returns answers (N, 6), or
+    joints (N, 7) of hand poses. ``columns``: x, y, z, phi, d1, d2, (N,) each; for hand poses also tool and qh."""
     name, extra = (WAYS | {"arm": ARM})[way]
     function = getattr(shared_object(equations, real, extra), name)
     inputs = [np.ascontiguousarray(column, dtype=REALS.get(real, np.longdouble)) for column in columns]
@@ -228,7 +228,7 @@ def _bind_jax(device: Any, kind: type, key: str, targets: Targets) -> Bound:
 
 
 def _jax() -> Iterator[Contender]:
-    """Yield the contenders of JAX: XLA compiles the lean equations; targets and answers stay on the device."""
+    """Yield the contenders that use JAX: XLA compiles the equations; targets and answers stay on the device."""
     jax = found("jax")
     for platform, where, lacks in (("cpu", "CPU, all cores", "no CPU backend here"), ("gpu", "GPU", "no GPU here")):
         device = None

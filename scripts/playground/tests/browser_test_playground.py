@@ -199,8 +199,8 @@ NOW += "(playground.state.runs[0].now)"
 @pytest.mark.parametrize("name", playground.ARMS)
 def test_the_hand_turns_and_the_joints_follow(page, name, touch):
     """Dragging a ring or pressing keys turns the hand about the ring's axis; the hand's point stays. The joint angles
-    equal the arm's in double precision, in a branch within the limits if there is such a branch, and the page marks
-    joints beyond their limits."""
+    equal those of `Arm.solve` in double precision. They are within the limits if this is possible in any branch, and
+    the page marks joints beyond their limits."""
     arm = playground.ARMS[name]
     page.choose("robot", name)
     step(page, LEAN + 2)
@@ -265,7 +265,7 @@ def test_a_receiver_that_stalls_loses_nothing(page):
 
 
 def test_a_target_is_followed_through_its_nodes(page):
-    """The column shows the model's words of each node that the target has passed; a click on the lane shows a node."""
+    """The table shows the model's word of each node the target has passed; a click on the pipeline shows a node."""
     cells = "[...document.getElementById('column').rows].map((row) => [1, 3].map((k) => row.cells[k].textContent))"
     step(page, 10)
     model = fixed.run(np.array([page.run("playground.ui.followed.words")]), 32, "lean").bits.nodes

@@ -226,8 +226,7 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
 
 @pytest.mark.parametrize("axis", ["torso", "0.3,1,0"])
 def test_joint_angles(shown, axis):
-    """Compare the upper arm's elevation and azimuth relative to the torso's axes, and the elbow's flexion, with the
-    bones."""
+    """Compare with the bones: azimuth and elevation of the upper arm in the torso's frame, and the elbow's flexion."""
     mine = clips.read(figure.write(Path("t.bvh").absolute(), up="z", frames=40))
     data = shown("--trajectory", "t.bvh", f"--axis={axis}")
     elbow, wrist, angles = (np.array(data[key]) for key in ("elbow", "wrist", "angles"))
