@@ -14,6 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from inspect import signature
 from pathlib import Path
+from tempfile import mkdtemp
 
 import numpy as np
 
@@ -227,19 +228,12 @@ def fault(bench: NodeBench | Replaced, mutant: Mutant, place: Path) -> str:
     with alone(passed.parent):
         if not passed.exists():
             begin = time.monotonic()
-            error, measured = bench.run(None, netlist, emptied(place), 10 * SECONDS)
+            error, measured = bench.run(None, netlist, Path(mkdtemp(dir=place)), 10 * SECONDS)
             if error and not bench.name.startswith("unit"):
                 raise SimulationError(f"{bench.name}: the netlist {netlist.name} without mutants fails: {error}")
             passed.write_text(json.dumps([error, measured, time.monotonic() - begin]))
     wrong, right, taken = json.loads(passed.read_text())
     if wrong:
         return ""
-    error, measured = bench.run(mutant, netlist, emptied(place), max(LEAST, TIMES * taken))
+    error, measured = bench.run(mutant, netlist, Path(mkdtemp(dir=place)), max(LEAST, TIMES * taken))
     return error or (f"latency or clocks: {measured} instead of {right}" if measured != right else "")
-
-
-def emptied(place: Path) -> Path:
-    """Make a new folder in `place` and return it."""
-    folder = place / f"run{len(list(place.glob('run*')))}"
-    folder.mkdir(parents=True)
-    return folder
