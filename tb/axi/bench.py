@@ -224,9 +224,8 @@ class Bench:
         dut.rst.value = 1
         self.width, self.data_width = int(dut.W.value), int(dut.DATA_W.value)
         self.addr_width = int(dut.ADDR_W.value)
-        folded = int(dut.DATAPATH.value) == 2
-        wrists = ("paper", "lean", "fold")[int(dut.DATAPATH.value)]
-        self.datapath = ("fold_arm" if folded else "arm") if ARM else wrists
+        number = int(dut.DATAPATH.value)
+        self.datapath = {1: "arm", 2: "fold_arm"}[number] if ARM else ("paper", "lean", "fold")[number]
         self.limits: list[tuple[int, int]] | None = None  # (low, high) of each joint, in words of the core
         self.registers = [name for name in OFFSETS if ARM or not name.startswith("LIMIT_")]
         self.beats = 8 * BYTES // self.data_width  # beats of a record
@@ -234,7 +233,7 @@ class Bench:
         self.latency = fixed.latency(self.datapath, self.width)
         self.lap = MODELS[self.datapath].lap(self.width)  # clocks from one target to the next
         # FIFO slots of the core, or of targets in front of a folded one
-        self.places = 2 * self.per_burst if folded else 1 << self.latency.bit_length()
+        self.places = 2 * self.per_burst if number == 2 else 1 << self.latency.bit_length()
         self.memory = Memory()
         self.monitor = Monitor(dut, self.beats)
         cocotb.start_soon(self.monitor.run())

@@ -11,9 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from model.io.words import FIELDS
-from tb.axi.ik_regs import CODES as HARDWARE
-from tb.axi.ik_regs import FIELDS as FIELDS_OF
-from tb.axi.ik_regs import OFFSETS
+from tb.axi import ik_regs
 from tb.sim.env import ROOT
 
 SOURCE = ROOT / "examples" / "driver"
@@ -21,12 +19,12 @@ SOURCE = ROOT / "examples" / "driver"
 FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-O2")
 
 LISTED = (SOURCE / "ik.h").read_text(encoding="utf-8").partition("    IK_NULL = 16,")[2]
-CODES = HARDWARE | {
+CODES = ik_regs.CODES | {
     name.lower(): 16 + k for k, name in enumerate(["null", *re.findall(r"^    IK_(\w+), ", LISTED, re.MULTILINE)])
 }
 """Code name -> number: hardware codes from the register description, driver codes from ik.h."""
 
-REGISTER = {offset: name for name, offset in OFFSETS.items()}
+REGISTER = {offset: name for name, offset in ik_regs.OFFSETS.items()}
 NAMES = {number: name for name, number in CODES.items()}
 
 REALS = {"double": np.float64, "float": np.float32}
@@ -77,7 +75,7 @@ def uio_device(folder: Path, page: int, size: int, offset: int, arm: bool = Fals
     Map 0 is a page of registers, all 0 except CONFIG.arm. Map 1 is the buffer; ``page`` is its physical address.
     """
     registers = np.zeros(2 * os.sysconf("SC_PAGESIZE") // 4, "<u4")
-    registers[OFFSETS["CONFIG"] // 4] = arm << FIELDS_OF["CONFIG"]["arm"].low
+    registers[ik_regs.OFFSETS["CONFIG"] // 4] = arm << ik_regs.FIELDS["CONFIG"]["arm"].low
     registers.tofile(folder / "uio0")
     for k, values in enumerate(((0x43C00000, 0x1000, 0), (page, size, offset))):
         (folder / f"map{k}").mkdir()

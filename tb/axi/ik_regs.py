@@ -31,18 +31,14 @@ compiler = RDLCompiler()
 compiler.compile_file(str(ROOT / "rtl" / "axi" / "ik_axi.rdl"))
 TOP = compiler.elaborate().top
 REGISTERS = list(TOP.registers())
-LISTED = [
-    (f"{of.inst_name}{k + 1 if of.is_array else ''}", of.raw_address_offset + 4 * k, of)
-    for of in REGISTERS
-    for k in range(of.array_dimensions[0] if of.is_array else 1)
-]
-"""(name, offset in bytes, RDL node) of each register. Registers of an array are numbered from 1."""
+NODES = {f"{of.inst_name}{of.current_idx[0] + 1 if of.is_array else ''}": of for of in TOP.registers(unroll=True)}
+"""Register name -> RDL node. Registers of an array are numbered from 1."""
 
-OFFSETS = {name: offset for name, offset, _ in LISTED}  # register -> its offset in bytes
+OFFSETS = {name: of.address_offset for name, of in NODES.items()}  # register -> its offset in bytes
 
 FIELDS = {
     name: {f.inst_name: Field(f.msb, f.lsb, access(f), f.get_property("reset")) for f in of.fields()}
-    for name, _, of in LISTED
+    for name, of in NODES.items()
 }
 """Register name -> field name -> `Field`."""
 

@@ -114,9 +114,8 @@ async def many_jobs(dut, stalled):
             file.write(f"{jobs} {solved}\n")
 
 
-async def limits(dut):
+async def limits(bench):
     """over_limit obeys the W high bits of the limit registers; the other bits are random."""
-    bench = await started(dut, seed=11)
     numbers, low = bench.random, 32 - bench.width
     half = 1 << bench.width - 1
     for limits in (arm_limits(bench.width), [tuple(numbers.choices(range(-half, half), k=2)) for _ in range(7)]):
@@ -128,11 +127,10 @@ async def limits(dut):
         seen = np.bitwise_or.reduce(bench.flags[:60])
         assert seen >> 8 == 255 or seen >> 8 == 127, f"flags {seen:#x}: a joint is never over its limits"
         await bench.solve(BASE, BASE + 0x8000, 60)
-    bench.check()
 
 
 if ARM and os.environ.get("IK_AXI_CORE") != "echo":  # COCOTB_TEST_FILTER runs skipped tests as well
-    limits = timed_test()(limits)
+    limits = bench_test(seed=11)(limits)
 
 
 @cocotb.parametrize(blocked=["r", "aw", "w", "b"])
@@ -222,14 +220,12 @@ SAME = "every_field|pulses|strobes|unmapped_address|rates/latency=(18|66|130)"
 """Tests that do not depend on parameters: only one instance for wrist targets and one for hand poses run them."""
 
 
-def run(modules: str, parameters: dict[str, int], jobs: int, tests: str = "", **options) -> None:
+def run(parameters: dict[str, int], jobs: int, tests: str, core: str = "core", **options) -> None:
     """Run cocotb tests on an instance, with ``jobs`` random jobs; Icarus, which is slow, runs at most 10."""
     jobs, faults = (min(jobs, 10), 3) if ICARUS else (jobs, max(8, jobs // 20))
-    env = {"IK_AXI_JOBS": str(jobs), "IK_AXI_FAULTS": str(faults), **options.pop("env", {})}
-    if tests:
-        env["COCOTB_TEST_FILTER"] = tests
-    label = f"ik_axi-{env.get('IK_AXI_CORE', 'core')}-{named(parameters)}"
-    passes(label, toplevel="ik_axi", module=modules, parameters=parameters, env=env, **options)
+    env = {"IK_AXI_JOBS": str(jobs), "IK_AXI_FAULTS": str(faults), "IK_AXI_CORE": core, "COCOTB_TEST_FILTER": tests}
+    label = f"ik_axi-{core}-{named(parameters)}"
+    passes(label, toplevel="ik_axi", module=MODULES, parameters=parameters, env=env, **options)
 
 
 @pytest.mark.sim
@@ -245,25 +241,18 @@ def test_around_the_core(tmp_path, parameters):
     left_out = MANY_RECORDS if ICARUS else SAME if parameters not in (ECHO[0], ECHO[3]) else ""
     tests = f"^(?!.*({left_out}))" if left_out else ""
     jobs = 80 if parameters == ECHO[0] else 30
-    run(MODULES, parameters, jobs, tests, env={"IK_AXI_CORE": "echo"}, **echoing(tmp_path))
+    run(parameters, jobs, tests, "echo", **echoing(tmp_path))
 
 
 @pytest.mark.sim
 @pytest.mark.cost(20)
 @pytest.mark.parametrize(
-    "parameters", [CORE[0], *(pytest.param(one, marks=pytest.mark.slow) for one in CORE[1:])], ids=named
+    "parameters", [CORE[0], *(pytest.param(one, marks=pytest.mark.slow) for one in (*CORE[1:], *FOLDED))], ids=named
 )
 def test_with_the_core(parameters):
     """Run a few tests with the real datapaths. Icarus runs fewer: it would take minutes for ARM = 1 at W = 32."""
     few = "one_record|limits" if parameters == CORE[-1] else FEW
-    run("tb.axi.test_ik_axi", parameters, 20, few if ICARUS else f"{FEW}|latency=2$")
-
-
-@pytest.mark.sim
-@pytest.mark.slow
-@pytest.mark.cost(30)
-@pytest.mark.parametrize("parameters", FOLDED, ids=named)
-def test_with_a_folded_core(parameters):
-    """Run tests, also of resets and errors, with the real folded datapaths: targets wait in front of them."""
-    tests = f"{FEW}|blocked_channel|latency=2$|soft_reset/|reset_during|bus_errors|after_a_reset"
-    run(MODULES, parameters, 8, FEW if ICARUS else tests)
+    tests = f"{FEW}|latency=2$"
+    if parameters in FOLDED:  # targets wait in front of the core
+        tests += "|blocked_channel|soft_reset/|reset_during|bus_errors|after_a_reset"
+    run(parameters, 8 if parameters in FOLDED else 20, few if ICARUS else tests)

@@ -5,7 +5,6 @@ A bug must fail the bench: by the named rule at the named port or, if no rule is
 """
 
 import re
-from pathlib import Path
 
 import pytest
 
@@ -78,15 +77,6 @@ def case(finding: str, *others: str):
     return pytest.param(finding, *others, id=finding.replace(" ", "_"), marks=marks)
 
 
-def fails_with(finding: str, folder: Path, **options) -> None:
-    """Simulate at W = 18; check that a test fails, and that a rule's message names the expected rule and port."""
-    wrong = [message for _, message in failures(folder / "log", parameters={"W": 18}, **options) if message]
-    assert wrong, "the tests pass"
-    if " " in finding:
-        port, rule = finding.split()
-        assert re.fullmatch(rf"rule {rule} \([^)]+\) is broken at \S+\.rules_{re.escape(port)}, \d+ ns", wrong[0])
-
-
 @pytest.mark.sim
 def test_every_rule_fails_its_own_trace():
     passes("rules", toplevel=TOP, module="tb.axi.rules.rules", top=top_of(PORTS))
@@ -123,8 +113,13 @@ def test_seeded_bug_is_detected(finding, bench, test, file, old, new, tmp_path):
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "20", "COCOTB_MAX_FAILURES": "1", "COCOTB_TEST_FILTER": test}
     stream = bench == STREAMS
     top, options = ("ik_axis", {"root": copy_rtl(tmp_path, bug)}) if stream else ("ik_axi", echoing(tmp_path, bug))
-    options["name"] = f"rules-{finding.replace(' ', '-')}"
-    fails_with(finding, tmp_path, toplevel=top, module=bench, env=env, **options)
+    options |= {"parameters": {"W": 18}, "name": f"rules-{finding.replace(' ', '-')}"}
+    messages = failures(tmp_path / "log", toplevel=top, module=bench, env=env, **options)
+    wrong = [message for _, message in messages if message]
+    assert wrong, "the tests pass"
+    if " " in finding:
+        port, rule = finding.split()
+        assert re.fullmatch(rf"rule {rule} \([^)]+\) is broken at \S+\.rules_{re.escape(port)}, \d+ ns", wrong[0])
 
 
 @pytest.mark.sim
