@@ -69,15 +69,15 @@ class Uio(ctypes.Structure):
     _fields_ += [("kept", POINTER * 5)]
 
 
-def uio_device(folder: Path, page: int, size: int, offset: int, arm: bool = False) -> tuple[bytes, bytes]:
+def uio_device(folder: Path, arm: int = 0) -> tuple[bytes, bytes]:
     """Write a plain file that replaces a UIO device, and its sysfs files. Return (device file, folder of its maps).
 
-    Map 0 is a page of registers, all 0 except CONFIG.arm. Map 1 is the buffer; ``page`` is its physical address.
+    Map 0 is a page of registers, all 0 except CONFIG.arm. Map 1 is the buffer: 24 targets and 24 results.
     """
     registers = np.zeros(2 * os.sysconf("SC_PAGESIZE") // 4, "<u4")
     registers[ik_regs.OFFSETS["CONFIG"] // 4] = arm << ik_regs.FIELDS["CONFIG"]["arm"].low
     registers.tofile(folder / "uio0")
-    for k, values in enumerate(((0x43C00000, 0x1000, 0), (page, size, offset))):
+    for k, values in enumerate(((0x43C00000, 0x1000, 0), (0x10000000, 0x640, 0x40))):
         (folder / f"map{k}").mkdir()
         for name, value in zip(("addr", "size", "offset"), values, strict=True):
             (folder / f"map{k}" / name).write_text(f"{value:#x}\n")

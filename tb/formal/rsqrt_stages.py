@@ -106,8 +106,7 @@ class Stages:
         lines = [f"read_verilog -formal -sv -I{here}/rtl/include {read}"]
         lines += [f"chparam -set F {frac} -set TILE {tile} ik_rsqrt", "hierarchy -check -top ik_rsqrt; proc; flatten"]
         lines += ["opt_clean; memory_collect; opt_clean; async2sync; dffunmap"]
-        wrong = yosys(place, "formula", [*lines, f"write_smt2 -wires {here}/formula.smt2"])
-        if wrong:
+        if wrong := yosys(place, "formula", [*lines, f"write_smt2 -wires {here}/formula.smt2"]):
             raise RuntimeError(wrong)
         text = (place / "formula.smt2").read_text()
         self.rom = {int(address, 2): int(held, 2) for address, held in HELD.findall(text)}

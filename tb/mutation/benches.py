@@ -40,9 +40,9 @@ CORE = re.compile(r"^  (\S+  )\\(g_axis|g_arm)\.(\w+)(  \(\n.*?^  \);\n)", re.M 
 
 def _ends(th: np.ndarray, width: int, long: bool) -> tuple[int, int]:
     """Return (low, high), both from the angles ``th``; with ``long``, high - low is the largest below 15/16 turn."""
-    if not long:
-        return int(th[len(th) // 3]), int(th[2 * len(th) // 3])
     low = int(th[len(th) // 3])
+    if not long:
+        return low, int(th[2 * len(th) // 3])
     arcs = th - low & (1 << width) - 1
     return low, int(th[np.argmax(np.where(arcs < 15 << width - 4, arcs, -1))])
 
