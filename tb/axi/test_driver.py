@@ -385,8 +385,8 @@ ARM = {"W": 18, "DATA_W": 128, "ARM": 1}
 INSTANCES = [SMALL] if ICARUS else [SMALL, {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4}, ARM]
 
 
-def run(library, tests: str, parameters: dict[str, int], env: dict[str, str], **options) -> None:
-    env = {"IK_DRIVER": str(library), "COCOTB_TEST_FILTER": tests, **env}
+def run(library, tests: str, parameters: dict[str, int], core: str, **options) -> None:
+    env = {"IK_DRIVER": str(library), "COCOTB_TEST_FILTER": tests, "IK_AXI_CORE": core}
     options |= {"toplevel": "ik_axi", "module": "tb.axi.driver", "parameters": parameters, "env": env}
     passes(f"driver-{named(parameters)}", **options)
 
@@ -395,7 +395,7 @@ def run(library, tests: str, parameters: dict[str, int], env: dict[str, str], **
 @pytest.mark.cost(20)
 @pytest.mark.parametrize("parameters", INSTANCES, ids=named)
 def test_around_the_core(library, tmp_path, parameters):
-    run(library, FEW if ICARUS else "", parameters, {"IK_AXI_CORE": "echo"}, **echoing(tmp_path))
+    run(library, FEW if ICARUS else "", parameters, "echo", **echoing(tmp_path))
 
 
 @pytest.mark.sim
@@ -403,4 +403,4 @@ def test_around_the_core(library, tmp_path, parameters):
 @pytest.mark.skipif(ICARUS, reason="Verilator runs the same tests in a tenth of the time")
 @pytest.mark.parametrize("parameters", [{}, pytest.param(ARM, marks=pytest.mark.slow)], ids=named)
 def test_with_the_core(library, parameters):
-    run(library, "solves/interrupt=True/stalled=False", parameters, {})
+    run(library, "solves/interrupt=True/stalled=False", parameters, "core")

@@ -16,7 +16,7 @@ from cocotb.triggers import ClockCycles
 from model.io.stimuli import arm_limits
 from model.io.trajectories import make
 from model.io.words import to_words
-from tb.axi.bench import ARM, BURSTS, BYTES, CHANNELS, LAYOUT, Bench, bench_test, started
+from tb.axi.bench import ARM, BURSTS, BYTES, CHANNELS, LAYOUT, Bench, bench_test
 from tb.axi.instances import CORE, ECHO, FOLDED, echoing, named
 from tb.sim.env import simulator
 from tb.sim.shared import passes
@@ -28,9 +28,6 @@ JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))
 BASE = 0x40000 - 512  # base address of the areas; the smallest tested instance has an address space of 1 MiB
 
 QUICKEST = 2  # clocks from AR accepted to the first R beat for a memory without added latency
-
-LATENCIES = tuple(QUICKEST + more for more in (0, 16, 32, 64, 128))
-"""Memory latencies in clocks, from AR accepted to the first R beat. B has the same additional delay as R."""
 
 BATCH, LONG = 100, 600
 """Numbers of targets of the timed jobs. The trajectory `reach` has 100 targets; the long job repeats it."""
@@ -88,7 +85,8 @@ async def many_jobs(dut, stalled):
 
     Append the numbers of jobs and records to the file named by IK_AXI_DONE.
     """
-    bench = await started(dut, seed=2, latency=len(stalled) % 3 * 7)
+    bench = Bench(dut, seed=2, latency=len(stalled) % 3 * 7)
+    await bench.reset()
     jobs, solved = JOBS // 2, 0
     if stalled == "all":
         bench.stall(*CHANNELS)
@@ -138,12 +136,11 @@ if ARM and os.environ.get("IK_AXI_CORE") != "echo":  # COCOTB_TEST_FILTER runs s
 async def blocked_channel(bench, blocked):
     """Block one channel: requests never exceed the FIFO slots or the burst limit. Release it: all results are right."""
     count = bench.places + 12 * bench.per_burst
-    source, destination = 0x40000, 0x80000
-    bench.place(source, 0, count)
+    destination = 0x80000
     for name in ("ar", "aw", "b"):
         bench.channel(name).queue_occupancy_limit = 64  # accept every request
     bench.channel(blocked).pause = True
-    await bench.start(source, destination, count)
+    await bench.start(0x40000, destination, count, first=0)
     clocks = 30 * bench.places + 4 * count * bench.beats // bench.per_burst + (bench.lap - 1) * count
     await ClockCycles(bench.dut.clk, clocks)
     assert bench.dut.u_job.busy.value == 1
@@ -183,13 +180,14 @@ async def counters(bench):
     assert 60 < waited < clocks
 
 
-@cocotb.parametrize(latency=LATENCIES)
+@cocotb.parametrize(latency=[QUICKEST + more for more in (0, 16, 32, 64, 128)])
 @timed_test()
 async def rates(dut, latency):
     """Check that without added latency, the read bus or a folded core is busy 95 % of the time. Append a row to the
-    file named by IK_AXI_RATES."""
+    file named by IK_AXI_RATES. ``latency``: clocks from AR accepted to the first R beat; B is as late as R."""
     words = None if ARM else to_words(make("reach"), 32)[0]
-    bench = await started(dut, latency=latency - QUICKEST, words=words)
+    bench = Bench(dut, latency=latency - QUICKEST, words=words)
+    await bench.reset()
     assert ARM or bench.pool == BATCH
     clocks = {}
     for count in (1, BATCH):
