@@ -18,10 +18,8 @@ SOURCE = ROOT / "examples" / "driver"
 
 FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-O2")
 
-LISTED = (SOURCE / "ik.h").read_text(encoding="utf-8").partition("    IK_NULL = 16,")[2]
-CODES = ik_regs.CODES | {
-    name.lower(): 16 + k for k, name in enumerate(["null", *re.findall(r"^    IK_(\w+), ", LISTED, re.MULTILINE)])
-}
+LISTED = re.findall(r"^    IK_(\w+)(?: = 16)?, ", (SOURCE / "ik.h").read_text(encoding="utf-8"), re.M)
+CODES = ik_regs.CODES | {name.lower(): number for number, name in enumerate(LISTED, 16)}
 """Code name -> number: hardware codes from the register description, driver codes from ik.h."""
 
 REGISTER = {offset: name for name, offset in ik_regs.OFFSETS.items()}

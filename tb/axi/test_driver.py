@@ -388,7 +388,7 @@ INSTANCES = [SMALL] if ICARUS else [SMALL, {"W": 18, "DATA_W": 128, "ADDR_W": 64
 def run(library, tests: str, parameters: dict[str, int], core: str, **options) -> None:
     env = {"IK_DRIVER": str(library), "COCOTB_TEST_FILTER": tests, "IK_AXI_CORE": core}
     options |= {"toplevel": "ik_axi", "module": "tb.axi.driver", "parameters": parameters, "env": env}
-    passes(f"driver-{named(parameters)}", **options)
+    passes(f"driver-{core}-{named(parameters)}", **options)
 
 
 @pytest.mark.sim

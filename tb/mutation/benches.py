@@ -124,14 +124,13 @@ class NodeBench:
         at = sum(sizes)
         by_time: dict[int, list[str]] = {}
         for node in nodes:
-            instance = path.instance(node)
-            if instance == "g_choose":  # a block, whose name is part of its signals' names
-                instance, name = "", f"\\g_choose.{node.name} "
+            scope = path.instance(node)
+            if scope == "g_choose" or (path.times and node.instance):  # a block: its name is part of its signals' names
+                within = f"\\{scope}.{node.name} "
+            elif scope.startswith("g_choose"):  # an instance in a block
+                within = f"\\{scope} .{node.name}"
             else:
-                instance, name = f"\\{instance} " if instance.startswith("g_choose") else instance, node.name
-            within = ".".join(part for part in (instance, name) if part)
-            if path.times and node.instance:  # a named block of the folded core, not an instance
-                within = f"\\{within} "
+                within = f"{scope}.{node.name}".lstrip(".")
             compare = f"{core}.{within} !== want[{at}+:{node.format.width}]"
             line = f'if ({compare}) differs("{node.section}.{node.name}");'
             by_time.setdefault(node.time, []).append(line)
