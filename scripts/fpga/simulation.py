@@ -87,19 +87,18 @@ class Ports:
 
         A register is written in the clock in which its address and data are complete in the shift register. The memory
         answers only in clocks in which the response in the shift register is not an error."""
-        from tb.axi.ik_regs import LISTED  # needs systemrdl, which `make run` does not install
+        from tb.axi.ik_regs import OFFSETS  # needs systemrdl, which `make run` does not install
 
         data = int(re.search(r"DATA_W\s*=\s*(\d+)", self.parameters)[1])
         sizes = {label: int(high) + 1 if high.strip().isdigit() else data for label, high in self.wide["input"]}
         lowest = dict(zip(reversed(sizes), accumulate(reversed(sizes.values()), initial=0), strict=False))
-        offsets = {name: offset for name, offset, _ in LISTED}
         job = {"COUNT": JOB_RECORDS, "DESTINATION_LO": 1 << 20, "IRQ_ENABLE": 1, "CONTROL": 1}
         starts = np.arange(150, len(shifted) - 600, JOB_CLOCKS)
         written = np.zeros(len(shifted), bool)
         for k, (name, value) in enumerate(job.items()):
             clock = starts + 150 * k
             written[clock] = True
-            for label, content in ("s_axi_awaddr", offsets[name]), ("s_axi_wdata", value), ("s_axi_wstrb", 15):
+            for label, content in ("s_axi_awaddr", OFFSETS[name]), ("s_axi_wdata", value), ("s_axi_wstrb", 15):
                 for bit in range(sizes[label]):
                     shifted[clock - lowest[label] - bit] = content >> bit & 1
         pins["s_axi_awvalid"] = pins["s_axi_wvalid"] = written

@@ -49,7 +49,9 @@ def lean():
 
 @pytest.fixture
 def place(tmp_path):
-    return BUILD / "work" / tmp_path.name
+    folder = BUILD / "work" / tmp_path.name
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
 
 
 def mutant_of(lean, source: str, cell: str, mode: str, port: str):

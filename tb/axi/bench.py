@@ -224,9 +224,8 @@ class Bench:
         dut.rst.value = 1
         self.width, self.data_width = int(dut.W.value), int(dut.DATA_W.value)
         self.addr_width = int(dut.ADDR_W.value)
-        folded = int(dut.DATAPATH.value) == 2
-        wrists = ("paper", "lean", "fold")[int(dut.DATAPATH.value)]
-        self.datapath = ("fold_arm" if folded else "arm") if ARM else wrists
+        number = int(dut.DATAPATH.value)
+        self.datapath = {1: "arm", 2: "fold_arm"}[number] if ARM else ("paper", "lean", "fold")[number]
         self.limits: list[tuple[int, int]] | None = None  # (low, high) of each joint, in words of the core
         self.registers = [name for name in OFFSETS if ARM or not name.startswith("LIMIT_")]
         self.beats = 8 * BYTES // self.data_width  # beats of a record
@@ -234,7 +233,7 @@ class Bench:
         self.latency = fixed.latency(self.datapath, self.width)
         self.lap = MODELS[self.datapath].lap(self.width)  # clocks from one target to the next
         # FIFO slots of the core, or of targets in front of a folded one
-        self.places = 2 * self.per_burst if folded else 1 << self.latency.bit_length()
+        self.places = 2 * self.per_burst if number == 2 else 1 << self.latency.bit_length()
         self.memory = Memory()
         self.monitor = Monitor(dut, self.beats)
         cocotb.start_soon(self.monitor.run())
@@ -294,8 +293,11 @@ class Bench:
     async def wide(self, name: str) -> int:
         return await self.read(f"{name}_LO") | await self.read(f"{name}_HI") << 32
 
-    async def start(self, source: int, destination: int, count: int, accepted: bool = True) -> None:
-        """Write a job's parameters in random order and start it. With ``accepted``, permit access to its areas only."""
+    async def start(self, source: int, destination: int, count: int, first: int | None = None) -> None:
+        """Write a job's parameters in random order and start it.
+
+        If ``first`` is given, write targets from this index of the pool, and permit access to the job's areas only.
+        """
         values = {"COUNT": count}
         for name, value in (("SOURCE", source), ("DESTINATION", destination)):
             values |= {f"{name}_LO": value & 0xFFFFFFFF, f"{name}_HI": value >> 32}
@@ -303,7 +305,8 @@ class Bench:
         self.random.shuffle(names)
         for name in names:
             await self.write(name, values[name])
-        if accepted:
+        if first is not None:
+            self.place(source, first, count)
             self.memory.readable = (source, source + count * BYTES)
             self.memory.writable = (destination, destination + count * BYTES)
         self.monitor.failed.clear()
@@ -319,8 +322,7 @@ class Bench:
 
     async def solve(self, source: int, destination: int, count: int, first: int = 0) -> None:
         """Run a job on ``count`` targets from index ``first`` of the pool. Check its success and its results."""
-        self.place(source, first, count)
-        await self.start(source, destination, count)
+        await self.start(source, destination, count, first)
         status = await self.ended()
         wanted = {"busy": 0, "done": 1, "error": 0, "code": 0}
         assert status == wanted, f"{count} records: {status} {self.monitor.errors[:1]}"
@@ -362,12 +364,6 @@ class Bench:
             yield from [stop] * (numbers.choice((1, 1, 1, 2, 5, 20)) if stop else numbers.randint(1, 8))
 
 
-async def started(dut, seed: int = 1, **options) -> Bench:
-    bench = Bench(dut, seed, **options)
-    await bench.reset()
-    return bench
-
-
 def bench_test(**options) -> Callable:
     """Return a decorator for cocotb tests: start a bench with ``options``, run the test, check the bench."""
 
@@ -375,7 +371,8 @@ def bench_test(**options) -> Callable:
         @timed_test()
         @functools.wraps(function)
         async def run(dut, **parameters):
-            bench = await started(dut, **options)
+            bench = Bench(dut, **options)
+            await bench.reset()
             await function(bench, **parameters)
             bench.check()
 

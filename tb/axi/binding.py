@@ -11,22 +11,18 @@ from pathlib import Path
 import numpy as np
 
 from model.io.words import FIELDS
-from tb.axi.ik_regs import CODES as HARDWARE
-from tb.axi.ik_regs import FIELDS as FIELDS_OF
-from tb.axi.ik_regs import OFFSETS
+from tb.axi import ik_regs
 from tb.sim.env import ROOT
 
 SOURCE = ROOT / "examples" / "driver"
 
 FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-O2")
 
-LISTED = (SOURCE / "ik.h").read_text(encoding="utf-8").partition("    IK_NULL = 16,")[2]
-CODES = HARDWARE | {
-    name.lower(): 16 + k for k, name in enumerate(["null", *re.findall(r"^    IK_(\w+), ", LISTED, re.MULTILINE)])
-}
+LISTED = re.findall(r"^    IK_(\w+)(?: = 16)?, ", (SOURCE / "ik.h").read_text(encoding="utf-8"), re.M)
+CODES = ik_regs.CODES | {name.lower(): number for number, name in enumerate(LISTED, 16)}
 """Code name -> number: hardware codes from the register description, driver codes from ik.h."""
 
-REGISTER = {offset: name for name, offset in OFFSETS.items()}
+REGISTER = {offset: name for name, offset in ik_regs.OFFSETS.items()}
 NAMES = {number: name for name, number in CODES.items()}
 
 REALS = {"double": np.float64, "float": np.float32}
@@ -71,15 +67,15 @@ class Uio(ctypes.Structure):
     _fields_ += [("kept", POINTER * 5)]
 
 
-def uio_device(folder: Path, page: int, size: int, offset: int, arm: bool = False) -> tuple[bytes, bytes]:
+def uio_device(folder: Path, arm: int = 0) -> tuple[bytes, bytes]:
     """Write a plain file that replaces a UIO device, and its sysfs files. Return (device file, folder of its maps).
 
-    Map 0 is a page of registers, all 0 except CONFIG.arm. Map 1 is the buffer; ``page`` is its physical address.
+    Map 0 is a page of registers, all 0 except CONFIG.arm. Map 1 is the buffer: 24 targets and 24 results.
     """
     registers = np.zeros(2 * os.sysconf("SC_PAGESIZE") // 4, "<u4")
-    registers[OFFSETS["CONFIG"] // 4] = arm << FIELDS_OF["CONFIG"]["arm"].low
+    registers[ik_regs.OFFSETS["CONFIG"] // 4] = arm << ik_regs.FIELDS["CONFIG"]["arm"].low
     registers.tofile(folder / "uio0")
-    for k, values in enumerate(((0x43C00000, 0x1000, 0), (page, size, offset))):
+    for k, values in enumerate(((0x43C00000, 0x1000, 0), (0x10000000, 0x640, 0x40))):
         (folder / f"map{k}").mkdir()
         for name, value in zip(("addr", "size", "offset"), values, strict=True):
             (folder / f"map{k}" / name).write_text(f"{value:#x}\n")

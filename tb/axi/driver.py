@@ -194,9 +194,8 @@ MODES = cocotb.parametrize(interrupt=[False, True])
 @bench_test()
 async def ik_init(bench):
     """ik_init reports the core's parameters and aborts a job that was already running."""
-    bench.place(0x10000, 0, 60)
     await bench.write("IRQ_ENABLE", 7)
-    await bench.start(0x10000, 0x20000, 60)
+    await bench.start(0x10000, 0x20000, 60, first=0)
     platform = await ready(bench, interrupt=False)
     core = platform.driver.core
     assert (core.width, core.data_width, core.addr_width) == (bench.width, bench.data_width, bench.addr_width)
@@ -242,12 +241,11 @@ async def busy(bench):
     """A call during another host's job, even if the job has just started, returns busy and does not disturb the job."""
     platform = await ready(bench, interrupt=True)
     bench.stall("r", "w")
-    other = (0x10000, 0x10000 + 8 * BYTES)
-    bench.place(other[0], 0, 8)
-    await bench.start(*other, 8)
+    other = 0x10000 + 8 * BYTES  # destination of the other host's job
+    await bench.start(0x10000, other, 8, first=0)
     await platform.call(platform.targets(5), "busy")
     assert not platform.jobs and (await bench.ended())["done"] == 1
-    bench.compare(other[1], 0, 8)
+    bench.compare(other, 0, 8)
     await platform.good_call()
     platform.race = True
     await platform.call(platform.targets(5), "busy")

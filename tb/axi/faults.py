@@ -50,7 +50,7 @@ async def refused_areas(bench):
         cases.append(((1 << bit) + 0x1000, 0x2000, 1, "source_beyond", None))
         cases.append((0x1000, (1 << bit) + 0x2000, 1, "destination_beyond", None))
     for source, destination, count, code, address in cases:
-        await bench.start(source, destination, count, accepted=False)
+        await bench.start(source, destination, count)
         status = await bench.ended(20)
         assert status == failure(code), f"{source:#x} {destination:#x}: {status}"
         if address:
@@ -96,9 +96,8 @@ async def bus_errors(bench):
             address = max(area, address - address % (bench.per_burst * BYTES))
         good = (address - area) // BYTES
         rest = bench.memory.read(DESTINATION + good * BYTES, (count - good + 8) * BYTES)
-        bench.place(SOURCE, k, count)
         bench.memory.faults = faults
-        await bench.start(SOURCE, DESTINATION, count)
+        await bench.start(SOURCE, DESTINATION, count, first=k)
         status, expected = await bench.ended(), failure(f"{side}_{answer}")
         assert status == expected, f"{status}, expected {expected}; {bench.memory.errors[:1]}"
         assert await bench.wide("ERROR") == address, f"{await bench.wide('ERROR'):#x}, expected {address:#x}"
@@ -118,11 +117,9 @@ async def errors_on_both(bench):
     numbers = bench.random
     for k in range(ROUNDS):
         count = numbers.randint(20, 90)
-        bench.place(SOURCE, k, count)
         read, write = numbers.randrange(count), numbers.randrange(count)
-        faults = {SOURCE + read * BYTES: AxiResp.SLVERR, DESTINATION + write * BYTES: AxiResp.DECERR}
-        bench.memory.faults = faults
-        await bench.start(SOURCE, DESTINATION, count)
+        bench.memory.faults = {SOURCE + read * BYTES: AxiResp.SLVERR, DESTINATION + write * BYTES: AxiResp.DECERR}
+        await bench.start(SOURCE, DESTINATION, count, first=k)
         status = await bench.ended()
         codes = [CODES["read_slverr"], *([CODES["write_decerr"]] if write < read else [])]
         assert status["error"] and status["code"] in codes, f"{status}, read {read}, write {write}"
@@ -136,9 +133,8 @@ async def errors_on_both(bench):
 async def start_while_busy(bench):
     """A start during a job is refused and sets its own interrupt bit; new parameters apply to the next job only."""
     bench.stall("r", "w")
-    bench.place(SOURCE, 0, 60)
-    await bench.start(SOURCE, DESTINATION, 60)
-    await bench.start(0x10000, 0x20000, 7, accepted=False)
+    await bench.start(SOURCE, DESTINATION, 60, first=0)
+    await bench.start(0x10000, 0x20000, 7)
     assert bench.dut.u_job.busy.value == 1 and await bench.read("IRQ_STATUS") == REFUSED
     assert bench.dut.irq.value == 0
     await bench.write("IRQ_ENABLE", REFUSED)
@@ -168,9 +164,8 @@ async def soft_reset(bench, paused):
     ended = 0
     for k in range(2 * ROUNDS):
         count = numbers.randint(30, 60)
-        bench.place(SOURCE, k, count)
         await bench.write("IRQ_ENABLE", 7)
-        await bench.start(SOURCE, DESTINATION, count)
+        await bench.start(SOURCE, DESTINATION, count, first=k)
         await ClockCycles(bench.dut.clk, numbers.randrange(400) if k % 4 else numbers.randrange(8))
         ended += bench.dut.u_job.busy.value == 0
         await bench.write("CONTROL", 3)
@@ -196,9 +191,8 @@ async def soft_reset_after_an_error(bench):
     """A soft reset also clears the error of the running job."""
     seen = 0
     for k in range(6):
-        bench.place(SOURCE, k, 60)
         bench.memory.faults = {SOURCE: AxiResp.SLVERR}
-        await bench.start(SOURCE, DESTINATION, 60)
+        await bench.start(SOURCE, DESTINATION, 60, first=k)
         while bench.dut.u_job.code.value == 0:
             await FallingEdge(bench.dut.clk)
         await bench.write("CONTROL", 3)
@@ -215,8 +209,7 @@ async def soft_reset_after_an_error(bench):
 async def reset_during_a_job(bench):
     """The next job succeeds after a reset of the core and the memory's ports."""
     for k in range(4):
-        bench.place(SOURCE, k, 50)
-        await bench.start(SOURCE, DESTINATION, 50)
+        await bench.start(SOURCE, DESTINATION, 50, first=k)
         await ClockCycles(bench.dut.clk, 20 + 60 * k)
         await bench.reset()
         assert await bench.read("STATUS") == 0 and await bench.read("COUNT") == 0

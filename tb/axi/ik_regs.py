@@ -1,21 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Registers of ``ik_axi``, read from rtl/axi/ik_axi.rdl."""
 
-from typing import NamedTuple
-
 from systemrdl import RDLCompiler
 from systemrdl.node import FieldNode
 
 from tb.sim.env import ROOT
-
-
-class Field(NamedTuple):
-    """Register field in bits ``low`` to ``high``. :func:`access` lists the values of ``access``."""
-
-    high: int
-    low: int
-    access: str
-    reset: int | None  # None: depends on the parameters of the instance
 
 
 def access(field: FieldNode) -> str:
@@ -31,20 +20,13 @@ compiler = RDLCompiler()
 compiler.compile_file(str(ROOT / "rtl" / "axi" / "ik_axi.rdl"))
 TOP = compiler.elaborate().top
 REGISTERS = list(TOP.registers())
-LISTED = [
-    (f"{of.inst_name}{k + 1 if of.is_array else ''}", of.raw_address_offset + 4 * k, of)
-    for of in REGISTERS
-    for k in range(of.array_dimensions[0] if of.is_array else 1)
-]
-"""(name, offset in bytes, RDL node) of each register. Registers of an array are numbered from 1."""
+NODES = {f"{of.inst_name}{of.current_idx[0] + 1 if of.is_array else ''}": of for of in TOP.registers(unroll=True)}
+"""Register name -> RDL node. Registers of an array are numbered from 1."""
 
-OFFSETS = {name: offset for name, offset, _ in LISTED}  # register -> its offset in bytes
+OFFSETS = {name: of.address_offset for name, of in NODES.items()}  # register -> its offset in bytes
 
-FIELDS = {
-    name: {f.inst_name: Field(f.msb, f.lsb, access(f), f.get_property("reset")) for f in of.fields()}
-    for name, _, of in LISTED
-}
-"""Register name -> field name -> `Field`."""
+FIELDS = {name: {field.inst_name: field for field in of.fields()} for name, of in NODES.items()}
+"""Register name -> field name -> RDL node. Without the property `reset`, the value depends on the parameters."""
 
 ENCODED = [code for of in REGISTERS for field in of.fields() for code in field.get_property("encode") or ()]
 CODES = {code.name: code.value for code in ENCODED}  # values of STATUS.code

@@ -6,14 +6,13 @@ logic around the datapath is unchanged.
 """
 
 import shutil
-import tempfile
 from pathlib import Path
 
 from tb.sim.env import ROOT, simulator
 from tb.sim.runner import command
 from tb.sim.seeded_bugs import Bug, copy_rtl
 from tb.sim.simulate import SimulationError, reason
-from tb.sim.subprocesses import started
+from tb.sim.subprocesses import compiled
 
 ROWS = {"DIGIT": 1} if simulator() == "icarus" else {}  # Verilator needs minutes to compile DIGIT = 1
 CORE = ({}, {"W": 18, "DATA_W": 128}, {"W": 18, "DATAPATH": 0, **ROWS}, {"W": 18, "DATA_W": 128, "ARM": 1}, {"ARM": 1})
@@ -51,10 +50,6 @@ def run_in_process(modules: str, sim: str, env: dict[str, str], root: Path = ROO
 
     Raise SimulationError if a test fails.
     """
-    with tempfile.TemporaryDirectory(prefix="ik_") as folder, open(Path(folder) / "log", "w+") as log:
-        words = command("ik_axi", modules, sim=sim, env=env, root=root, **options)
-        with started(words, folder, stdout=log, stderr=log) as process:
-            failed = process.wait()
-        log.seek(0)
-        if failed:
-            raise SimulationError(reason(log.read(), sim))
+    done = compiled(command("ik_axi", modules, sim=sim, env=env, root=root, **options))
+    if done.returncode:
+        raise SimulationError(reason(done.stdout + done.stderr, sim))

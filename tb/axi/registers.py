@@ -5,19 +5,20 @@ import cocotb
 from cocotb.triggers import ClockCycles
 from cocotbext.axi import AxiResp
 from cocotbext.axi.axil_channels import AxiLiteAWTransaction, AxiLiteWTransaction
+from systemrdl.node import FieldNode
 
 from tb.axi.bench import ARM, Bench, bench_test
-from tb.axi.ik_regs import FIELDS, OFFSETS, Field
+from tb.axi.ik_regs import FIELDS, OFFSETS, access
 
 ALL = 0xFFFFFFFF
 
 
-def mask(field: Field) -> int:
+def mask(field: FieldNode) -> int:
     return (2 << field.high) - (1 << field.low)
 
 
-def masks(register: str, access: str) -> int:
-    return sum(mask(field) for field in FIELDS[register].values() if field.access == access)
+def masks(register: str, kind: str) -> int:
+    return sum(mask(field) for field in FIELDS[register].values() if access(field) == kind)
 
 
 def after_reset(bench: Bench) -> dict[str, int]:
@@ -26,7 +27,7 @@ def after_reset(bench: Bench) -> dict[str, int]:
     parameters |= {"lean": int(bench.datapath != "paper"), "fold": int(bench.datapath.startswith("fold"))}
     parameters |= {"digit": int(bench.dut.DIGIT.value), "arm": int(ARM)}
     return {
-        register: sum((parameters[name] if f.reset is None else f.reset) << f.low for name, f in fields.items())
+        register: sum(f.get_property("reset", default=parameters.get(name)) << f.low for name, f in fields.items())
         for register, fields in FIELDS.items()
         if register in bench.registers
     }

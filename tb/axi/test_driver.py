@@ -210,17 +210,20 @@ def test_each_solve_function_refuses_the_core_of_the_other(library):
     core, wrists, ends = RegisterModel(arm=1), RegisterModel(), [(ctypes.c_double * 7)(*[k] * 7) for k in (0, 1)]
     driver, other = (Driver(library, one, COUNT // 2, arm=one is core) for one in (core, wrists))
     poses = driver.targets(dict.fromkeys((*FIELDS, "tool"), 0.25) | {"hand": [1.0, 0, 0, 0]}, TAGS)
-    assert driver.call("ik_limits", *ends) == CODES["no_core"]
+    limits = "ik_limits", "ik_limits_words"
+    assert {driver.call(name, *ends) for name in limits} == {CODES["no_core"]}
     assert driver.start_up() == other.start_up() == "none"
-    check_null_pointers(driver, "ik_limits")
+    for name in limits:
+        check_null_pointers(driver, name)
     driver.arm, other.arm = False, True
     assert driver.solve(poses)[0] == other.solve(poses)[0] == "other_core"
-    assert other.call("ik_limits", *ends) == CODES["other_core"] and not core.jobs + wrists.jobs
+    assert {other.call(name, *ends) for name in limits} == {CODES["other_core"]} and not core.jobs + wrists.jobs
 
 
 @pytest.mark.parametrize("width", [18, 32])
 def test_joint_limits(library, width):
-    """ik_limits rounds inward to core words, like `model.io.words.limit_words`. Bad limits change no register."""
+    """ik_limits rounds inward to core words, like `model.io.words.limit_words`, and calls ik_limits_words. Bad limits
+    change no register."""
     core, random = RegisterModel(width, arm=1), np.random.default_rng(3)
     driver = Driver(library, core, COUNT, arm=True)
     assert driver.start_up() == "none"
@@ -280,16 +283,6 @@ def test_words_in_place(library, arm):
         assert getattr(driver.linked, name)(None, ctypes.c_size_t(1)) == CODES["null"]
 
 
-def test_limits_in_words(library):
-    core, words = RegisterModel(arm=1), np.arange(14, dtype="<u4") * 0x11111111
-    driver = Driver(library, core, COUNT, arm=True)
-    pointers = words[:7].ctypes, words[7:].ctypes
-    assert driver.call("ik_limits_words", *pointers) == CODES["no_core"] and driver.start_up() == "none"
-    assert driver.call("ik_limits_words", None, pointers[1]) == CODES["null"]
-    assert driver.call("ik_limits_words", *pointers) == 0
-    assert [core.registers[f"LIMIT_{end}{k}"] for end in ("LOW", "HIGH") for k in range(1, 8)] == words.tolist()
-
-
 def test_missing_result(library):
     """A job that reports done but has not written the result buffer returns the code ``lost``."""
     core = RegisterModel()
@@ -309,12 +302,9 @@ def test_texts(library):
     assert all(text.endswith(b".") for text in texts[:-4])
 
 
-BUFFER = (0x10000000, 0x640, 0x40)  # page, size, offset: 24 targets, 24 results
-
-
 @pytest.mark.parametrize("arm", [0, 1])
 def test_uio_maps_registers_and_buffer(library, tmp_path, arm):
-    linked, uio, paths = ctypes.CDLL(str(library)), Uio(), uio_device(tmp_path, *BUFFER, bool(arm))
+    linked, uio, paths = ctypes.CDLL(str(library)), Uio(), uio_device(tmp_path, arm)
     assert linked.ik_uio_open(ctypes.byref(uio), *paths, 20) == 0
     user, bus, page = ctypes.addressof(uio), uio.bus, os.sysconf("SC_PAGESIZE")
     bus.write(user, OFFSETS["COUNT"], 77)
@@ -335,7 +325,7 @@ BAD += [("map1/offset", "0x42"), ("uio0", "fifo"), ("map1/size", None)]
 @pytest.mark.parametrize(("name", "text"), BAD)
 def test_uio_reports_what_is_missing(library, tmp_path, name, text):
     """A missing file, an unmappable file and a bad description each return an error; nothing stays open or mapped."""
-    uio, paths = Uio(), uio_device(tmp_path, *BUFFER)
+    uio, paths = Uio(), uio_device(tmp_path)
     (tmp_path / name).unlink()
     if text == "fifo":
         os.mkfifo(tmp_path / name)
@@ -358,7 +348,7 @@ def test_uio_wait_ends(library, tmp_path, error):
     if error is not None:
         core.run = lambda count: None  # no job ends
     driver = Driver(library, core, COUNT, polls=9)
-    paths, patience = uio_device(tmp_path, *BUFFER), 9000 if error == errno.EINTR else 20
+    paths, patience = uio_device(tmp_path), 9000 if error == errno.EINTR else 20
     assert driver.linked.ik_uio_open(ctypes.byref(uio), *paths, patience) == 0
     driver.core, driver.bus.user, driver.bus.wait = uio.core, uio.bus.user, uio.bus.wait
     assert driver.start_up() == "none"
@@ -395,17 +385,17 @@ ARM = {"W": 18, "DATA_W": 128, "ARM": 1}
 INSTANCES = [SMALL] if ICARUS else [SMALL, {"W": 18, "DATA_W": 128, "ADDR_W": 64, "LOG2_BURST": 4}, ARM]
 
 
-def run(library, tests: str, parameters: dict[str, int], env: dict[str, str], **options) -> None:
-    env = {"IK_DRIVER": str(library), "COCOTB_TEST_FILTER": tests, **env}
+def run(library, tests: str, parameters: dict[str, int], core: str, **options) -> None:
+    env = {"IK_DRIVER": str(library), "COCOTB_TEST_FILTER": tests, "IK_AXI_CORE": core}
     options |= {"toplevel": "ik_axi", "module": "tb.axi.driver", "parameters": parameters, "env": env}
-    passes(f"driver-{named(parameters)}", **options)
+    passes(f"driver-{core}-{named(parameters)}", **options)
 
 
 @pytest.mark.sim
 @pytest.mark.cost(20)
 @pytest.mark.parametrize("parameters", INSTANCES, ids=named)
 def test_around_the_core(library, tmp_path, parameters):
-    run(library, FEW if ICARUS else "", parameters, {"IK_AXI_CORE": "echo"}, **echoing(tmp_path))
+    run(library, FEW if ICARUS else "", parameters, "echo", **echoing(tmp_path))
 
 
 @pytest.mark.sim
@@ -413,4 +403,4 @@ def test_around_the_core(library, tmp_path, parameters):
 @pytest.mark.skipif(ICARUS, reason="Verilator runs the same tests in a tenth of the time")
 @pytest.mark.parametrize("parameters", [{}, pytest.param(ARM, marks=pytest.mark.slow)], ids=named)
 def test_with_the_core(library, parameters):
-    run(library, "solves/interrupt=True/stalled=False", parameters, {})
+    run(library, "solves/interrupt=True/stalled=False", parameters, "core")

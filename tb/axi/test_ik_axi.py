@@ -16,7 +16,7 @@ from cocotb.triggers import ClockCycles
 from model.io.stimuli import arm_limits
 from model.io.trajectories import make
 from model.io.words import to_words
-from tb.axi.bench import ARM, BURSTS, BYTES, CHANNELS, LAYOUT, Bench, bench_test, started
+from tb.axi.bench import ARM, BURSTS, BYTES, CHANNELS, LAYOUT, Bench, bench_test
 from tb.axi.instances import CORE, ECHO, FOLDED, echoing, named
 from tb.sim.env import simulator
 from tb.sim.shared import passes
@@ -28,9 +28,6 @@ JOBS = int(os.environ.get("IK_AXI_JOBS", "120"))
 BASE = 0x40000 - 512  # base address of the areas; the smallest tested instance has an address space of 1 MiB
 
 QUICKEST = 2  # clocks from AR accepted to the first R beat for a memory without added latency
-
-LATENCIES = tuple(QUICKEST + more for more in (0, 16, 32, 64, 128))
-"""Memory latencies in clocks, from AR accepted to the first R beat. B has the same additional delay as R."""
 
 BATCH, LONG = 100, 600
 """Numbers of targets of the timed jobs. The trajectory `reach` has 100 targets; the long job repeats it."""
@@ -88,7 +85,8 @@ async def many_jobs(dut, stalled):
 
     Append the numbers of jobs and records to the file named by IK_AXI_DONE.
     """
-    bench = await started(dut, seed=2, latency=len(stalled) % 3 * 7)
+    bench = Bench(dut, seed=2, latency=len(stalled) % 3 * 7)
+    await bench.reset()
     jobs, solved = JOBS // 2, 0
     if stalled == "all":
         bench.stall(*CHANNELS)
@@ -114,9 +112,8 @@ async def many_jobs(dut, stalled):
             file.write(f"{jobs} {solved}\n")
 
 
-async def limits(dut):
+async def limits(bench):
     """over_limit obeys the W high bits of the limit registers; the other bits are random."""
-    bench = await started(dut, seed=11)
     numbers, low = bench.random, 32 - bench.width
     half = 1 << bench.width - 1
     for limits in (arm_limits(bench.width), [tuple(numbers.choices(range(-half, half), k=2)) for _ in range(7)]):
@@ -128,11 +125,10 @@ async def limits(dut):
         seen = np.bitwise_or.reduce(bench.flags[:60])
         assert seen >> 8 == 255 or seen >> 8 == 127, f"flags {seen:#x}: a joint is never over its limits"
         await bench.solve(BASE, BASE + 0x8000, 60)
-    bench.check()
 
 
 if ARM and os.environ.get("IK_AXI_CORE") != "echo":  # COCOTB_TEST_FILTER runs skipped tests as well
-    limits = timed_test()(limits)
+    limits = bench_test(seed=11)(limits)
 
 
 @cocotb.parametrize(blocked=["r", "aw", "w", "b"])
@@ -140,12 +136,11 @@ if ARM and os.environ.get("IK_AXI_CORE") != "echo":  # COCOTB_TEST_FILTER runs s
 async def blocked_channel(bench, blocked):
     """Block one channel: requests never exceed the FIFO slots or the burst limit. Release it: all results are right."""
     count = bench.places + 12 * bench.per_burst
-    source, destination = 0x40000, 0x80000
-    bench.place(source, 0, count)
+    destination = 0x80000
     for name in ("ar", "aw", "b"):
         bench.channel(name).queue_occupancy_limit = 64  # accept every request
     bench.channel(blocked).pause = True
-    await bench.start(source, destination, count)
+    await bench.start(0x40000, destination, count, first=0)
     clocks = 30 * bench.places + 4 * count * bench.beats // bench.per_burst + (bench.lap - 1) * count
     await ClockCycles(bench.dut.clk, clocks)
     assert bench.dut.u_job.busy.value == 1
@@ -185,13 +180,14 @@ async def counters(bench):
     assert 60 < waited < clocks
 
 
-@cocotb.parametrize(latency=LATENCIES)
+@cocotb.parametrize(latency=[QUICKEST + more for more in (0, 16, 32, 64, 128)])
 @timed_test()
 async def rates(dut, latency):
     """Check that without added latency, the read bus or a folded core is busy 95 % of the time. Append a row to the
-    file named by IK_AXI_RATES."""
+    file named by IK_AXI_RATES. ``latency``: clocks from AR accepted to the first R beat; B is as late as R."""
     words = None if ARM else to_words(make("reach"), 32)[0]
-    bench = await started(dut, latency=latency - QUICKEST, words=words)
+    bench = Bench(dut, latency=latency - QUICKEST, words=words)
+    await bench.reset()
     assert ARM or bench.pool == BATCH
     clocks = {}
     for count in (1, BATCH):
@@ -222,14 +218,12 @@ SAME = "every_field|pulses|strobes|unmapped_address|rates/latency=(18|66|130)"
 """Tests that do not depend on parameters: only one instance for wrist targets and one for hand poses run them."""
 
 
-def run(modules: str, parameters: dict[str, int], jobs: int, tests: str = "", **options) -> None:
+def run(parameters: dict[str, int], jobs: int, tests: str, core: str = "core", **options) -> None:
     """Run cocotb tests on an instance, with ``jobs`` random jobs; Icarus, which is slow, runs at most 10."""
     jobs, faults = (min(jobs, 10), 3) if ICARUS else (jobs, max(8, jobs // 20))
-    env = {"IK_AXI_JOBS": str(jobs), "IK_AXI_FAULTS": str(faults), **options.pop("env", {})}
-    if tests:
-        env["COCOTB_TEST_FILTER"] = tests
-    label = f"ik_axi-{env.get('IK_AXI_CORE', 'core')}-{named(parameters)}"
-    passes(label, toplevel="ik_axi", module=modules, parameters=parameters, env=env, **options)
+    env = {"IK_AXI_JOBS": str(jobs), "IK_AXI_FAULTS": str(faults), "IK_AXI_CORE": core, "COCOTB_TEST_FILTER": tests}
+    label = f"ik_axi-{core}-{named(parameters)}"
+    passes(label, toplevel="ik_axi", module=MODULES, parameters=parameters, env=env, **options)
 
 
 @pytest.mark.sim
@@ -245,25 +239,18 @@ def test_around_the_core(tmp_path, parameters):
     left_out = MANY_RECORDS if ICARUS else SAME if parameters not in (ECHO[0], ECHO[3]) else ""
     tests = f"^(?!.*({left_out}))" if left_out else ""
     jobs = 80 if parameters == ECHO[0] else 30
-    run(MODULES, parameters, jobs, tests, env={"IK_AXI_CORE": "echo"}, **echoing(tmp_path))
+    run(parameters, jobs, tests, "echo", **echoing(tmp_path))
 
 
 @pytest.mark.sim
 @pytest.mark.cost(20)
 @pytest.mark.parametrize(
-    "parameters", [CORE[0], *(pytest.param(one, marks=pytest.mark.slow) for one in CORE[1:])], ids=named
+    "parameters", [CORE[0], *(pytest.param(one, marks=pytest.mark.slow) for one in (*CORE[1:], *FOLDED))], ids=named
 )
 def test_with_the_core(parameters):
     """Run a few tests with the real datapaths. Icarus runs fewer: it would take minutes for ARM = 1 at W = 32."""
     few = "one_record|limits" if parameters == CORE[-1] else FEW
-    run("tb.axi.test_ik_axi", parameters, 20, few if ICARUS else f"{FEW}|latency=2$")
-
-
-@pytest.mark.sim
-@pytest.mark.slow
-@pytest.mark.cost(30)
-@pytest.mark.parametrize("parameters", FOLDED, ids=named)
-def test_with_a_folded_core(parameters):
-    """Run tests, also of resets and errors, with the real folded datapaths: targets wait in front of them."""
-    tests = f"{FEW}|blocked_channel|latency=2$|soft_reset/|reset_during|bus_errors|after_a_reset"
-    run(MODULES, parameters, 8, FEW if ICARUS else tests)
+    tests = f"{FEW}|latency=2$"
+    if parameters in FOLDED:  # targets wait in front of the core
+        tests += "|blocked_channel|soft_reset/|reset_during|bus_errors|after_a_reset"
+    run(parameters, 8 if parameters in FOLDED else 20, few if ICARUS else tests)

@@ -34,10 +34,6 @@ COVER = "chformal -assert -remove; opt_clean; memory_map; opt -full; async2sync"
 """Commands instead of :data:`PREPARE` for covers, which take minutes with :data:`PREPARE`."""
 
 
-class ProofError(Exception):
-    """Failure to write a formula; the text gives the reason."""
-
-
 @dataclass(frozen=True)
 class Proof:
     """Proof of the properties of module ``top``, with parameters ``sets``.
@@ -123,11 +119,11 @@ class Design:
         check = ["check -assert"] * (not self.proof.part)
         last = prepare, "dffunmap", f"write_smt2 -wires {path.relative_to(ROOT)}"
         if wrong := self._yosys(name, [*self.proof.script, *claims, CLEAN, *check, *last], defines):
-            raise ProofError(wrong)
+            raise RuntimeError(wrong)
         return path
 
     def formula(self) -> "Steps":
-        """Return the formula of one clock. Raises ProofError if Yosys fails."""
+        """Return the formula of one clock. Raises RuntimeError with Yosys' error if Yosys fails."""
         return Steps(self._write("formula", self.proof.claims, PREPARE).read_text())
 
     def gates(self) -> str:
@@ -213,7 +209,7 @@ def survives(proof: Proof, bug: Bug) -> str:
             error = design.gates()
             return "" if "assertion failed" in error.lower() else f"survives ({error})"
         steps = design.formula()
-    except (LookupError, ProofError) as error:
+    except (LookupError, RuntimeError) as error:
         return f"cannot be built: {error}"
     for name in [name for name in steps.number if steps.kind(name) == bug.fails]:
         said = steps.step(name, proof, after=False).said
@@ -270,7 +266,7 @@ def run(proof: Proof, pool: Executor, say: Say) -> Outcome:
             outcome.result += f", {len(covers)} covers"
             outcome.table += [["cover", "clock"], *([name, str(clock)] for name, clock in covers)]
             outcome.failed += [problem] if problem else []
-    except ProofError as error:
+    except RuntimeError as error:
         outcome.failed.append(str(error))
     if wrong := survives(proof, proof.bug):
         outcome.failed.append(f"seeded bug '{proof.bug.what}': {wrong}")

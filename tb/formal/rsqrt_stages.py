@@ -106,8 +106,7 @@ class Stages:
         lines = [f"read_verilog -formal -sv -I{here}/rtl/include {read}"]
         lines += [f"chparam -set F {frac} -set TILE {tile} ik_rsqrt", "hierarchy -check -top ik_rsqrt; proc; flatten"]
         lines += ["opt_clean; memory_collect; opt_clean; async2sync; dffunmap"]
-        wrong = yosys(place, "formula", [*lines, f"write_smt2 -wires {here}/formula.smt2"])
-        if wrong:
+        if wrong := yosys(place, "formula", [*lines, f"write_smt2 -wires {here}/formula.smt2"]):
             raise RuntimeError(wrong)
         text = (place / "formula.smt2").read_text()
         self.rom = {int(address, 2): int(held, 2) for address, held in HELD.findall(text)}
@@ -212,16 +211,14 @@ class Stages:
             terms = self._run(lower, below)
             text = claim(*terms) if claim else "false"
             steps = self.whole if "bvmul" in text else self.unrolled
-            answer = steps.ask(self.clocks, [*case, self._slope(terms[-1])], text)
+            slope, bits = terms[-1][int(self.bent)][0].text, self.unrolled.widths["u_quadratic.slope_hi_1"] - 1
+            # `words` checks that the high part of a slope fits and is not negative
+            fits = f"(and (bvsle {_number(0, WIDE)} {slope}) (bvslt {slope} {_number(1 << bits, WIDE)}))"
+            answer = steps.ask(self.clocks, [*case, fits], text)
             seconds += answer.seconds
             if answer.said != ("unsat" if claim else "sat"):
                 break
         return Answer(answer.said, seconds)
-
-    def _slope(self, factors) -> str:
-        """Return the fact, which `words` checks, that the high part of a slope fits and is not negative."""
-        high, bits = factors[int(self.bent)][0].text, self.unrolled.widths["u_quadratic.slope_hi_1"] - 1
-        return f"(and (bvsle {_number(0, WIDE)} {high}) (bvslt {high} {_number(1 << bits, WIDE)}))"
 
     def _factors(self, number: int, product: Product, row, u, y, factors) -> str:
         """Return the claim that the factors in the clock before a product equal the model's."""

@@ -14,6 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from inspect import signature
 from pathlib import Path
+from tempfile import mkdtemp
 
 import numpy as np
 
@@ -39,9 +40,9 @@ CORE = re.compile(r"^  (\S+  )\\(g_axis|g_arm)\.(\w+)(  \(\n.*?^  \);\n)", re.M 
 
 def _ends(th: np.ndarray, width: int, long: bool) -> tuple[int, int]:
     """Return (low, high), both from the angles ``th``; with ``long``, high - low is the largest below 15/16 turn."""
-    if not long:
-        return int(th[len(th) // 3]), int(th[2 * len(th) // 3])
     low = int(th[len(th) // 3])
+    if not long:
+        return low, int(th[2 * len(th) // 3])
     arcs = th - low & (1 << width) - 1
     return low, int(th[np.argmax(np.where(arcs < 15 << width - 4, arcs, -1))])
 
@@ -123,14 +124,13 @@ class NodeBench:
         at = sum(sizes)
         by_time: dict[int, list[str]] = {}
         for node in nodes:
-            instance = path.instance(node)
-            if instance == "g_choose":  # a block, whose name is part of its signals' names
-                instance, name = "", f"\\g_choose.{node.name} "
+            scope = path.instance(node)
+            if scope == "g_choose" or (path.times and node.instance):  # a block: its name is part of its signals' names
+                within = f"\\{scope}.{node.name} "
+            elif scope.startswith("g_choose"):  # an instance in a block
+                within = f"\\{scope} .{node.name}"
             else:
-                instance, name = f"\\{instance} " if instance.startswith("g_choose") else instance, node.name
-            within = ".".join(part for part in (instance, name) if part)
-            if path.times and node.instance:  # a named block of the folded core, not an instance
-                within = f"\\{within} "
+                within = f"{scope}.{node.name}".lstrip(".")
             compare = f"{core}.{within} !== want[{at}+:{node.format.width}]"
             line = f'if ({compare}) differs("{node.section}.{node.name}");'
             by_time.setdefault(node.time, []).append(line)
@@ -227,19 +227,12 @@ def fault(bench: NodeBench | Replaced, mutant: Mutant, place: Path) -> str:
     with alone(passed.parent):
         if not passed.exists():
             begin = time.monotonic()
-            error, measured = bench.run(None, netlist, emptied(place), 10 * SECONDS)
+            error, measured = bench.run(None, netlist, Path(mkdtemp(dir=place)), 10 * SECONDS)
             if error and not bench.name.startswith("unit"):
                 raise SimulationError(f"{bench.name}: the netlist {netlist.name} without mutants fails: {error}")
             passed.write_text(json.dumps([error, measured, time.monotonic() - begin]))
     wrong, right, taken = json.loads(passed.read_text())
     if wrong:
         return ""
-    error, measured = bench.run(mutant, netlist, emptied(place), max(LEAST, TIMES * taken))
+    error, measured = bench.run(mutant, netlist, Path(mkdtemp(dir=place)), max(LEAST, TIMES * taken))
     return error or (f"latency or clocks: {measured} instead of {right}" if measured != right else "")
-
-
-def emptied(place: Path) -> Path:
-    """Make a new folder in `place` and return it."""
-    folder = place / f"run{len(list(place.glob('run*')))}"
-    folder.mkdir(parents=True)
-    return folder

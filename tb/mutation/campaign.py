@@ -209,8 +209,7 @@ def judge(job: tuple[int, int, int]) -> Result:
             return result(KILLED, first.name, why)
         if where := proof(mutant, place / "own", deep=False):
             return result(PROVED, where)
-        unit = unit_bench(mutant)
-        for bench in [*([unit] if unit else []), *more]:
+        for bench in filter(None, [unit_bench(mutant), *more]):
             if why := fault(bench, mutant, place):
                 return result(KILLED, bench.name, why)
         where = proof(mutant, place / "around", deep=True)

@@ -68,10 +68,11 @@ LITE = {
 }
 BASES = {"stream": STREAM, "lite": LITE, "axi4": AXI4}
 
+NARROW = {4: {"awsize": 2}, 5: {"awsize": 2, "wstrb": 0x0F}, 6: {"wstrb": 0x0F}, 7: {"wstrb": 0xF0}}  # 4 bytes a beat
 LEGAL = [
     {},
+    NARROW,
     {4: {"awaddr": 0x1004}, 5: {"awaddr": 0x1004, "wstrb": 0xF0}, 6: {"wstrb": 0xF0}, 7: {"wstrb": 0x80}},
-    {4: {"awsize": 2}, 5: {"awsize": 2, "wstrb": 0x0F}, 6: {"wstrb": 0x0F}, 7: {"wstrb": 0xF0}},
     {4: {"awburst": 0}, 5: {"awburst": 0}, 7: {"wstrb": 0}},
     {4: {"awburst": 2, "awaddr": 0x1008}, 5: {"awburst": 2, "awaddr": 0x1008}},
     {4: {"awaddr": 0x1FF0, "araddr": 0x1FF4}, 5: {"awaddr": 0x1FF0, "araddr": 0x1FF4}},
@@ -164,9 +165,7 @@ BREAKS = [
     Break("axi4", {"write.WLAST"}, {11: {**AW, "awlen": 0, "wvalid": 0}}),  # some data already sent
     Break("axi4", {"write.WSTRB"}, {4: {"awaddr": 0x1004}, 5: {"awaddr": 0x1004}}),
     Break("axi4", {"write.WSTRB"}, {4: {"awsize": 2}, 5: {"awsize": 2, "wstrb": 0x10}}),
-    Break(
-        "axi4", {"write.WSTRB"}, {4: {"awsize": 2}, 5: {"awsize": 2, "wstrb": 15}, 6: {"wstrb": 15}, 7: {"wstrb": 15}}
-    ),
+    Break("axi4", {"write.WSTRB"}, over(NARROW, {7: {"wstrb": 0x0F}})),
     Break("axi4", {"write.MONITOR_ROOM"}, {k: {"awvalid": 1, "awready": 1} for k in MANY}, base=False),
     Break("axi4", {"read.R_AFTER_ADDRESS"}, {4: R}),
     Break("axi4", {"read.R_AFTER_ADDRESS"}, {5: R}),  # together with the address

@@ -5,7 +5,6 @@ A bug must fail the bench: by the named rule at the named port or, if no rule is
 """
 
 import re
-from pathlib import Path
 
 import pytest
 
@@ -38,7 +37,6 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
     ("m_axis LOW_AFTER_RESET", STREAMS, "after=full", FIFO, "      m_valid <= 1'b0;\n    end else", "    end else"),
     ("m_axis VALID_KNOWN", STREAMS, "one_result", FIFO, "      wr_ptr  <= {(LOG2 + 1) {1'b0}};\n", ""),
     ("m_axis VALID_STAYS", STREAMS, "bursts/stall=bursts", FIFO, "if (load) begin", "if (load || empty) begin"),
-    ("m_axis PAYLOAD_STAYS", STREAMS, "full", FIFO, "if (load) m_data", "m_data"),
     ("m_axis PAYLOAD_KNOWN", STREAMS, "one_result", FIFO, "if (wr_en) mem", "if (wr_en && wr_ptr[0]) mem"),
     ("s_axis READY_KNOWN", STREAMS, "one_result", CREDITS, "if (rst) credits <= ", "if (1'b0) credits <= "),
     ("s_axi B_AFTER_ADDRESS", REGISTERS, "strobes", REGS, "write = waddr_held && ", "write = "),
@@ -68,23 +66,14 @@ BUGS = [  # port and rule, bench, its test, file, text, wrong text
     ("irq_enable", REGISTERS, "pulses", REGS, "(irq_status & irq_enable) != 0", "irq_status != 0"),
 ]
 
-QUICK = ("m_axis PAYLOAD_STAYS", "m_axi.aw VALID_STAYS")
+QUICK = "m_axi.aw VALID_STAYS"
 
 
 def case(finding: str, *others: str):
-    """Return a test case: cases in QUICK always run, other rules are slow, cases without a rule are for releases."""
+    """Return a test case: QUICK always runs, other rules are slow, cases without a rule are for releases."""
     slow = [pytest.mark.slow, pytest.mark.cost(4)]
-    marks = [] if finding in QUICK else slow if " " in finding else pytest.mark.release
+    marks = [] if finding == QUICK else slow if " " in finding else pytest.mark.release
     return pytest.param(finding, *others, id=finding.replace(" ", "_"), marks=marks)
-
-
-def fails_with(finding: str, folder: Path, **options) -> None:
-    """Simulate at W = 18; check that a test fails, and that a rule's message names the expected rule and port."""
-    wrong = [message for _, message in failures(folder / "log", parameters={"W": 18}, **options) if message]
-    assert wrong, "the tests pass"
-    if " " in finding:
-        port, rule = finding.split()
-        assert re.fullmatch(rf"rule {rule} \([^)]+\) is broken at \S+\.rules_{re.escape(port)}, \d+ ns", wrong[0])
 
 
 @pytest.mark.sim
@@ -123,18 +112,22 @@ def test_seeded_bug_is_detected(finding, bench, test, file, old, new, tmp_path):
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "20", "COCOTB_MAX_FAILURES": "1", "COCOTB_TEST_FILTER": test}
     stream = bench == STREAMS
     top, options = ("ik_axis", {"root": copy_rtl(tmp_path, bug)}) if stream else ("ik_axi", echoing(tmp_path, bug))
-    options["name"] = f"rules-{finding.replace(' ', '-')}"
-    fails_with(finding, tmp_path, toplevel=top, module=bench, env=env, **options)
+    options |= {"parameters": {"W": 18}, "name": f"rules-{finding.replace(' ', '-')}"}
+    messages = failures(tmp_path / "log", toplevel=top, module=bench, env=env, **options)
+    wrong = [message for _, message in messages if message]
+    assert wrong, "the tests pass"
+    if " " in finding:
+        port, rule = finding.split()
+        assert re.fullmatch(rf"rule {rule} \([^)]+\) is broken at \S+\.rules_{re.escape(port)}, \d+ ns", wrong[0])
 
 
 @pytest.mark.sim
 @only_icarus
 def test_tests_after_a_broken_rule_are_not_run(tmp_path):
-    (row,) = (row for row in BUGS if row[0] == QUICK[0])
-    options = {"root": copy_rtl(tmp_path, Bug(row[0], *row[3:])), "name": f"rules-{row[0].replace(' ', '-')}"}
+    root = copy_rtl(tmp_path, Bug("data changes while it waits", FIFO, "if (load) m_data", "m_data"))
+    options = {"toplevel": "ik_axis", "module": STREAMS, "parameters": {"W": 18}, "root": root, "name": "rules-not-run"}
     env = {"COCOTB_TEST_FILTER": "streams.full|ready_before|not_ready"}
-    messages = failures(tmp_path / "log", toplevel="ik_axis", module=STREAMS, parameters={"W": 18}, env=env, **options)
-    (name, first), *others = messages
+    (name, first), *others = failures(tmp_path / "log", env=env, **options)
     assert name == "full"
     assert first.startswith("rule PAYLOAD_STAYS (IHI 0051A 2.2.1) is broken at ik_axis.rules_m_axis, ")
     assert [message for _, message in others] == ["not run: the simulation ended in full"] * 2
