@@ -57,7 +57,7 @@ async def after_a_reset(bench):
 async def every_field(bench):
     """Write all ones, all zeros and a random word to each register except CONTROL.
 
-    Only the writable bits of this register change. A write to a read-only register returns SLVERR.
+    Only the writable bits of the written register change. A write to a read-only register returns SLVERR.
     """
     values = after_reset(bench)
     for register in bench.registers:
@@ -76,7 +76,7 @@ async def every_field(bench):
 
 @bench_test()
 async def pulses(bench):
-    """A job sets IRQ_STATUS.done or .error; only a 1 in the same bit clears it. CONTROL reads as 0, ignores zeros."""
+    """A job sets IRQ_STATUS.done or .error; only a 1 in the same bit clears it. CONTROL reads 0 and ignores zeros."""
     await bench.write("CONTROL", 0)
     await bench.write("CONTROL", ALL & ~masks("CONTROL", "w1"))
     assert await bench.read("CONTROL") == 0 and await bench.read("STATUS") == 0

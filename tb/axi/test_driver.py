@@ -104,7 +104,7 @@ def corners() -> list[dict[str, np.ndarray]]:
 
 
 def check(driver: Driver, core: RegisterModel, columns: dict, tags: np.ndarray) -> str:
-    """Solve targets, compare every bit with the model and return the code's name."""
+    """Solve targets, compare every bit with the model and return the name of the code that the driver returns."""
     core.jobs.clear(), core.words.clear()
     columns = {name: np.broadcast_to(np.asarray(values), len(tags)) for name, values in columns.items()}
     targets = driver.targets(columns, tags)
@@ -156,7 +156,7 @@ def test_compiles_freestanding_without_warnings(compiler, real, tmp_path):
 
 @pytest.mark.parametrize("real", ["double", "float"])
 def test_numbers(real, tmp_path, capfd):
-    """Solve 120 sets of 1000 random targets and, with double, the corners; check for undefined behaviour."""
+    """Solve 120 sets of 1000 random targets and, if ``real`` is double, the corners; check for undefined behaviour."""
     core = RegisterModel()
     library = compiled(tmp_path, f"-DIK_REAL={real}", "-fsanitize=undefined")
     driver = Driver(library, core, COUNT, real=real, polls=3)
@@ -175,7 +175,7 @@ def test_numbers(real, tmp_path, capfd):
 
 @pytest.mark.parametrize("arm", [False, True])
 def test_bad_targets_are_refused(library, arm):
-    """A bad target or hand pose is refused before any job starts; ``bad`` is its index."""
+    """A bad target or hand pose is refused before any job starts; the driver sets ``bad`` to its index."""
     core = RegisterModel(width=18, arm=arm)
     driver = Driver(library, core, COUNT // 2, arm=arm)
     good = driver.targets(dict.fromkeys(FIELDS, 0.25) | ({"tool": 0.25, "hand": [1.0, 0, 0, 0]} if arm else {}), TAGS)
@@ -263,8 +263,8 @@ def test_start_up(library):
 
 @pytest.mark.parametrize("arm", [False, True])
 def test_words_in_place(library, arm):
-    """A call in words does not change the records and starts one job. It refuses zero or too many records, a busy
-    core, the other kind of core and a core without ik_init."""
+    """A solve call in words starts one job and does not change the records. It refuses zero or too many records, a busy
+    core, a core of the other kind (wrist targets or hand poses), and a core before ik_init."""
     core, other = RegisterModel(arm=arm), RegisterModel(arm=not arm)
     driver, wrong = (Driver(library, one, COUNT >> arm, arm=arm) for one in (core, other))
     assert driver.solve_words(1) == "no_core" and driver.start_up() == wrong.start_up() == "none"
@@ -324,7 +324,7 @@ BAD += [("map1/offset", "0x42"), ("uio0", "fifo"), ("map1/size", None)]
 
 @pytest.mark.parametrize(("name", "text"), BAD)
 def test_uio_reports_what_is_missing(library, tmp_path, name, text):
-    """A missing file, an unmappable file and a bad description each return an error; nothing stays open or mapped."""
+    """A missing file, an unmappable file and a bad map attribute each return an error; nothing stays open or mapped."""
     uio, paths = Uio(), uio_device(tmp_path)
     (tmp_path / name).unlink()
     if text == "fifo":

@@ -113,7 +113,7 @@ async def many_jobs(dut, stalled):
 
 
 async def limits(bench):
-    """over_limit obeys the W high bits of the limit registers; the other bits are random."""
+    """over_limit depends only on the W high bits of each limit register; the other bits are random."""
     numbers, low = bench.random, 32 - bench.width
     half = 1 << bench.width - 1
     for limits in (arm_limits(bench.width), [tuple(numbers.choices(range(-half, half), k=2)) for _ in range(7)]):

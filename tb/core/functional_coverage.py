@@ -125,7 +125,7 @@ def examples(width: int, datapath: str) -> dict[Kind, tuple[int, ...]]:
 
 
 def every_kind(width: int, datapath: str = "lean", stall: str = "") -> np.ndarray:
-    """Return targets of ``datapath`` (N, words) of all kinds; with a stall pattern, only of the kinds whose bin has no
+    """Return targets (N, words) of all kinds for ``datapath``; with a stall pattern, only of the kinds whose bin has no
     sample."""
     path = MODELS[datapath]
     name = path.name if path.side else path.rtl
@@ -142,7 +142,7 @@ HITS: Counter[Point] = Counter()  # samples of this simulation
 
 def sample(kinds: Sequence[Kind], datapath: str, gap: bool, held: bool, late: bool) -> None:
     """Count a result in the bins of its kinds. ``gap``: its target followed idle clocks. ``held``: the result had to
-    wait. ``late``: it is the first result after a reset that dropped poses."""
+    wait. ``late``: the result is the first after a reset that dropped poses."""
     HITS.update(bin_of(kind, datapath, STALLS[gap + 2 * held]) for kind in kinds)
     if late:
         HITS[bin_of(LATE, datapath, "any")] += 1

@@ -33,8 +33,8 @@ from tb.sim.timeout import timed_test
 class Scoreboard:
     """Scoreboard that compares every named node of every target with the model, in the clock where the node is valid.
 
-    ``handle_of(node)`` returns the signal of a node. Call ``expect`` with targets in order of admission. When a
-    target is admitted, set ``in_clock[clock] = target``. Call ``sample`` once per clock.
+    ``handle_of(node)`` returns the signal of a node. Call ``expect`` with the model's answers to targets, in order of
+    admission. When a target is admitted, set ``in_clock[clock] = target``. Call ``sample`` once per clock.
     """
 
     def __init__(self, handle_of, nodes: Iterable[Node]) -> None:
@@ -287,7 +287,7 @@ class Pipeline:
         return usual_words(self.datapath, count, self.width, seed)
 
     def around(self, words: np.ndarray) -> np.ndarray:
-        """Return the wrist targets ``words``; for the whole arm, return poses with these wrists."""
+        """Return the wrist targets ``words`` unchanged or, for the whole arm, hand poses with these wrists."""
         hands = [(0, 1 << self.width - 2, 0, 0, 0, n % 8) for n in range(len(words))]  # tool, Qh, branch
         return np.column_stack([words, hands]) if self.path.side else words
 
@@ -323,7 +323,7 @@ class Pipeline:
 async def run_targets(dut):
     """Run jobs of targets without stalls, with a reset before each job, for :func:`tb.sim.simulate.simulate`.
 
-    IK_FOLDER names a folder. Its file ``jobs`` is a pickle of (list of each job's target words, joints' limits). The
+    IK_FOLDER names a folder. Its file ``jobs`` is a pickled pair: each job's target words, and the joint limits. The
     test writes the files ``runs``, a pickled list of :class:`Run`, and ``progress``, the number of results so far.
     """
     folder = Path(os.environ["IK_FOLDER"])

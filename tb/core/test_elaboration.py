@@ -139,11 +139,11 @@ PARTS = ("ik_axis", "ik_axi", "ik_arm", "ik_credit_fifo", "ik_lean", "ik_lean_ar
 
 
 def test_fifo_has_a_slot_for_each_clock_and_not_twice_as_many(tmp_path):
-    """Check that the FIFO has at least T_OUT + 3 slots, but less than twice that; ``ik_axi`` has equal constants.
+    """Check that the FIFO has at least T_OUT + 3 slots, but less than twice that, and check constants of ``ik_axi``.
 
     A slot is reserved for T_OUT + 3 clocks: T_OUT in the core, two in the FIFO, one in which the result leaves. Fewer
-    slots cause gaps.
-    The latency of a folded core in ``ik_axi`` must be the model's.
+    slots cause gaps. LATENCY and LOG2_PLACES of ``ik_axi`` must match the core; for a folded core, LATENCY must be the
+    model's.
     """
     lines, displays = ["module top;"], []
     for path in (path for path in MODELS.values() if path.period == 1 or not path.chooses):

@@ -48,7 +48,7 @@ def places(bench: Pipeline) -> int:
     """Return the number of targets that are admitted while m_axis_tready is low.
 
     A pipeline has a FIFO whose depth is the pipeline's latency plus 3, rounded up to a power of two. In a folded core,
-    one result waits at the output, and the next target stalls before its own result; a third target may be loaded
+    one result waits at the output, and the next target stalls before it writes its result; a third target may be loaded
     before the stall. A core that chooses the branch holds one more result.
     """
     if bench.period == 1:
@@ -138,8 +138,8 @@ async def full(dut):
 
 @timed_test()
 async def results_wait(dut):
-    """Check that a waiting result of a folded core delays the next result only by the part of the wait that follows the
-    due clock of that result's first write; with branch choice, not at all. The other datapaths have a FIFO."""
+    """Check that in a folded core, a result that still waits when the first write of the next result is due delays the
+    next result by the rest of the wait; with branch choice, there is no delay. The other datapaths have a FIFO."""
     async with started(dut) as bench:
         if bench.period == 1:
             return
@@ -210,8 +210,8 @@ async def reset_in_any_clock(dut):
 
 @timed_test()
 async def admitted_after_a_reset(dut):
-    """Check that a target waiting at the end of a reset is admitted after a fixed number of clocks, whichever clock of
-    a lap a reset of one or two clocks hits."""
+    """Check that a target waiting at the end of a reset is admitted after a fixed number of clocks. The reset lasts one
+    or two clocks and may hit any clock of a lap."""
     async with started(dut) as bench:
         after = {}  # clocks from the end of a reset to the admission -> reset in which they were counted
         for clocks in range(2 * bench.period + 8):
@@ -294,7 +294,7 @@ in the fetch of steps, whose reset test_power_up covers."""
 
 
 def around(key: str) -> pytest.MarkDecorator:
-    """Return the mark for the modules around the datapath and, since it stalls, for a folded datapath itself.
+    """Return the ``bench`` mark: for the modules around the datapath and, because it can stall, for a folded datapath.
 
     test_every_node.py has the marks for the other datapaths.
     """

@@ -51,9 +51,9 @@ CANDIDATES = 1000
 
 
 def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.ndarray:
-    """Return chunk `number` of targets (count, 6) of `model.io.stimuli`, shuffled. Half lie in `REGIONS`, most of which
-    are near singular poses; an eighth each are `unreachable`, `edges` and `extremes`; `corners` and `random_reachable`
-    make up the rest.
+    """Return chunk `number`: shuffled targets (count, 6) from `model.io.stimuli`. Half of them lie in `REGIONS`, most
+    of which are near singular poses; `unreachable`, `edges` and `extremes` supply an eighth each, and `corners` and
+    `random_reachable` the rest.
 
     Without a seed, return part `number` of all targets made of special words, in order."""
     if seed is None:
@@ -239,7 +239,7 @@ class Row:
 def errors(
     words: np.ndarray, results: np.ndarray, width: int, flags: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return hand error / reach (N,), nan out of reach, and the larger abs(norm^2 - 1) of both quaternions (N,).
+    """Return hand error / reach (N,), nan if out of reach, and the larger abs(norm^2 - 1) of both quaternions (N,).
 
     The whole arm needs ``flags``; the larger of :func:`tolerances.pose_errors` then replaces hand error / reach.
     """
@@ -257,8 +257,8 @@ def errors(
 def arm_errors(words: np.ndarray, run: fixed.Answer, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Return errors of poses and their tolerances, each (2, N): hand's point / reach, then hand's orientation (rad).
 
-    An error is 0 where :func:`tolerances.pose_errors` excludes the pose, and where the reach is below 1 in the format:
-    there, the error from rounding the wrist to words is large only compared with the reach."""
+    An error is set to 0 where :func:`tolerances.pose_errors` excludes the pose, and where the reach is below 1 in the
+    format: there, merely rounding the wrist to words causes an error that is large compared with the reach."""
     reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
     permitted = np.array([np.broadcast_to(most, reach.shape) for most in tolerances.arm(words, width)])
     permitted[0] /= np.maximum(reach, 1)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proof of the accuracy of lean and of the whole arm, which docs/generated/accuracy.md states step by step.
+"""Proof of the accuracy of lean and of the whole arm; docs/generated/accuracy.md states its steps.
 
 z3 proves that the dataflow, in exact arithmetic, is the product of rotations that the page describes (:data:`NODES`,
-with lemmas of the dataflow), and the algebra of the page's steps (:data:`ALGEBRA`).  :mod:`model.bounds.accuracy`
-computes the constants; the last questions compare them with the stated ones.
+with lemmas of the dataflow). z3 also proves the algebra of the page's steps (:data:`ALGEBRA`).
+:mod:`model.bounds.accuracy` computes the constants; the last questions compare them with their stated limits.
 """
 
 from collections.abc import Iterator, Sequence
@@ -38,7 +38,7 @@ def equations(names: str) -> tuple[str, ...]:
 
 
 def pair(name: str, cosine: str, sine: str, small: str, large: str, *facts: str) -> Lemma:
-    """Return the lemma on the two parts of a half angle; the sign of the cosine's word decides which one is large."""
+    """Return the lemma on the two parts of a half angle. The sign of the cosine's word decides which part is large."""
     parts = (f"({name}_{one} == {name}_sq and 2*{name}_{two} == {sine})" for one, two in (small + large, large + small))
     choice = " if {} else ".join(parts).format(f"neg_{cosine}")
     size = f"2*{name}_sq == 1 + (-{cosine} if {cosine} < 0 else {cosine})"

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Seeded bugs: a proof must fail on the bug seeded for it.
 
-A key is a proof's name or the start of one; the longest matching key applies. ``Bug.fails`` is the property or question
-that must have a counterexample; proofs about gates ignore ``Bug.fails``.
+A key of :data:`BUGS` is a proof's name or a prefix of it; the longest matching key applies. ``Bug.fails`` is the
+property or question that must have a counterexample; proofs about gates ignore ``Bug.fails``.
 """
 
 from tb.sim.seeded_bugs import Bug

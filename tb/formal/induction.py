@@ -192,7 +192,7 @@ class Steps(Unrolled):
 
     def step(self, name: str, proof: Proof, after: bool = True) -> Answer:
         """Ask whether a property holds in the next clock if the properties that it uses hold in this clock. With
-        ``after``, check a property in ``proof.after`` in the same clock as the properties that imply it."""
+        ``after``, a property in ``proof.after`` must instead follow from other properties in the same clock."""
         kind = self.kind(name)
         same, uses = proof.after.get(kind, "") if after else "", proof.uses.get(kind, "")
         facts = [self.holds(n, 0) for wanted in (same or uses).split() for n in self.named(wanted, name)]

@@ -273,7 +273,7 @@ class Rounded(Questions):
         return JAM if node.error == FLOOR and node.kind == "choose" else node.error
 
     def _near(self, node: Node, of: Node) -> list[str]:
-        """Return the proved facts about operand ``node`` of node ``of``: its range, and the error of its word."""
+        """Return the proved facts about ``node``, an operand of node ``of``: its range, and the error of its word."""
         name = self.exact.operand(of, node)
         if node.kind == "input" or name != node.name:
             return [*self.exact.equations[name], self.exact.near(name)]
@@ -345,7 +345,7 @@ def digest(kind: type[Questions]) -> str:
 
 
 def too_narrow(kind: type[Questions]) -> Iterator[Question]:
-    """Yield a question with a false claim: 5/6 of the range and half the error of :data:`SEEDED`."""
+    """Yield a question with a false claim: that node :data:`SEEDED` has only 5/6 of its range and half of its error."""
     asked = kind(Exact(max(WIDTHS)))
     exact = asked.exact
     within = exact.nodes[SEEDED].within

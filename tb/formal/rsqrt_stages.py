@@ -2,10 +2,10 @@
 """Proof by z3 that ik_rsqrt equals its model, register by register, for every mantissa.
 
 The model is :func:`place` and :func:`polynomial` of :mod:`model.dataflow.quadratic`, called with z3 terms of
-:data:`WIDE` bits, which never overflow. The Verilog is Yosys' formula of ik_rsqrt with its ik_quadratic, unrolled over
-the latency from any state. The formula is cut at the register of each product. Separate questions prove that the
-register holds the product of its factors, that the factors equal the model's, and that the product fits. These
-questions read an arbitrary table word; a further check compares each word of the table with the model's.
+:data:`WIDE` bits, which never overflow. The RTL is represented by Yosys' formula of ik_rsqrt and its ik_quadratic,
+unrolled for the latency, from an arbitrary state. The formula is cut at the register of each product. Separate
+questions prove that the register holds the product of its factors, that the factors equal the model's, and that the
+product fits. These questions read an arbitrary table word; a further check compares each table word with the model's.
 """
 
 import re
@@ -44,7 +44,7 @@ def _operator(name: str) -> Callable[["Term", object], "Term"]:
 
 @dataclass(frozen=True)
 class Term:
-    """Model integer as a z3 bit vector. Comparisons return ``lower``; a product returns the next product register."""
+    """Model integer as a z3 bit vector. ``<`` always returns ``lower``; ``*`` returns the next product register."""
 
     text: str
     lower: bool = False
@@ -77,8 +77,8 @@ def _number(value: int, width: int) -> str:
 
 
 def model(form: Form, frac: int, row, m):
-    """Return row number, offset u in the row and undoubled result of the model for a mantissa ``m`` >= 1/4, as numbers
-    or terms. ``row`` holds three coefficients: c0 plus the rounding constant, c1 and c2."""
+    """Return the model's row number, offset u in the row, and result before doubling, for a mantissa ``m`` >= 1/4, as
+    numbers or terms. ``row`` holds c0 plus the rounding constant, c1 and, unless the form is linear, c2."""
     number, u = place(form, m, frac)
     y = polynomial(form, row, u, rises=False, bends_up=False)
     return number, u, y >> form.sum_frac - frac
@@ -126,13 +126,13 @@ class Stages:
 
     @property
     def fields(self) -> list[tuple[int, int]]:
-        """Lowest bit and width of c0 (without its leading one), c1 and c2 in a word of the table."""
+        """Lowest bit and width of c0 (without its leading one), c1 and, unless linear, c2 in a word of the table."""
         widths = self.form.c_bits
         return [(sum(widths[i + 1 :]), width) for i, width in enumerate(widths)]
 
     @property
     def row(self) -> tuple[str, ...]:
-        """Coefficients from the table's word: c0 (in the sum's scale, plus the rounding constant), c1 and c2."""
+        """Coefficients of a row: c0 (in the sum's scale, plus the rounding constant), c1 and, unless linear, c2."""
         spare = self.form.sum_frac - self.form.c_frac[0]
         lowest = rounding(self.form, self.frac) & (1 << spare) - 1
         c0, *others = (self.field(*field) for field in self.fields)
@@ -179,7 +179,7 @@ class Stages:
             yield Question(f"{name}{label}", says, partial(self._cases, claim), partial(self._cases, None))
 
     def _fit(self) -> Answer:
-        """Check that each product fits for any two factors that fit, if the first one (c2 or slope part) is >= 0."""
+        """Check that each product fits for any two factors that fit, if the first factor (c2 or slope part) is >= 0."""
         widths = self.unrolled.widths
         for product in self.products:
             a, b = (widths[f"u_quadratic.{name}"] for name in product.factors)
@@ -252,7 +252,7 @@ class Stages:
 
 
 def forms() -> list[tuple[int, int]]:
-    """Return (fraction bits, tile size) for every word length, and with tile size 16 for word lengths up to 24."""
+    """Return (fraction bits, tile size): for every word length with TILE, for word lengths up to 24 also with 16."""
     full = {(root_frac(width), TILE) for width in WIDTHS}
     return sorted(full | {(root_frac(width), 16) for width in WIDTHS if width <= 24}, reverse=True)
 

@@ -134,7 +134,7 @@ async def out_of_reset(dut):
 @cocotb.parametrize(skew=(-0.03, 0.0, 0.03))
 @timed_test()
 async def every_bit(dut, skew):
-    """Send targets with two stop bits and clock skew. A pause follows each hand pose, whose answer is longer."""
+    """Send targets with two stop bits and clock skew. Pause after a hand pose: its answer is longer than its frame."""
     at = await Board(dut, skew=skew).press()
     sent, expected = targets(TARGETS, seed=int(100 * skew) + 3)
     for target in sent:

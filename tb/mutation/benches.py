@@ -39,7 +39,7 @@ CORE = re.compile(r"^  (\S+  )\\(g_axis|g_arm)\.(\w+)(  \(\n.*?^  \);\n)", re.M 
 
 
 def _ends(th: np.ndarray, width: int, long: bool) -> tuple[int, int]:
-    """Return (low, high), both from the angles ``th``; with ``long``, high - low is the largest below 15/16 turn."""
+    """Return limits (low, high), two of the angles ``th``; with ``long``, the longest range below 15/16 turn."""
     low = int(th[len(th) // 3])
     if not long:
         return low, int(th[2 * len(th) // 3])

@@ -50,7 +50,7 @@ def core(*benches: NodeBench) -> Design:
 
 
 def memory(log2_burst: int, data_w: int) -> Design:
-    """Return a design of ``ik_axi`` with two benches: short tests of jobs, faults and registers, and all such tests."""
+    """Return a design of ``ik_axi`` with two benches of jobs, faults and registers: the short tests, and all tests."""
     parameters = {"W": 18, "LOG2_BURST": log2_burst, "DATA_W": data_w}
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "16", "IK_AXI_FAULTS": "2"}
     options = {"toplevel": "ik_axi", "module": MODULES, "parameters": parameters, "env": env}

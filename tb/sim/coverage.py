@@ -60,7 +60,7 @@ def counting(root: Path) -> Iterator[list[str]]:
 
 
 def totals(text: str, root: Path = ROOT) -> Counter[Point]:
-    """Sum the counts in the text of Verilator's file over instances and parameters. root: the simulated tree."""
+    """Sum counts over instances and parameters. text: Verilator's coverage file; root: the simulated tree."""
     names = [str(path.relative_to(root)) for path in [*sources(root), *headers(root)]]
     same = {Path(name).name: name for name in names if (root / name).read_bytes() == (ROOT / name).read_bytes()}
     counts: Counter[Point] = Counter()

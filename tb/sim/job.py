@@ -39,8 +39,8 @@ def usual_words(datapath: str, count: int, width: int, seed: int) -> np.ndarray:
 
 
 def arithmetic_corners(datapath: str, width: int) -> np.ndarray:
-    """Return targets of all magnitudes with few significant bits, and targets with angles whose sine or cosine sum is
-    one unit below the rounding boundary."""
+    """Return targets of all magnitudes with few significant bits, and targets with angles for which the sum that
+    is rounded to the sine or cosine is one LSB below the rounding boundary."""
     sizes = itertools.product(range(0, width - 6, 3), range(width - 11))
     shifted = [(29 << j, -26 << j, -25 << j, -10647, 0, 999 << k) for j, k in sizes]
     frac = min(inner_frac(width), SINE_FRACS[-1])
@@ -120,8 +120,8 @@ def value(bits: str, fmt: Format, digits: int = 12) -> str:
 
 
 def report(differences: Sequence[Difference], nodes: Iterable[Node], since: int = 0) -> str:
-    """Return a message about the first target that differs; empty if none does. ``since`` is the number of the first
-    target; the message lists differing nodes in the order of ``nodes``."""
+    """Return a message about the first target that differs; empty if none does. The message counts targets from
+    ``since``, the number of the run's first target, and lists differing nodes in the order of ``nodes``."""
     if not differences:
         return ""
     order = {node.name: k for k, node in enumerate(nodes)}

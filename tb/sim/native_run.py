@@ -196,7 +196,7 @@ def compare(
 
 
 def _run(said: str, back: np.ndarray, sizes: list[int], nodes: list[Node], width: int, count: int) -> Run:
-    """Return the run. ``said`` is the program's text output, ``back`` its results and flags, ``count`` per target."""
+    """Return the run. ``said``: the program's text output; ``back``: results and flags, ``count`` words a target."""
     done, *differs = said.splitlines()
     targets, latency, clocks, bits = map(int, done.split()[1:])
     if targets != sum(sizes) or len(back) != count * targets:

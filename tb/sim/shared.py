@@ -145,7 +145,7 @@ def marked(vcd: Path | None, test: str, scope: str, time: float) -> str:
 
 
 def moment(message: str, start: float, stop: float) -> float:
-    """Return the time in ns to which a message refers: "clock N" after ``start``, "N ns", or ``stop`` if neither."""
+    """Return the time in ns that a message names: "N ns", or "clock N" counted from ``start``; ``stop`` if neither."""
     if found := re.search(r"\b(?:clock (\d+)|(\d+) ns)\b", message):
         return start + 10 * int(found[1]) if found[1] else int(found[2])
     return stop

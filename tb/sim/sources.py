@@ -89,7 +89,7 @@ END = "\nendmodule\n"
 
 
 def with_rules(files: list[Path], folder: Path) -> list[Path]:
-    """Return the files, those with AXI rules as copies in ``folder`` (kept if unchanged), and then ik_rules.v."""
+    """Return the files, then ik_rules.v. Copies in ``folder``, kept if unchanged, replace the files with AXI rules."""
     return [*(_bound(path, folder) for path in files), RULES / "ik_rules.v"]
 
 

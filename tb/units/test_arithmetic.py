@@ -159,7 +159,8 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
         return [(a // a_low * a_low, b // b_low * b_low) for a in corners(A) for b in corners(B)]
 
     def halves_of_a_place():
-        """Return operands whose product is half an LSB or consists of low parts, which are omitted or estimated."""
+        """Return operands whose product is half an LSB, or as small as a product of two low parts, which is omitted or
+        estimated."""
         a, b = 1 << SH // 2, 1 << SH - 1 - SH // 2
         pairs = [(a, b), (-a, b), (a - 1, b), (a_low, b_low // 2), (a_low // 2, -b_low), (a_low - 1, b_low - 1)]
         return [(a, b) for a, b in [*pairs, (-1, b_low - 1)] if a in A and b in B]
@@ -190,8 +191,8 @@ def div(NW: int, DW: int, SH: int, QW: int, LAT: int, DIGIT: int = 0, **delays: 
         return Q[0] if n < 0 else Q[-1], 1
 
     def next_to_quotients():
-        """Yield (dividend, divisor). The dividend is at most 1 from the least one that gives a random quotient. Half of
-        these quotients are near 0 or an end of q's range, the others span twice the range."""
+        """Yield (dividend, divisor). The dividend is the least that gives a random quotient, or differs from it by 1.
+        Half of these quotients are near 0 or near an end of q's range; the others span twice the range."""
         ends, divisors = [q + e for q in (Q[0], Q[-1], 0) for e in (-2, -1, 0, 1)], [d for d in corners(D) if d > 0]
         for _ in range(4000):
             d = random.choice((random.randint(1, (1 << random.randint(1, DW - 1)) - 1), random.choice(divisors)))

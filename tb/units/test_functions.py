@@ -43,14 +43,14 @@ def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
         return [(d, count) for d in corners(words) for count in COUNTS]
 
     def single_bits():
-        """Return single bits that each count shifts to an end of the result or next to it; also bit - 1, -bit, ~bit."""
+        """For each count, return bits that it shifts to or next to an end of the result; also bit - 1, -bit, ~bit."""
         places = (0, DROP - 1, DROP, DROP + 1, top - 2, top - 1, top)
         bits = [(1 << place - count, count) for place in places for count in COUNTS if place >= count]
         return [(d, count) for bit, count in bits for d in (bit, bit - 1, -bit, -bit - 1) if d in words]
 
     def normalized_words():
-        """Return short words of either sign, with counts that shift the highest bit just below q's sign, or one place
-        off."""
+        """Return short words of either sign, with counts that shift the highest bit to the place below q's sign bit or
+        to a neighbouring place."""
         short = [random.getrandbits(random.randint(1, IW - 1)) for _ in range(500)]
         near = [(d, top - 1 - d.bit_length() + random.choice((-1, 0, 0, 1))) for d in short]
         return [(random.choice((d, ~d)), min(max(count, 0), COUNTS[-1])) for d, count in near]
@@ -273,7 +273,7 @@ def fold_limit(W: int) -> Tests:
 
 
 def step(W: int, STEP: int, NEGATED: int) -> Tests:
-    """Check both steps. The RTL takes limits as static: the next vector's limits decide whether the joint has any."""
+    """Check both steps. The RTL assumes static limits: the next vector's limits decide whether the joint is limited."""
     turn, angle, most = 1 << W, unsigned(W), (2 << STEP) - 1
 
     def size(at: int, ref_at: int, span: int, whole: bool) -> int:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Test that ``ik_delay`` and ``ik_ring`` return every word N clocks later. Test ``ik_fifo`` against a queue: order,
 loss, duplication, stalls, latency, throughput, reset at several fill levels. Test modules of the folded core against
-their definitions; they hold their state while ``go`` is 0."""
+their definitions; while ``go`` is 0, these modules must hold their state."""
 
 import itertools
 import random

@@ -141,7 +141,7 @@ def checks(
     ``inputs`` and ``outputs`` map ports to the range of their words. ``reference`` takes the words of one vector, or
     with ``columns`` the words of all vectors, one sequence per input. A vector of one word may be written as the word.
 
-    - *named*: each of ``corners``, a vector and its outputs, between ``good`` vectors, if all words fit their ports.
+    - *named*: each (vector, outputs) of ``corners`` whose words all fit their ports, between ``good`` vectors.
     - *every_vector* if there are at most :data:`EVERY` vectors; otherwise *extremes*, all combinations of the
       :func:`corners` of the inputs, and *random_vectors*.
     - one test for each function or partial in ``streams``, named after it, that drives the vectors it returns.
@@ -216,7 +216,7 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
 async def with_go(
     dut, vectors: Callable[[], Iterable[Ports]], clocks: int, expected: Callable[[list[Ports], Ports], Ports]
 ) -> None:
-    """Drive the vectors in order with ``go`` = 1. In 3 of 10 clocks, drive any with ``go`` = 0: it must have no effect.
+    """Drive the vectors in order, with ``go`` = 1. In 3 of 10 clocks, a random one with ``go`` = 0 must have no effect.
 
     ``expected(taken, now)`` returns the outputs that are defined. ``taken`` has the inputs of all clocks with ``go``,
     newest last; ``now`` has the present inputs. Outputs are compared once ``taken`` has ``clocks`` entries.

@@ -84,7 +84,7 @@ LEGAL = [
 
 
 class Break(NamedTuple):
-    """Trace of ``port`` that breaks exactly ``rules``. If ``base``, it is laid over the legal trace of the port."""
+    """Trace of ``port`` that breaks exactly ``rules``. If ``base``, the trace is laid over the port's legal trace."""
 
     port: str
     rules: set[str]
@@ -112,7 +112,7 @@ when it is first offered; none for AR, because its trace ends before the read da
 
 
 def of_channel(port: str, name: str) -> list[Break]:
-    """Return traces that break the rules of a channel: payload rules once per payload signal, each other rule once."""
+    """Return traces that break the rules of a channel: payload rules once per payload signal, other rules once."""
     stall, payload = PAYLOADS[port, name]
     rule, valid, ready = f"{name}." if name else "", f"{name}valid", f"{name}ready"
     breaks = [

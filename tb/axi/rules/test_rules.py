@@ -29,7 +29,7 @@ KIND = "m_axi_arprot} = {1'b0, SIZE, 2'b01, 4'b0011, 3'b000}"
 
 
 def ar(size: str = "SIZE", burst: str = "2'b01", cache: str = "4'b0011") -> tuple[str, str]:
-    """Return the text of the constants on the read address channel, and the text with wrong constants."""
+    """Return the Verilog of the read address channel's constants, and its replacement with wrong constants."""
     return KIND, f"m_axi_arprot}} = {{1'b0, {size}, {burst}, {cache}, 3'b000}}"
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the proofs. By induction: definitions, questions, and one proof of a few seconds. About numbers: every range
-of the lean datapath has a question, and a wrong claim fails."""
+"""Tests of the proofs. Proofs by induction: definitions, questions, and one proof of a few seconds. Proofs about
+numbers: every range of the lean datapath has a question, and a wrong claim fails."""
 
 import math
 import re
@@ -173,7 +173,7 @@ def test_circle_is_named(monkeypatch):
 
 
 def test_power_of_two_and_word():
-    """Check the only lemma about integers: 1/e_far >= 1 ulp is not strictly between d1 and the next word."""
+    """Check the only lemma about integers: if 1/e_far >= 1 ulp, it is not strictly between d1 and the next word."""
     (claim, _), ulp = Exact(FULL).flow.lemmas["e_far of d1"], 2.0**-6
     for e_far in (2.0**k for k in range(8)):
         for d1 in (j * ulp for j in range(1, 128)):
@@ -251,7 +251,7 @@ def test_floors_fail_on_a_bug():
 
 @tools
 def test_reciprocal_root_of_short_words():
-    """Prove the short form of the table, which has one tile."""
+    """Prove the short form of the table, for which one tile computes the product."""
     for question in Stages(22).questions():
         assert task.answer(question)[1] == "", question.name
 
