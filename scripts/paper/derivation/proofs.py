@@ -53,8 +53,8 @@ PATTERNS = (
     (r"(cos|sin)_phi", r"\\\1\\phi"),
     (r"(cos|sin)([34])", r"\\\1\\frac{\\theta_\2}{2}"),
     (r"sqrt_(\w)", r"\\sqrt{d_\1}"),
-    (r"(az|tilt|arm)_([cs])", r"\\mathrm{\1}_\2"),
-    (r"(az|tilt|arm)_sq", r"|\\mathrm{\1}|^2"),
+    (r"(az|tilt|bend)_([cs])", r"\\mathrm{\1}_\2"),
+    (r"(az|tilt|bend)_sq", r"|\\mathrm{\1}|^2"),
 )
 """Pattern of names -> LaTeX. A name in neither table is its own LaTeX."""
 
