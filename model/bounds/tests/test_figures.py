@@ -122,7 +122,7 @@ def answers(targets: Callable[[int], np.ndarray], width: int, datapath: str) -> 
     run, angle = runs[0], np.maximum(runs[0].shoulder_angle, runs[0].elbow_angle)
     if not lean:  # a few targets near singular poses dominate the maximum and the root mean square
         return found | {"hand median": float(np.median(run.hand)), "angle median": float(np.median(angle))}
-    nodes = run.answer.bits.nodes
+    nodes = run.answer.nodes
     final = [nodes[name] for name in ("w_q", "i_q", "j_q", "k_q", "elbow_w", "elbow_i")]  # to results
     inner = np.column_stack([node.value * node.format.ulp for node in final]) * (1, 1, 1, 1, 1, -1)
     products = max(abs(e) for node in nodes.values() if node.kind == "mul3" for e in node.error)
@@ -130,18 +130,11 @@ def answers(targets: Callable[[int], np.ndarray], width: int, datapath: str) -> 
 
 
 class Local(Real):
-    """Dataflow in double precision, each node computed from its operands' words; ``off``: node -> rounding error."""
+    """Dataflow in double precision, each node computed from its operands' words."""
 
-    def __init__(self, bits: fixed.Bits) -> None:
-        self.off: dict[str, np.ndarray] = {}
-        super().__init__(bits, {})
-
-    def _moved(self, node, value):
-        if not node.frac:
-            return value
-        word = np.asarray(self.word(node.name), np.float64)
-        self.off[node.name] = np.asarray(word - value, np.float64)
-        return word
+    def __getitem__(self, name: str):
+        node = self.nodes[name]
+        return np.asarray(node.value, np.float64) if node.frac else node.value
 
 
 NOISE = 1e-14  # an rms error up to this is noise of double precision
@@ -151,9 +144,11 @@ def nodes(width: int, datapath: str) -> Figures:
     """Return each node's rms rounding error. It is not in ulps, because that would not reveal a shortened word."""
     words = everywhere(width)
     reached = expected_flags(words, width) & UNREACHABLE == 0
-    off = Local(fixed.run(words, width, datapath).bits).off
-    rms = {f"{name} rms": float(np.sqrt(np.mean(error[reached] ** 2))) for name, error in off.items()}
-    return {name: figure for name, figure in rms.items() if figure > NOISE}
+    real, figures = Local(fixed.run(words, width, datapath).nodes, {}), {}
+    for name, node in real.nodes.items():
+        if node.frac and (rms := np.sqrt(np.mean((real.word(name) - real.values[name])[reached] ** 2))) > NOISE:
+            figures[f"{name} rms"] = float(rms)
+    return figures
 
 
 PATHS = {"lean": range(16, 33), "lean16": (16, 18, 24), "lean25": (18, 24, 32), "paper": (18, 24, 32)}

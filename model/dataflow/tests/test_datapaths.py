@@ -94,7 +94,7 @@ class Run:
         assert (results[:, 4] >= 0).all() and (results[:, 5] <= 0).all(), f"signs of Qe{where}"
         wrong = np.flatnonzero(self.answer.flags != flags)
         assert not len(wrong), f"flags of {self.words[wrong[0]].tolist()}: {self.answer.flags[wrong[0]]}"
-        for name, node in self.answer.bits.nodes.items():
+        for name, node in self.answer.nodes.items():
             value = np.asarray(node.value)
             assert ((value >= node.format.low) & (value <= node.format.high)).all(), f"{name} leaves its format{where}"
 
@@ -207,9 +207,9 @@ def python(text: str):
 def test_the_equation_is_what_the_operation_computes(datapath):
     """Check that each node's equation text, evaluated in double precision, gives the node's value."""
     words = random_reachable(200, 24, 3)
-    bits = fixed.run(hand_poses(words, 24, 1) if datapath == "arm" else words, 24, datapath).bits
-    values, no_text = predict.Real(bits, {}).values, ("input", "even", "trig", "sincos", "normalize")
-    nodes = [n for n in bits.nodes.values() if n.kind not in no_text and not re.search("leading|outside", n.right_side)]
+    run = fixed.run(hand_poses(words, 24, 1) if datapath == "arm" else words, 24, datapath).nodes
+    values, no_text = predict.Real(run, {}).values, ("input", "even", "trig", "sincos", "normalize")
+    nodes = [n for n in run.values() if n.kind not in no_text and not re.search("leading|outside", n.right_side)]
     nodes = [node for node in nodes if datapath != "arm" or node.section == "hand"]
     assert len(nodes) > {"lean": 100, "arm": 20, "paper": 180}[datapath]
     for node in nodes:
@@ -308,8 +308,8 @@ def test_every_input_has_an_answer(width):
     ends = [(1 << width - 2) + side * (1 << width - 10) - less for side in (1, -1) for less in (0, 1)]
     words[:4, 7:] = [(0, end, 0, 0) for end in ends]  # just inside and outside both limits of a good hand's length
     answer = fixed.run(words, width, "arm")
-    nodes = {name: node.value for name, node in answer.bits.nodes.items()}
-    for name, node in answer.bits.nodes.items():
+    nodes = {name: node.value for name, node in answer.nodes.items()}
+    for name, node in answer.nodes.items():
         value = np.asarray(node.value)
         assert ((value >= node.format.low) & (value <= node.format.high)).all(), f"{name} leaves its format"
     # flags, in Python's integers
