@@ -21,7 +21,7 @@ from ..reference.kinematics import forward
 class Real:
     """Dataflow in double precision for the targets of a run, with some nodes moved; ``values``: node name -> values.
 
-    ``nodes``: those of an :class:`..dataflow.fixed.Answer`.  ``moves`` maps the name of each moved node to the distances
+    ``nodes``: from an :class:`..dataflow.fixed.Answer`.  ``moves`` maps the name of each moved node to the distances
     (N,), in ulps, that are added to the node's value.
     """
 

@@ -265,11 +265,7 @@ def elbow(d: Dataflow) -> None:
     d.mask("flat", n["clamp"] | (tmp1 <= 0))
     d.mask("back", Select(n["clamp"], n["away"], k_e < 0))
 
-    for axis, m, (u, mu), (v, mv) in (
-        ("x", "1", ("k", "2"), ("j", "3")),
-        ("y", "2", ("i", "3"), ("k", "1")),
-        ("z", "3", ("j", "1"), ("i", "2")),
-    ):
+    for axis, m, u, mu, v, mv in ("x1k2j3", "y2i3k1", "z3j1i2"):  # x: pp_1_m, pp_k pp_2_m - pp_j pp_3_m
         d.node(f"e_{axis}_{u}", Mul(n[f"pp_{u}"], n[f"pp_{mu}_m"]), d.wide(5))
         d.node(f"e_{axis}_{v}", Mul(n[f"pp_{v}"], n[f"pp_{mv}_m"]), d.wide(5))
         d.node(f"e_{axis}_pp", Total(n[f"e_{axis}_{u}"] - n[f"e_{axis}_{v}"]), d.wide(5), within=ELBOW_NUM)
@@ -297,12 +293,11 @@ ARMS_PRODUCT = Rule("d1 d2 <= ((d1 + d2) / 2)^2", lambda c: (0.0, 0.25))
 def elbow_quaternion(d: Dataflow) -> None:
     """Build section 3.3: the elbow quaternion (14)."""
     n = d.nodes
-    rounded_sum = Growth(added=True)
     d.at("elbow_q", "(14)")
 
     for a in "xyz":
         # p_e^2 - p_e p_w = p_e (p_e - p_w)
-        facts = {"rounding": HALF_UP, "ends": SATURATE, "within": FOREARM, "grows": rounded_sum}
+        facts = {"rounding": HALF_UP, "ends": SATURATE, "within": FOREARM, "grows": Growth(added=True)}
         d.node(f"f_{a}", n[f"p_e_{a}"] - n[f"p_a_{a}"], d.word(1), "sum2", **facts)
         d.node(f"t_{a}", Mul(n[f"p_e_{a}"], n[f"f_{a}"]), d.wide(1))
 
@@ -415,11 +410,10 @@ def rotate_to_wrist(d: Dataflow) -> None:
 
     # sign: the side of the rotated plane on which the target lies.  The target of a flat arm lies in the plane.  Then
     # -PP^- sets the sign if the target is in the direction of the elbow, +PP^- if the target is behind the shoulder.
-    scaled = Growth((1 / 8, 1.0), exact=True)
     for a, m in (("x", "1"), ("y", "2"), ("z", "3")):
         line = n[f"pp_{m}_m"] / 8
         side = Select(n["flat"], Select(n["back"], line, -line), n[f"p_w_{a}"])
-        d.node(f"side_{a}", side, d.word(0), grows=scaled)
+        d.node(f"side_{a}", side, d.word(0), grows=Growth((1 / 8, 1.0), exact=True))
     d.node("sg_r", Mul(n["side_x"], n["r_x"]), d.wide(1))
     d.node("sg_y", Mul(q_j, n["side_y"]), d.wide(1))
     d.node("sg_z", Mul(q_k, n["side_z"]), d.wide(1))
