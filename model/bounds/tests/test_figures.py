@@ -78,10 +78,8 @@ def reciprocal_root(frac: int, tile: int) -> Figures:
     measured in the middle of the interval, the largest error at its ends."""
     m = around(1 << frac + 1, 1 << frac + 3, 3072, frac)
     y = quadratic.rsqrt(m, frac, tile)
-    low, middle, high = (
-        (y - np.longdouble(2) ** frac / 2 / np.sqrt((m + part) / np.longdouble(2) ** (frac + 3))).astype(np.float64)
-        for part in (np.longdouble(0), np.longdouble(0.5), np.longdouble(1))
-    )
+    two, parts = np.longdouble(2), np.array([[0], [0.5], [1]], np.longdouble)
+    low, middle, high = (y - two**frac / 2 / np.sqrt((m + parts) / two ** (frac + 3))).astype(np.float64)
     found = measured(error=middle) | {"error max": float(max(np.abs(low).max(), np.abs(high).max()))}
     proved = quadratic.rsqrt_error(frac, tile)
     assert proved < quadratic.rsqrt_places(frac, tile)
