@@ -51,7 +51,7 @@ def codes(name: str = "fold") -> dict[str, tuple]:
     lowering, groups = lower(WIDTH, name)
     steps = [step for group in groups.values() for _, step in group]
     fixed = (NEVER, ALWAYS, NO_COUNT)
-    found = dict.fromkeys(s for step in steps for s in step.selectors if s not in fixed)
+    found = dict.fromkeys(s for step in steps for s, _ in timing.selections(Placed(0, step)) if s not in fixed)
     order = sorted(found, key=lambda selector: selector.node not in lowering.INPUTS)
 
     def selectors(used, *first: Selector) -> tuple[Selector, ...]:

@@ -142,12 +142,6 @@ class Step:
         """Variables whose memory words the step reads."""
         return [word_of(o) for o in (self.a, self.b) if o is not None] + [row.of for row in self.rows]
 
-    @property
-    def selectors(self) -> list[Selector]:
-        """The step's selectors; some may be :data:`NEVER`."""
-        picks = [o.flag for o in (self.write and self.write.to, self.a, self.b) if isinstance(o, Pick)]
-        return [self.minus, *picks, self.addend_by]
-
 
 BEND, READ, ROW, ADD, SUM, WRITE, NORM = -1, 0, 1, 3, 4, 5, 7
 """Clocks of a step's actions, from its issue: read the table row for c2; read the words; read the row for the addend;
@@ -250,7 +244,7 @@ def word_writes(placed: Placed) -> list[Use]:
 
 
 def selections(placed: Placed) -> list[tuple[Selector, int]]:
-    """Return the step's selectors and the clocks in which they are needed."""
+    """Return the step's selectors, some of which may be :data:`NEVER`, and the clocks in which they are needed."""
     step, at = placed.step, placed.at
     needs = [(o.flag, at + READ) for o in (step.a, step.b) if isinstance(o, Pick)]
     needs += [(step.addend_by, at + ADD), (step.minus, at + ADD)]
