@@ -214,9 +214,7 @@ HEIGHT_SQ = Rule(
     lambda c: c.tmp1,
 )
 HEIGHT = Rule("its root", lambda c: (0.0, math.sqrt(c.tmp1[1])))
-ELBOW_NUM = Rule(
-    "the numerators of (13) are the components of p_e times |PP^-|^2", upto(lambda c: c.p_e * c.pp[1] ** 2)
-)
+ELBOW_NUM = Rule("numerators of (13): components of p_e times |PP^-|^2", upto(lambda c: c.p_e * c.pp[1] ** 2))
 ELBOW = Rule(
     "the elbow is d1 away from the shoulder (with rounded lengths at most |k_e| / 2|p_w|)",
     upto(lambda c: c.p_e),
@@ -373,10 +371,7 @@ PLANE_LENGTH = Rule("|pi_swivel| = |b|", lambda c: c.b)
 PLANE_INVERSE = Rule("1/|pi_swivel| = 1/|b|", lambda c: (1 / c.b[1], 1 / c.b[0]))
 TURNED = Rule("(q_k^2 + q_j^2) - q_i^2, and the three make 1", upto(lambda c: 1.0))
 PART = Rule("|(q_j, q_k)| |pi_swivel| <= sqrt 2", upto(lambda c: c.b[1]))
-PRODUCT = Rule(
-    "2 |q_i| |(q_j, q_k)| <= 1, so the product is no longer than the vector: |pi_swivel| <= sqrt 2",
-    upto(lambda c: c.b[1]),
-)
+PRODUCT = Rule("2 |q_i| |(q_j, q_k)| <= 1, so at most |pi_swivel| <= sqrt 2", upto(lambda c: c.b[1]))
 ROTATED = Rule("pi_swivel times a unit vector", upto(lambda c: c.b[1]))
 SIDE_PART = Rule("|(q_j, q_k)| |side| <= sqrt 3", upto(lambda c: SQRT3))
 SIDE_PRODUCT = Rule("the same with |side| <= sqrt 3", upto(lambda c: SQRT3))
