@@ -341,7 +341,11 @@ class LeanRanges:
             taken = (self.flow.nodes[name] for name in node.as_words)
             exact = {operand.name: Bound(*on_grid(self.bounds[operand.name].word, operand.format)) for operand in taken}
             self.bounds[node.name] = bound = self._bound(node, self.bounds | exact)
-            self._check(node, bound)
+            fmt, (least, most) = node.format, bound.word
+            if isinstance(node.within, Within) and node.within.below:
+                least, most = bound.low, bound.high - fmt.ulp
+            if node.frac and (least < fmt.low * fmt.ulp or most >= (fmt.high + 1) * fmt.ulp and not node.limited):
+                self.failed[node.name] = unfit(node, least, most)
 
     def _bound(self, node: Node, operands: Mapping[str, Bound]) -> Bound:
         fmt = node.format
@@ -356,11 +360,3 @@ class LeanRanges:
             error = UP * (error + max(map(abs, node.error)) * fmt.ulp)
         bound = Bound(node.within.low, node.within.high, error)
         return replace(bound, floor=0.0) if node.kind == "vector" and not fmt.signed else bound  # a length
-
-    def _check(self, node: Node, bound: Bound) -> None:
-        fmt = node.format
-        least, most = bound.word
-        if isinstance(node.within, Within) and node.within.below:
-            least, most = bound.low, bound.high - fmt.ulp
-        if node.frac and (least < fmt.low * fmt.ulp or most >= (fmt.high + 1) * fmt.ulp and not node.limited):
-            self.failed[node.name] = unfit(node, least, most)

@@ -169,8 +169,7 @@ ANGLE_CLOCKS = {24: AngleClocks(12, 15, 16), 32: AngleClocks(16, 17, 18)}
 COMPARED = 2  # clocks from a joint's angle until its comparison with the limits
 
 
-@dataclass(frozen=True)
-class Vector:
+class Vector(NamedTuple):
     """Vector (x, y), or (x, -y) if ``opposite``, of results or, if ``lengths``, of the last two vectors' lengths."""
 
     angle: str
@@ -181,8 +180,7 @@ class Vector:
     lengths: bool
 
 
-@dataclass(frozen=True)
-class Joint:
+class Joint(NamedTuple):
     """Joint angle: twice the vector angle ``angle``, or ``angle`` plus (if ``minus``: minus) the angle ``other``."""
 
     name: str
@@ -202,8 +200,7 @@ class Joint:
         return "_".join(name.removeprefix("branch_") for name in self.branch)
 
 
-@dataclass(frozen=True)
-class Placed:
+class Placed(NamedTuple):
     """Step with the clock of its issue."""
 
     at: int
