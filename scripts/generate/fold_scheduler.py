@@ -14,8 +14,8 @@ from dataclasses import asdict
 import click
 
 from model.dataflow.fold import steps as timing
-from model.dataflow.fold.lowering import Groups, Lowering
-from model.dataflow.fold.program import PROGRAMS, SCHEDULES, Schedule, encode, lower, schedules
+from model.dataflow.fold.lowering import Lowering
+from model.dataflow.fold.program import PROGRAMS, SCHEDULES, Schedule, encode, schedules
 from model.dataflow.fold.steps import Placed, Selector
 from scripts.console import InputError, Options, command, option, whole
 
@@ -26,8 +26,9 @@ LATENCY, PERIOD = {"fold": 140, "fold_arm": 340}, {"fold": {32: 88}, "fold_arm":
 class _Problem:
     """Constraint model of a schedule. Variables are clocks: ``loads`` of inputs, ``starts`` of groups and vectors."""
 
-    def __init__(self, model, lowering: Lowering, groups: Groups, period: int, latency: int) -> None:
+    def __init__(self, model, lowering: Lowering, period: int, latency: int) -> None:
         self.model, self.lowering, self.period, self.latency = model, lowering, period, latency
+        groups = lowering.groups()
         self.at_place: dict[str, list] = {}  # load or start -> a mask for each place of the lap
         self.loads = {name: self._clock(f"load {name}", 0, period - 1) for name in lowering.INPUTS}
         vectors = [angle for angle, vector in lowering.vectors.items() if not vector.lengths]
@@ -175,11 +176,11 @@ def main(parsed: Options) -> int:
     name = parsed.datapath
     made = schedules(name).copy()
     for longest, clocks in PERIOD[name].items():
-        lowering, groups = lower(longest, name)
+        lowering = PROGRAMS[name](longest)
         period = parsed.period or clocks
-        steps = sum(map(len, groups.values()))
+        steps = sum(map(len, lowering.groups().values()))
         print(f"{steps} steps, one target every {period} clocks up to W = {longest}", flush=True)
-        problem = _Problem(cp_model.CpModel(), lowering, groups, period, LATENCY[name])
+        problem = _Problem(cp_model.CpModel(), lowering, period, LATENCY[name])
         solver = cp_model.CpSolver()
         solver.parameters.max_time_in_seconds = parsed.seconds
         status = solver.solve(problem.model)
@@ -189,7 +190,7 @@ def main(parsed: Options) -> int:
             return 1
         parts = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
         made[longest] = Schedule(period, *parts)
-        encode(lowering, groups, made[longest], name)  # raises if two steps need the same field or place
+        encode(lowering, made[longest], name)  # raises if two steps need the same field or place
     written = {longest: asdict(of) for longest, of in made.items()}
     SCHEDULES[name].write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
     print(f"wrote {SCHEDULES[name].name}")

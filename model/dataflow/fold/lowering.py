@@ -48,7 +48,7 @@ class Sum:
 
 
 class Lowering:
-    """Lean dataflow as steps: call :meth:`build`, then :meth:`groups`.
+    """Lean dataflow, and its steps, which :meth:`groups` returns.
 
     An operation's ``lower`` calls the method of this class that the operation names, with the node and its terms.
     """
@@ -63,7 +63,7 @@ class Lowering:
         self.nodes = self.flow.nodes
         self.inner = inner_frac(width) + 2  # bits of an inner word
         self.bits = max(self.inner, root_frac(width) + 4)  # of a memory word: an inner word, or a mantissa with a sign
-        self.weight: dict[str, int] = {}
+        self.weight: dict[str, int] = dict.fromkeys(FIELDS, EXACT_WEIGHT)
         self.terms: dict[str, Step] = {}  # products, and nodes computed like a product, without an earlier addend
         self.sums: defaultdict[str, list[Sum]] = defaultdict(list)  # by the first term
         self.norms: dict[str, tuple[Normal, timing.Counted | None]] = {}  # by the term or sum that is normalized
@@ -76,10 +76,6 @@ class Lowering:
         self.joints: dict[str, timing.Joint] = {}
         self.rounded: set[str] = set()  # nodes whose steps round half up or down, as the node does
         self.angle_clocks = next(of for longest, of in timing.ANGLE_CLOCKS.items() if width <= longest)
-
-    def build(self) -> None:
-        """Build the whole dataflow, and the steps of its nodes."""
-        self.weight |= dict.fromkeys(FIELDS, EXACT_WEIGHT)
         self.make(self.flow.inputs((*self.INPUTS, *self.SIDE)))
         for node in self.nodes.values():
             if node.format != self.flow.bit:

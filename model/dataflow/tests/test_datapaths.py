@@ -19,7 +19,7 @@ from model.dataflow import fixed
 from model.dataflow.angles import table
 from model.dataflow.choose import STEP_BITS, eps
 from model.dataflow.datapaths import CONFIGURATIONS, MODELS
-from model.dataflow.fold.program import ConflictError, codes, encode, fields, lower, program, schedule, schedules
+from model.dataflow.fold.program import PROGRAMS, ConflictError, codes, encode, fields, program, schedule, schedules
 from model.dataflow.fold.shown import shown
 from model.io import stimuli
 from model.io.flags import AT_SHOULDER, BAD_HAND, CORE_FLAGS, OVER_BIT, SATURATED, UNREACHABLE, expected_flags
@@ -235,10 +235,10 @@ def test_the_verilog_has_the_equation_of_each_operator(datapath, section):
             assert named, f"{path.module(section)}.v lacks the comment {node.equation} {node.name} = {node.right_side}"
 
 
-PROGRAMS = pytest.mark.parametrize("name", ["fold", "fold_arm"])
+each_program = pytest.mark.parametrize("name", PROGRAMS)
 
 
-@PROGRAMS
+@each_program
 def test_a_schedule_has_the_same_program_at_every_word_length(name):
     for width in CONFIGURATIONS["fold"].widths:
         pair = program(width, name)[1], program(min(of for of in schedules(name) if width <= of), name)[1]
@@ -255,15 +255,15 @@ def test_the_units_of_both_programs_have_the_same_codes():
         assert field in own or codes("fold_arm")[field] == of
 
 
-@PROGRAMS
+@each_program
 def test_steps_in_the_clocks_of_another_step_are_refused(name):
     """Check that two steps that need a field or a place in the same clock are refused.  A step in a wrong clock without
     such a conflict gives wrong nodes in the RTL, which `tb/core/test_every_node.py` finds."""
-    (lowering, groups), found = lower(24, name), schedule(24, name)
-    first, *others = groups
+    lowering, found = PROGRAMS[name](24), schedule(24, name)
+    first, *others = lowering.groups()
     for other in others[::7]:
         with pytest.raises(ConflictError, match="twice|lives|no place"):
-            encode(lowering, groups, replace(found, starts=found.starts | {other: found.starts[first]}), name)
+            encode(lowering, replace(found, starts=found.starts | {other: found.starts[first]}), name)
 
 
 @pytest.mark.parametrize(("name", "flow"), [("fold", "lean"), ("fold_arm", "arm")])
