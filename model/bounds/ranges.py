@@ -264,15 +264,11 @@ class Ranges:
         error = min(error, rule.error(self.case))
         return self._fit(node, Bound(low, high, error, max(word[0], floor), min(word[1], ceiling)))
 
-    def _given(self, node: Node) -> Bound:
-        fmt = node.format
-        least, most = node.within.limit(self.case) if isinstance(node.within, Given) else ANYTHING
-        return self._fit(node, Bound(max(fmt.low * fmt.ulp, least), min(fmt.high * fmt.ulp, most)))
-
     def _of_expression(self, node: Node) -> Bound:
         fmt = node.format
         if isinstance(node.within, Given) or fmt.width == 1:
-            return self._given(node)
+            least, most = node.within.limit(self.case) if isinstance(node.within, Given) else ANYTHING
+            return self._fit(node, Bound(max(fmt.low * fmt.ulp, least), min(fmt.high * fmt.ulp, most)))
         # Selections, shifts and additions are monotone in each operand while the other operands and the signs of
         # compared operands are fixed. The extremes lie at the ends of the operands' ranges or at -1, 0 or 1 within.
         ends = [int(word) for word in np.atleast_1d(node.evaluate(_grid(node, self._corners)))]
@@ -336,18 +332,20 @@ def analyse(width: int) -> tuple[dict[str, Proved], dict[str, str]]:
 
 
 class LeanRanges:
-    """Bounds of the lean dataflow or of the whole arm, by node name.  ``errors``: node -> error bound of its word;
-    ``failed``: node that does not fit its format -> message."""
+    """Bounds of the lean dataflow or of the whole arm, by node name; ``failed``: node that does not fit its format ->
+    message."""
 
     def __init__(self, width: int, datapath: str = "lean") -> None:
         self.flow, self.bounds, self.failed = dataflow(datapath, width), dict[str, Bound](), dict[str, str]()
-        self.errors: dict[str, float] = {}
         for node in self.flow.nodes.values():
             taken = (self.flow.nodes[name] for name in node.as_words)
             exact = {operand.name: Bound(*on_grid(self.bounds[operand.name].word, operand.format)) for operand in taken}
             self.bounds[node.name] = bound = self._bound(node, self.bounds | exact)
-            self.errors[node.name] = bound.error
-            self._check(node, bound)
+            fmt, (least, most) = node.format, bound.word
+            if isinstance(node.within, Within) and node.within.below:
+                least, most = bound.low, bound.high - fmt.ulp
+            if node.frac and (least < fmt.low * fmt.ulp or most >= (fmt.high + 1) * fmt.ulp and not node.limited):
+                self.failed[node.name] = unfit(node, least, most)
 
     def _bound(self, node: Node, operands: Mapping[str, Bound]) -> Bound:
         fmt = node.format
@@ -362,11 +360,3 @@ class LeanRanges:
             error = UP * (error + max(map(abs, node.error)) * fmt.ulp)
         bound = Bound(node.within.low, node.within.high, error)
         return replace(bound, floor=0.0) if node.kind == "vector" and not fmt.signed else bound  # a length
-
-    def _check(self, node: Node, bound: Bound) -> None:
-        fmt = node.format
-        least, most = bound.word
-        if isinstance(node.within, Within) and node.within.below:
-            least, most = bound.low, bound.high - fmt.ulp
-        if node.frac and (least < fmt.low * fmt.ulp or most >= (fmt.high + 1) * fmt.ulp and not node.limited):
-            self.failed[node.name] = unfit(node, least, most)

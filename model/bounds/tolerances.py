@@ -114,6 +114,5 @@ def scale(words: np.ndarray, width: int, datapath: str) -> np.ndarray:
 
 def norm(width: int, datapath: str) -> float:
     """Return the largest permitted abs(norm^2 - 1) of a quaternion."""
-    lean = MODELS[datapath].equations == "lean"
-    ulps = max(LEAN_NORMS[width]) if lean else PAPER_NORM
+    ulps = max(LEAN_NORMS[width]) if MODELS[datapath].equations == "lean" else PAPER_NORM
     return ulps * 2.0 ** (2 - width)

@@ -25,7 +25,8 @@ from .nodes import WRAP, Dataflow, Node
 SECTION = {"choose": "the branch nearest to the reference joints"}
 
 STEP_BITS = 12
-"""Bits of a step; above them is a bit for angles outside their limits."""
+STEP = Format(STEP_BITS + 1, STEP_BITS - 1, str(STEP_BITS - 1), signed=False)
+"""Bits of a step, and its format: above these bits is a bit for angles outside their limits."""
 
 FOLD_CLOCKS = 50
 """Clocks of ``ik_fold_choose``, which has no named nodes."""
@@ -33,18 +34,10 @@ FOLD_CLOCKS = 50
 BALLS = {"shoulder": (1, 2, 3), "wrist": (6, 7, 5)}
 """Ball joint -> its three joints; the elbow bit also turns the last of them."""
 
-FUNCTIONS = {"max": np.maximum, "min": np.minimum}
-
 
 def eps(width: int) -> int:
     """Return the distance from 0 or half a turn, in ulps of a word, below which th2 and th6 count as singular."""
     return 8 if width > 24 else 16
-
-
-def near(angle: Node, most: int) -> Function:
-    """Return the mask of angles less than ``most`` ulps from 0 or from half a turn."""
-    half = (1 << angle.frac) - 1
-    return Function(lambda a: (a + most - 1 & half) < 2 * most - 1, "{} near 0 or half a turn", angle, frac=0)
 
 
 def step(gap: Node, out: Node, whole: bool) -> Function:
@@ -93,7 +86,9 @@ def choose(d: Dataflow, target: dict[str, Node]) -> None:
 def _split(d: Dataflow, angles: dict[int, Node], first: int, middle: int, last: int) -> None:
     """Replace the angles of the joints ``first`` and ``last`` where the joint ``middle`` is singular."""
     between, reference = angles[middle], d.nodes[REFERENCES[first - 1]]
-    singular = d.mask(f"singular_{middle}", near(between, eps(d.width)))
+    most, half = eps(d.width), (1 << between.frac) - 1
+    near = Function(lambda a: (a + most - 1 & half) < 2 * most - 1, "{} near 0 or half a turn", between, frac=0)
+    singular = d.mask(f"singular_{middle}", near)
     opposite = d.mask(f"opposite_{middle}", (between >= 0.5) | (between < -0.5))
     swing = d.node(f"swing_{first}", angles[first] - reference, d.word(0), "mux", ends=WRAP)
     rest = Select(singular, Select(opposite, -swing, swing), 0)
@@ -116,11 +111,8 @@ def _steps(d: Dataflow, k: int, angle: Node, low: int, high: int) -> list[Node]:
         at = above(f"at_{k}_{b}", value)
         out = d.mask(f"out_{k}_{b}", Function(lambda arc: arc > span, f"{{}} > span_{k}", at, frac=0))
         gap = d.node(f"gap_{k}_{b}", at - reference, Format(d.width + 1, d.width - 1, "W - 1"), "mux")
-        steps.append(d.node(f"step_{k}_{b}", step(gap, out, span == turn), GROUP))
+        steps.append(d.node(f"step_{k}_{b}", step(gap, out, span == turn), STEP))
     return steps
-
-
-GROUP = Format(STEP_BITS + 1, STEP_BITS - 1, str(STEP_BITS - 1), signed=False)
 
 
 def _turns(d: Dataflow, steps: dict[int, list[Node]]) -> dict[str, Node]:
@@ -128,7 +120,8 @@ def _turns(d: Dataflow, steps: dict[int, list[Node]]) -> dict[str, Node]:
     n = d.nodes
 
     def extreme(name: str, function: str, a: Node, b: Node) -> Node:
-        return d.node(name, Function(FUNCTIONS[function], f"{function}({{}}, {{}})", a, b), GROUP)
+        computed = {"max": np.maximum, "min": np.minimum}[function]
+        return d.node(name, Function(computed, f"{function}({{}}, {{}})", a, b), STEP)
 
     for ball, (one, two, shared) in BALLS.items():
         for b in (0, 1):

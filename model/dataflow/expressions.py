@@ -228,8 +228,7 @@ class Constant(Term):
         return number(self.value)
 
     def text(self, level=0):
-        power = self.frac if self.frac > 3 else 0
-        return f"{self.value.numerator} / 2^{power}" if power else str(self.value)
+        return f"{self.value.numerator} / 2^{self.frac}" if self.frac > 3 else str(self.value)
 
 
 class Sum(Operation):

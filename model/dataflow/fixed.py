@@ -5,7 +5,6 @@ A node's value is an int64 array over targets (an object array of Python integer
 depends on floating point: products and sums are exact and rounded once, division and root are rounded down.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -33,30 +32,19 @@ def dataflow(datapath: str, width: int, limits: tuple[tuple[int, int], ...] | No
     return flow
 
 
-class Bits:
-    """Run of a dataflow in integers.  ``nodes``: name -> node, with its words in ``value``."""
-
-    def __init__(self, flow: Dataflow, inputs: Mapping[str, np.ndarray]) -> None:
-        values = dict(inputs)
-        for name, node in flow.nodes.items():
-            if name not in values:
-                values[name] = node.evaluate(values)
-        self.nodes = {name: replace(node, value=values[name]) for name, node in flow.nodes.items()}
-
-
 @dataclass(frozen=True)
 class Answer:
     """Outputs of a datapath for N targets: ``results``, words (N, 6), or (N, 17) for the whole arm, in the order of
-    :attr:`.Datapath.results`; ``flags`` (N,); ``bits``, every node."""
+    :attr:`.Datapath.results`; ``flags`` (N,); ``nodes``: name -> node, with its words in ``value``."""
 
     results: np.ndarray
     flags: np.ndarray
-    bits: Bits
+    nodes: dict[str, Node]
 
     @property
     def shown(self) -> list[Node]:
         """Nodes that the RTL has, with their words."""
-        return [node for node in self.bits.nodes.values() if node.in_rtl]
+        return [node for node in self.nodes.values() if node.in_rtl]
 
 
 def run(words: np.ndarray, width: int, datapath: str = DEFAULT, branch=0, limits: Limits | None = None) -> Answer:
@@ -67,12 +55,14 @@ def run(words: np.ndarray, width: int, datapath: str = DEFAULT, branch=0, limits
     """
     path = MODELS[datapath]
     flow = dataflow(datapath, width, limits if limits is None else tuple((int(low), int(high)) for low, high in limits))
-    columns = dict(zip(path.inputs, np.asarray(words, dtype=np.int64).T, strict=True))
-    columns |= {name: np.broadcast_to(branch, len(words)) >> k & 1 for k, name in enumerate(path.side)}
-    bits = Bits(flow, columns)
-    value = {name: node.value for name, node in bits.nodes.items()}
-    flags = sum(value[name] * np.int64(flag) for name, flag in path.flags.items())
-    return Answer(np.stack([value[name] for name in path.results], axis=1), flags, bits)
+    values = dict(zip(path.inputs, np.asarray(words, dtype=np.int64).T, strict=True))
+    values |= {name: np.broadcast_to(branch, len(words)) >> k & 1 for k, name in enumerate(path.side)}
+    for name, node in flow.nodes.items():
+        if name not in values:
+            values[name] = node.evaluate(values)
+    nodes = {name: replace(node, value=values[name]) for name, node in flow.nodes.items()}
+    flags = sum(values[name] * np.int64(flag) for name, flag in path.flags.items())
+    return Answer(np.stack([values[name] for name in path.results], axis=1), flags, nodes)
 
 
 def nodes(datapath: str, width: int) -> dict[str, Node]:
@@ -89,4 +79,4 @@ def of_hands(words: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Return, for hand poses (the whole arm's input words (N, 11)), the core's input words (N, 6) and the flags (N,)
     ``BAD_HAND`` and ``SATURATED``."""
     answer = run(words, width, "arm")
-    return np.stack([answer.bits.nodes[name].value for name in FIELDS], axis=1), answer.flags & (BAD_HAND | SATURATED)
+    return np.stack([answer.nodes[name].value for name in FIELDS], axis=1), answer.flags & (BAD_HAND | SATURATED)

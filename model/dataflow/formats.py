@@ -143,8 +143,7 @@ class LeanFormats:
     """Formats of the lean dataflow at one word length."""
 
     def __init__(self, width: int) -> None:
-        frac = inner_frac(width)
-        self.frac = frac
+        self.frac = frac = inner_frac(width)
         self.even_width = width + width % 2  # width of a length rounded up to even, as its shifts are even
         self.odd = width % 2
         self.inner = Format(frac + 2, frac, "FRAC")

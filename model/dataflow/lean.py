@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dataflow of ``rtl/lean``: the paper's results, computed from two levels of reciprocal square roots.
 
-docs/generated/lean.md derives the equations from (10)-(18).  In reach, with s = |p|^2 and rho^2 = x^2 + y^2:
-
-    A = (d1 + d2)^2 - s    B = s - (d1 - d2)^2    K = s + d1^2 - d2^2              a_far, b_near, k_law
-    Qe = sqrt(A)/(2 sqrt(d1 d2)) - sqrt(B)/(2 sqrt(d1 d2)) i                       the paper's (14)
-    (u_x, u_y) = (x, y)/rho    sin_el = z/|p|    cos_el = rho/|p|
-    cos a = K/(2 d1 |p|)    sin a = sqrt(A) sqrt(B)/(2 d1 |p|)
-    Qs = Rz(azimuth + 90 deg) Rx(90 deg - elevation) Rz(phi) Rx(-a)                the paper's (18)
+The equations are at the top of :mod:`model.reference.lean_equations`; docs/generated/lean.md derives them from the
+paper's.  A, B and K are the nodes a_far, b_near and k_law; s, rho_sq, sin_el, cos_el have the equations' names, and
+(u_x, u_y) is (x, y)/rho.
 
 Exact part.  Squares, their sums, A, B and K are integers of 2W + 2 bits; their signs decide the flags.  The argument of
 every root is normalized by an even shift, so the root's relative precision does not depend on the argument's size.  The

@@ -4,7 +4,7 @@
 A dataflow (:mod:`model.dataflow.paper`, :mod:`model.dataflow.lean`, :mod:`model.dataflow.arm`) is written once, as
 nodes.  Each node has an operation (:mod:`model.dataflow.expressions`), from which everything else is computed:
 
-* words, equal to the RTL in every bit: :class:`model.dataflow.fixed.Bits`;
+* words, equal to the RTL in every bit: :func:`model.dataflow.fixed.run`;
 * double precision with chosen nodes disturbed: :class:`model.bounds.predict.Real`;
 * intervals and error growth: :mod:`model.bounds.ranges`;
 * formulas over the reals: :class:`tb.formal.lean_proofs.Exact`;

@@ -214,9 +214,7 @@ HEIGHT_SQ = Rule(
     lambda c: c.tmp1,
 )
 HEIGHT = Rule("its root", lambda c: (0.0, math.sqrt(c.tmp1[1])))
-ELBOW_NUM = Rule(
-    "the numerators of (13) are the components of p_e times |PP^-|^2", upto(lambda c: c.p_e * c.pp[1] ** 2)
-)
+ELBOW_NUM = Rule("numerators of (13): components of p_e times |PP^-|^2", upto(lambda c: c.p_e * c.pp[1] ** 2))
 ELBOW = Rule(
     "the elbow is d1 away from the shoulder (with rounded lengths at most |k_e| / 2|p_w|)",
     upto(lambda c: c.p_e),
@@ -265,11 +263,7 @@ def elbow(d: Dataflow) -> None:
     d.mask("flat", n["clamp"] | (tmp1 <= 0))
     d.mask("back", Select(n["clamp"], n["away"], k_e < 0))
 
-    for axis, m, (u, mu), (v, mv) in (
-        ("x", "1", ("k", "2"), ("j", "3")),
-        ("y", "2", ("i", "3"), ("k", "1")),
-        ("z", "3", ("j", "1"), ("i", "2")),
-    ):
+    for axis, m, u, mu, v, mv in ("x1k2j3", "y2i3k1", "z3j1i2"):  # x: pp_1_m, pp_k pp_2_m - pp_j pp_3_m
         d.node(f"e_{axis}_{u}", Mul(n[f"pp_{u}"], n[f"pp_{mu}_m"]), d.wide(5))
         d.node(f"e_{axis}_{v}", Mul(n[f"pp_{v}"], n[f"pp_{mv}_m"]), d.wide(5))
         d.node(f"e_{axis}_pp", Total(n[f"e_{axis}_{u}"] - n[f"e_{axis}_{v}"]), d.wide(5), within=ELBOW_NUM)
@@ -297,12 +291,11 @@ ARMS_PRODUCT = Rule("d1 d2 <= ((d1 + d2) / 2)^2", lambda c: (0.0, 0.25))
 def elbow_quaternion(d: Dataflow) -> None:
     """Build section 3.3: the elbow quaternion (14)."""
     n = d.nodes
-    rounded_sum = Growth(added=True)
     d.at("elbow_q", "(14)")
 
     for a in "xyz":
         # p_e^2 - p_e p_w = p_e (p_e - p_w)
-        facts = {"rounding": HALF_UP, "ends": SATURATE, "within": FOREARM, "grows": rounded_sum}
+        facts = {"rounding": HALF_UP, "ends": SATURATE, "within": FOREARM, "grows": Growth(added=True)}
         d.node(f"f_{a}", n[f"p_e_{a}"] - n[f"p_a_{a}"], d.word(1), "sum2", **facts)
         d.node(f"t_{a}", Mul(n[f"p_e_{a}"], n[f"f_{a}"]), d.wide(1))
 
@@ -378,10 +371,7 @@ PLANE_LENGTH = Rule("|pi_swivel| = |b|", lambda c: c.b)
 PLANE_INVERSE = Rule("1/|pi_swivel| = 1/|b|", lambda c: (1 / c.b[1], 1 / c.b[0]))
 TURNED = Rule("(q_k^2 + q_j^2) - q_i^2, and the three make 1", upto(lambda c: 1.0))
 PART = Rule("|(q_j, q_k)| |pi_swivel| <= sqrt 2", upto(lambda c: c.b[1]))
-PRODUCT = Rule(
-    "2 |q_i| |(q_j, q_k)| <= 1, so the product is no longer than the vector: |pi_swivel| <= sqrt 2",
-    upto(lambda c: c.b[1]),
-)
+PRODUCT = Rule("2 |q_i| |(q_j, q_k)| <= 1, so at most |pi_swivel| <= sqrt 2", upto(lambda c: c.b[1]))
 ROTATED = Rule("pi_swivel times a unit vector", upto(lambda c: c.b[1]))
 SIDE_PART = Rule("|(q_j, q_k)| |side| <= sqrt 3", upto(lambda c: SQRT3))
 SIDE_PRODUCT = Rule("the same with |side| <= sqrt 3", upto(lambda c: SQRT3))
@@ -415,11 +405,10 @@ def rotate_to_wrist(d: Dataflow) -> None:
 
     # sign: the side of the rotated plane on which the target lies.  The target of a flat arm lies in the plane.  Then
     # -PP^- sets the sign if the target is in the direction of the elbow, +PP^- if the target is behind the shoulder.
-    scaled = Growth((1 / 8, 1.0), exact=True)
     for a, m in (("x", "1"), ("y", "2"), ("z", "3")):
         line = n[f"pp_{m}_m"] / 8
         side = Select(n["flat"], Select(n["back"], line, -line), n[f"p_w_{a}"])
-        d.node(f"side_{a}", side, d.word(0), grows=scaled)
+        d.node(f"side_{a}", side, d.word(0), grows=Growth((1 / 8, 1.0), exact=True))
     d.node("sg_r", Mul(n["side_x"], n["r_x"]), d.wide(1))
     d.node("sg_y", Mul(q_j, n["side_y"]), d.wide(1))
     d.node("sg_z", Mul(q_k, n["side_z"]), d.wide(1))

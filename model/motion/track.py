@@ -124,9 +124,9 @@ class Tracker:
             return Step(None, 0, inf)
         gx, gy, gz = gx / size, gy / size, gz / size
         vx, vy, vz = ny * gz - nz * gy, nz * gx - nx * gz, nx * gy - ny * gx
-        cos_a, sin_a = (s + d1 * d1 - d2 * d2) / (2 * d1 * far), stretch * fold / (2 * d1 * far)
-        ux, uy, uz = cos_a * nx + sin_a * vx, cos_a * ny + sin_a * vy, cos_a * nz + sin_a * vz
-        yz_u = cos_a * vz - sin_a * nz  # z component of the upper arm's y
+        cosine, sine = (s + d1 * d1 - d2 * d2) / (2 * d1 * far), stretch * fold / (2 * d1 * far)  # of the angle n to u
+        ux, uy, uz = cosine * nx + sine * vx, cosine * ny + sine * vy, cosine * nz + sine * vz
+        yz_u = cosine * vz - sine * nz  # z component of the upper arm's y
         fx, fy, fz = (px - d1 * ux) / d2, (py - d1 * uy) / d2, (pz - d1 * uz) / d2
         wx, wy, wz = fy * gz - fz * gy, fz * gx - fx * gz, fx * gy - fy * gx  # the forearm's y
 

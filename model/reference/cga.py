@@ -152,11 +152,9 @@ def cos_angle(o_1, o_2):
 
 def half_angle(cos_phi):
     """Return cos(phi/2) and sin(phi/2), both >= 0, from cos(phi). A number outside [-1, 1] is clipped."""
-    plus, minus = 1 + cos_phi, 1 - cos_phi
-    if not isinstance(cos_phi, sympy.Expr):
-        plus, minus = np.clip(plus, 0.0, 2.0), np.clip(minus, 0.0, 2.0)
+    cos_phi = cos_phi if isinstance(cos_phi, sympy.Expr) else np.clip(cos_phi, -1.0, 1.0)
     sqrt = _functions(cos_phi).sqrt
-    return sqrt(plus / 2), sqrt(minus / 2)  # (6), (7); for an angle between entities (8), (9)
+    return sqrt((1 + cos_phi) / 2), sqrt((1 - cos_phi) / 2)  # (6), (7); for an angle between entities (8), (9)
 
 
 # Quaternions: the part of the algebra spanned by 1, i, j, k.

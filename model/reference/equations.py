@@ -102,10 +102,7 @@ CORRECTIONS = {
         "at_shoulder": "l_sw <= TINY*(d1 + d2)",
         "on_axis": "at_shoulder | (hypot(p_w_x, p_w_y) <= TINY*l_sw)",
     },
-    "(11)": {
-        name: TEXT["(11)"][name].replace("l_sw*cos(phi/2))", "l_sw*cos(phi/2)**2)")
-        for name in ("pi_swivel_x", "pi_swivel_y")
-    },
+    "(11)": {name: text.replace("l_sw*cos(phi/2))", "l_sw*cos(phi/2)**2)") for name, text in TEXT["(11)"].items()},
     "(12)": {},
     "(19)": {name: text.removeprefix("2*") for name, text in TEXT["(19)"].items()},  # printed for twice the PP of (12)
     # Section 4.2: the squares of PP_m4 and PP_m5 are nearly equal unless d1 is about 1.
@@ -199,14 +196,9 @@ def swivel_normal(x, y, z, phi):
     safe = np.where(at_shoulder, 1.0, distance)
     sin_elevation, cos_elevation = np.where(at_shoulder, 1.0, z / safe), rho / safe
     cos_phi, sin_phi = np.cos(phi), np.sin(phi)
-    return np.stack(  # (11) / |pi_swivel|
-        (
-            cos_phi * u_y + sin_phi * sin_elevation * u_x,
-            -cos_phi * u_x + sin_phi * sin_elevation * u_y,
-            -sin_phi * cos_elevation,
-        ),
-        axis=-1,
-    )
+    n_x = cos_phi * u_y + sin_phi * sin_elevation * u_x  # (11) / |pi_swivel|
+    n_y = -cos_phi * u_x + sin_phi * sin_elevation * u_y
+    return np.stack((n_x, n_y, -sin_phi * cos_elevation), axis=-1)
 
 
 def solve(x, y, z, phi, d1, d2):
@@ -231,11 +223,10 @@ def solve(x, y, z, phi, d1, d2):
     normal = swivel_normal(p[0], p[1], p[2], phi)
     values = {"p_w_x": x, "p_w_y": y, "p_w_z": z, "phi": phi, "d1": d1, "d2": d2}
     values |= {f"normal_{axis}": normal[:, n] for n, axis in enumerate("xyz")}
-    lines: dict[str, np.ndarray] = {}
     with np.errstate(divide="ignore", invalid="ignore"):  # replaced by CONVENTIONS
         for name, code in _LINES.items():
-            lines[name] = eval(code, _FUNCTIONS, values | lines)
-    return lines
+            values[name] = eval(code, _FUNCTIONS, values)
+    return {name: values[name] for name in _LINES}
 
 
 def _compare(x, y, z, radius):

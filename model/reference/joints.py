@@ -107,10 +107,8 @@ def bent(qs, th4, qw, branch, upper, fore):
 
 def turned(a, b, c):
     """Return the quaternions Rz(a) Rx(b) Rz(c), (4, N)."""
-    s, d, half = (a + c) / 2, (a - c) / 2, b / 2
-    return np.array(
-        (np.cos(half) * np.cos(s), np.sin(half) * np.cos(d), np.sin(half) * np.sin(d), np.cos(half) * np.sin(s))
-    )
+    s, d, cosine, sine = (a + c) / 2, (a - c) / 2, np.cos(b / 2), np.sin(b / 2)
+    return np.array((cosine * np.cos(s), sine * np.cos(d), sine * np.sin(d), cosine * np.sin(s)))
 
 
 def reached(joints, d1, d2, tool, upper=UNIT, fore=UNIT):

@@ -26,14 +26,11 @@ _NO_AXIS = f"must be {', '.join(NAMED_AXES)} or a nonzero vector of three finite
 def product(p, q):
     """Return the Hamilton product p q of quaternions with components first, (4, N) or (4,)."""
     (a_w, a_i, a_j, a_k), (b_w, b_i, b_j, b_k) = p, q
-    return np.array(
-        (
-            a_w * b_w - a_i * b_i - a_j * b_j - a_k * b_k,
-            a_w * b_i + a_i * b_w + a_j * b_k - a_k * b_j,
-            a_w * b_j - a_i * b_k + a_j * b_w + a_k * b_i,
-            a_w * b_k + a_i * b_j - a_j * b_i + a_k * b_w,
-        )
-    )
+    w = a_w * b_w - a_i * b_i - a_j * b_j - a_k * b_k
+    i = a_w * b_i + a_i * b_w + a_j * b_k - a_k * b_j
+    j = a_w * b_j - a_i * b_k + a_j * b_w + a_k * b_i
+    k = a_w * b_k + a_i * b_j - a_j * b_i + a_k * b_w
+    return np.array((w, i, j, k))
 
 
 def multiply(a, b):
@@ -76,9 +73,8 @@ def quaternion(m):
     # Row n is 4 q_n times the quaternion; the row with the largest diagonal element loses the fewest digits.
     rows = np.empty((len(m), 4, 4))
     rows[:, 0, 0] = 1 + trace
-    rows[:, 0, 1:] = rows[:, 1:, 0] = np.stack(
-        [m[:, (n + 2) % 3, (n + 1) % 3] - m[:, (n + 1) % 3, (n + 2) % 3] for n in range(3)], axis=-1
-    )
+    axis = [m[:, (n + 2) % 3, (n + 1) % 3] - m[:, (n + 1) % 3, (n + 2) % 3] for n in range(3)]
+    rows[:, 0, 1:] = rows[:, 1:, 0] = np.stack(axis, axis=-1)
     rows[:, 1:, 1:] = m + np.swapaxes(m, 1, 2) + (1 - trace)[:, None, None] * np.eye(3)
     largest = np.argmax(np.diagonal(rows, axis1=1, axis2=2), axis=-1)
     q = rows[np.arange(len(rows)), largest]

@@ -83,13 +83,9 @@ def solve_lean(x, y, z, phi, d1, d2):
     # A target out of reach by less than the rounding of d1 + d2 or d1 - d2 counts as at the limit.
     qe_w = np.where(clamped, ~straight, _root(a, whole))
     qe_i = np.where(clamped, -1.0 * straight, -_root(b, whole))
-    cosines = np.array(
-        [
-            _root(p_y * p_y, rho_sq, -p_y),
-            np.where(at_shoulder, 1.0, _root(p_z * p_z, s, p_z)),
-            np.where(clamped, np.where(away, -1.0, 1.0), _root(k * k, law, k)),
-        ]
-    )
+    cos_tilt = np.where(at_shoulder, 1.0, _root(p_z * p_z, s, p_z))
+    cos_bend = np.where(clamped, np.where(away, -1.0, 1.0), _root(k * k, law, k))
+    cosines = np.array([_root(p_y * p_y, rho_sq, -p_y), cos_tilt, cos_bend])
     sines = np.array([np.where(on_axis, 1.0, _root(p_x * p_x, rho_sq, p_x)), _root(rho_sq, s), _root(a * b, law)])
     results = [*_shoulder(cosines, sines / 2, phi), qe_w, qe_i]
     return dict(zip(RESULT_FIELDS, results, strict=True)) | {"flags": flags}

@@ -14,8 +14,8 @@ from dataclasses import asdict
 import click
 
 from model.dataflow.fold import steps as timing
-from model.dataflow.fold.lowering import Groups, Lowering
-from model.dataflow.fold.program import PROGRAMS, SCHEDULES, Schedule, encode, lower, schedules
+from model.dataflow.fold.lowering import Lowering
+from model.dataflow.fold.program import PROGRAMS, SCHEDULES, Schedule, encode, schedules
 from model.dataflow.fold.steps import Placed, Selector
 from scripts.console import InputError, Options, command, option, whole
 
@@ -26,8 +26,9 @@ LATENCY, PERIOD = {"fold": 140, "fold_arm": 340}, {"fold": {32: 88}, "fold_arm":
 class _Problem:
     """Constraint model of a schedule. Variables are clocks: ``loads`` of inputs, ``starts`` of groups and vectors."""
 
-    def __init__(self, model, lowering: Lowering, groups: Groups, period: int, latency: int) -> None:
+    def __init__(self, model, lowering: Lowering, period: int, latency: int) -> None:
         self.model, self.lowering, self.period, self.latency = model, lowering, period, latency
+        groups = lowering.groups()
         self.at_place: dict[str, list] = {}  # load or start -> a mask for each place of the lap
         self.loads = {name: self._clock(f"load {name}", 0, period - 1) for name in lowering.INPUTS}
         vectors = [angle for angle, vector in lowering.vectors.items() if not vector.lengths]
@@ -36,9 +37,9 @@ class _Problem:
         results = [(of.step.result, self.starts[name] + of.at + timing.WRITE) for name, of in self.placed]
         self.results = {result: clock for result, clock in results if result}
         self._words()
-        vectors = self._angles()
-        self._results(self._registers(), vectors)
-        self._resources(vectors)
+        self.joints = self._angles()
+        self._results(self._registers())
+        self._resources()
 
     def _clock(self, name: str, first: int, last: int):
         """Return a variable for a clock. ``at_place[name]`` gets a mask for each place of a lap, 1 at the clock."""
@@ -56,27 +57,24 @@ class _Problem:
         for n in range(self.period):
             self.model.add_at_most_one(self.at_place[name][(n - clock) % self.period] for name, clock in uses)
 
-    def _resources(self, over: dict[str, tuple[str, int]]) -> None:
+    def _resources(self) -> None:
         """In each clock of the lap, allow one step issue, one row read, one word write, one result and one user of the
-        counter. ``over`` is the result of :meth:`_angles`."""
+        counter."""
         steps, last = self.placed, timing.last_count
         loads = [(f"load {name}", 0) for name in self.loads]
-        joints = self.lowering.joints.values()
-        angle = self.lowering.angle_clocks.shown
-        shown = [(name, clock + angle + of.late) for of in joints for name, clock in (over[of.angle],)]
         self._one_each((name, of.at) for name, of in steps)
         self._one_each((name, clock) for name, of in steps for clock in timing.row_reads(of))
         self._one_each(loads + [(name, use.at) for name, of in steps for use in timing.word_writes(of)])
-        self._one_each(shown + [(name, of.at + timing.WRITE) for name, of in steps if of.step.result])
+        self._one_each(self.joints + [(name, of.at + timing.WRITE) for name, of in steps if of.step.result])
         counting = [(name, of) for name, of in steps if of.step.count]
         self._one_each((name, n) for name, of in counting for n in range(timing.first_count(of), last(of) + 1))
 
-    def _angles(self) -> dict[str, tuple[str, int]]:
-        """Allow only one vector at a time in each stage of the angle unit, elbow first, wrist last. Return a dict:
-        angle -> (start, clocks after it) at which the angle's vector passes to the second stage."""
+    def _angles(self) -> list[tuple[str, int]]:
+        """Allow only one vector at a time in each stage of the angle unit, elbow first, wrist last. Return the
+        joints' clocks, each as (start, clocks after it)."""
         early = (of.step for _, of in self.placed if of.step.name in timing.ELBOW and of.step.write)
         at = self.results | {step.write.to: self.results[step.result] for step in early}
-        handed_over: dict[str, tuple[str, int]] = {}
+        handed_over: dict[str, tuple[str, int]] = {}  # angle -> when its vector passes to the second stage
         clocks = self.lowering.angle_clocks
         order = sorted(self.lowering.vectors.values(), key=lambda vector: not vector.opposite)
         for before, vector in zip([None, *order], order, strict=False):
@@ -96,7 +94,8 @@ class _Problem:
             self.model.add(over >= self.period)
             self.model.add(over < at[order[0].x] + self.period)
             self.model.add(over + clocks.shown < self.starts[order[0].angle] + self.period)
-        return handed_over
+        joints = [(handed_over[joint.angle], joint.late) for joint in self.lowering.joints.values()]
+        return [(name, after + clocks.shown + late) for (name, after), late in joints]
 
     def _written(self, by: Callable[[Placed], Iterable[timing.Use]], loaded: Iterable[str]) -> dict[str, list]:
         """Return a dict: word or register -> clocks of its writes. by: step -> its writes. loaded: input names."""
@@ -131,16 +130,14 @@ class _Problem:
             self.model.add(clock > at)
             self.model.add(clock <= at + most)
 
-    def _results(self, registers: dict[str, list], vectors: dict[str, tuple[str, int]]) -> None:
+    def _results(self, registers: dict[str, list]) -> None:
         """Constrain the results of a target, and minimize the clock of the last result.
 
         Flags and tag leave with the first result. The last result leaves before the next target's first result. It does
         not leave in the final clocks of a lap, in which steps of the next lap are already fetched. A joint's angle is
         compared with its limits after it is written.
         """
-        over = {angle: self.starts[name] + clock for angle, (name, clock) in vectors.items()}
-        shown = self.lowering.angle_clocks.shown
-        joints = [over[joint.angle] + shown + joint.late for joint in self.lowering.joints.values()]
+        joints = [self.starts[name] + clock for name, clock in self.joints]
         results = [clock for name, clock in self.results.items() if name in self.lowering.RESULTS]
         first, last, taken = (self.model.new_int_var(0, 2 * self.latency, name) for name in ("first", "last", "taken"))
         self.model.add_min_equality(first, results + joints)
@@ -179,11 +176,11 @@ def main(parsed: Options) -> int:
     name = parsed.datapath
     made = schedules(name).copy()
     for longest, clocks in PERIOD[name].items():
-        lowering, groups = lower(longest, name)
+        lowering = PROGRAMS[name](longest)
         period = parsed.period or clocks
-        steps = sum(map(len, groups.values()))
+        steps = sum(map(len, lowering.groups().values()))
         print(f"{steps} steps, one target every {period} clocks up to W = {longest}", flush=True)
-        problem = _Problem(cp_model.CpModel(), lowering, groups, period, LATENCY[name])
+        problem = _Problem(cp_model.CpModel(), lowering, period, LATENCY[name])
         solver = cp_model.CpSolver()
         solver.parameters.max_time_in_seconds = parsed.seconds
         status = solver.solve(problem.model)
@@ -193,7 +190,7 @@ def main(parsed: Options) -> int:
             return 1
         parts = ({name: solver.value(of) for name, of in part.items()} for part in (problem.loads, problem.starts))
         made[longest] = Schedule(period, *parts)
-        encode(lowering, groups, made[longest], name)  # raises if two steps need the same field or place
+        encode(lowering, made[longest], name)  # raises if two steps need the same field or place
     written = {longest: asdict(of) for longest, of in made.items()}
     SCHEDULES[name].write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
     print(f"wrote {SCHEDULES[name].name}")

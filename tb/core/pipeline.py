@@ -51,7 +51,7 @@ class Scoreboard:
     def expect(self, answer: fixed.Answer) -> None:
         """Append the model's node values of the next targets."""
         for name, values in self.expected.items():
-            node = answer.bits.nodes[name]
+            node = answer.nodes[name]
             mask = (1 << node.format.width) - 1
             values += [int(v) & mask for v in node.value.tolist()]
 

@@ -74,7 +74,7 @@ class Exact:
     def __init__(self, width: int) -> None:
         self.flow = dataflow("arm", width)
         self.nodes = dict(self.flow.nodes)
-        self.errors = LeanRanges(width, datapath="arm").errors
+        self.errors = {name: bound.error for name, bound in LeanRanges(width, datapath="arm").bounds.items()}
         self.equations = {"ulp": [f"(= ulp {number(self.flow.word(1).ulp)})"]}
         self.lemmas = {name: (smt(text) if text else "", uses) for name, (text, uses) in self.flow.lemmas.items()}
         self.equations |= {name: [f"(= {name} {smt(text)})"] for name, text in self.flow.definitions.items()}

@@ -59,13 +59,13 @@ if simulator() == "verilator":
     @pytest.mark.parametrize("name", ["x_sq", "u_x", "clamp", "qs_k"])
     def test_every_bit_of_a_node_counts(program, name):
         words = mixed(100, WIDTH, seed=2)
-        node = fixed.run(words, WIDTH, "lean").bits.nodes[name]
+        node = fixed.run(words, WIDTH, "lean").nodes[name]
         for bit in {0, node.format.width - 1}:
 
             def change(answer, bit=bit):
-                value = answer.bits.nodes[name].value.astype(object)
+                value = answer.nodes[name].value.astype(object)
                 value[57] = int(value[57]) ^ (1 << bit)
-                answer.bits.nodes[name].value = value
+                answer.nodes[name].value = value
 
             run = native_run.compare(program, spoiled(words, change), WIDTH, "lean")
             assert run.bit_mismatches == 1

@@ -78,10 +78,8 @@ def reciprocal_root(frac: int, tile: int) -> Figures:
     measured in the middle of the interval, the largest error at its ends."""
     m = around(1 << frac + 1, 1 << frac + 3, 3072, frac)
     y = quadratic.rsqrt(m, frac, tile)
-    low, middle, high = (
-        (y - np.longdouble(2) ** frac / 2 / np.sqrt((m + part) / np.longdouble(2) ** (frac + 3))).astype(np.float64)
-        for part in (np.longdouble(0), np.longdouble(0.5), np.longdouble(1))
-    )
+    two, parts = np.longdouble(2), np.array([[0], [0.5], [1]], np.longdouble)
+    low, middle, high = (y - two**frac / 2 / np.sqrt((m + parts) / two ** (frac + 3))).astype(np.float64)
     found = measured(error=middle) | {"error max": float(max(np.abs(low).max(), np.abs(high).max()))}
     proved = quadratic.rsqrt_error(frac, tile)
     assert proved < quadratic.rsqrt_places(frac, tile)
@@ -122,7 +120,7 @@ def answers(targets: Callable[[int], np.ndarray], width: int, datapath: str) -> 
     run, angle = runs[0], np.maximum(runs[0].shoulder_angle, runs[0].elbow_angle)
     if not lean:  # a few targets near singular poses dominate the maximum and the root mean square
         return found | {"hand median": float(np.median(run.hand)), "angle median": float(np.median(angle))}
-    nodes = run.answer.bits.nodes
+    nodes = run.answer.nodes
     final = [nodes[name] for name in ("w_q", "i_q", "j_q", "k_q", "elbow_w", "elbow_i")]  # to results
     inner = np.column_stack([node.value * node.format.ulp for node in final]) * (1, 1, 1, 1, 1, -1)
     products = max(abs(e) for node in nodes.values() if node.kind == "mul3" for e in node.error)
@@ -130,18 +128,11 @@ def answers(targets: Callable[[int], np.ndarray], width: int, datapath: str) -> 
 
 
 class Local(Real):
-    """Dataflow in double precision, each node computed from its operands' words; ``off``: node -> rounding error."""
+    """Dataflow in double precision, each node computed from its operands' words."""
 
-    def __init__(self, bits: fixed.Bits) -> None:
-        self.off: dict[str, np.ndarray] = {}
-        super().__init__(bits, {})
-
-    def _moved(self, node, value):
-        if not node.frac:
-            return value
-        word = np.asarray(self.word(node.name), np.float64)
-        self.off[node.name] = np.asarray(word - value, np.float64)
-        return word
+    def __getitem__(self, name: str):
+        node = self.nodes[name]
+        return np.asarray(node.value, np.float64) if node.frac else node.value
 
 
 NOISE = 1e-14  # an rms error up to this is noise of double precision
@@ -151,9 +142,11 @@ def nodes(width: int, datapath: str) -> Figures:
     """Return each node's rms rounding error. It is not in ulps, because that would not reveal a shortened word."""
     words = everywhere(width)
     reached = expected_flags(words, width) & UNREACHABLE == 0
-    off = Local(fixed.run(words, width, datapath).bits).off
-    rms = {f"{name} rms": float(np.sqrt(np.mean(error[reached] ** 2))) for name, error in off.items()}
-    return {name: figure for name, figure in rms.items() if figure > NOISE}
+    real, figures = Local(fixed.run(words, width, datapath).nodes, {}), {}
+    for name, node in real.nodes.items():
+        if node.frac and (rms := np.sqrt(np.mean((real.word(name) - real.values[name])[reached] ** 2))) > NOISE:
+            figures[f"{name} rms"] = float(rms)
+    return figures
 
 
 PATHS = {"lean": range(16, 33), "lean16": (16, 18, 24), "lean25": (18, 24, 32), "paper": (18, 24, 32)}

@@ -42,11 +42,11 @@ def test_random_targets_stay_inside_the_proved_ranges(width):
     as exact yet, check also errors against double precision in regular poses."""
     some = random_reachable(20000, width, 7), edges(5000, width, 7), unreachable(5000, width, 7)
     words = np.concatenate([*some, extremes(5000, width, 7), np.array(list(corners(width).values()), dtype=np.int64)])
-    bits = fixed.run(words, width, "paper").bits
-    value = {name: np.broadcast_to(node.value, len(words)) for name, node in bits.nodes.items()}
+    nodes = fixed.run(words, width, "paper").nodes
+    value = {name: np.broadcast_to(node.value, len(words)) for name, node in nodes.items()}
     clamped = value["clamp"].astype(bool)
     with np.errstate(all="ignore"):
-        real = Real(bits, {}).values
+        real = Real(nodes, {}).values
     regular = ~clamped
     regular[regular] = singular_distance(from_words(words[regular], 0, width, "random")) >= REGULAR_DISTANCE
     for name, proof in ranges.analyse(width)[0].items():
@@ -85,10 +85,10 @@ def test_a_format_too_short_is_named(datapath, name, width, spare, monkeypatch):
     assert all(text in failed[name] for text in (name, f"{node.format.width} bits", f"W = {width}"))
 
 
-def usual_targets(bits):
+def usual_targets(nodes):
     """Return the mask (N,) of targets whose words are all used: not clamped, wrist not saturated, hand good."""
-    nodes = (bits.nodes[name].value for name in ("clamp", "bad_hand", "saturated") if name in bits.nodes)
-    return ~np.any([np.asarray(value, dtype=bool) for value in nodes], axis=0)
+    unused = (nodes[name].value for name in ("clamp", "bad_hand", "saturated") if name in nodes)
+    return ~np.any([np.asarray(value, dtype=bool) for value in unused], axis=0)
 
 
 def test_a_node_without_a_rule_is_named(monkeypatch):
@@ -101,12 +101,12 @@ OFF = 1024
 """Error added to or subtracted from each operand, in ulps; an operation's own rounding is small in comparison."""
 
 
-def grown(bits: fixed.Bits, node, random) -> tuple[float, float]:
+def grown(nodes, node, random) -> tuple[float, float]:
     """Return the error of a node's word if its operands are off by OFF ulps, and the error bound that the node states.
     Words that count as exact, and operands from the section ``guard``, have no error."""
-    usual = usual_targets(bits) & np.ones(np.shape(node.value), dtype=bool)
+    usual = usual_targets(nodes) & np.ones(np.shape(node.value), dtype=bool)
     values, off = {}, []
-    for operand in (bits.nodes[operand.name] for operand in node.operands):
+    for operand in (nodes[operand.name] for operand in node.operands):
         values[operand.name], ulp = operand.value, operand.format.ulp
         if isinstance(within := operand.within, Within):  # a word rounded beyond its range is not a real value
             usual = usual & (operand.value * ulp >= within.low) & (operand.value * ulp <= within.high)
@@ -125,13 +125,13 @@ def grown(bits: fixed.Bits, node, random) -> tuple[float, float]:
 @pytest.mark.parametrize("datapath", [*DATAPATHS, "arm"])
 def test_errors_grow_no_more_than_the_dataflow_states(datapath, width):
     words = np.concatenate([random_reachable(2000, width, 9), *(region(name, 500, width, 9) for name in REGIONS)])
-    bits = fixed.run(hand_poses(words, width, 9) if datapath == "arm" else words, width, datapath).bits
+    nodes = fixed.run(hand_poses(words, width, 9) if datapath == "arm" else words, width, datapath).nodes
     random, checked, beyond = np.random.default_rng(width), 0, {}
-    for node in bits.nodes.values():
+    for node in nodes.values():
         # angles wrap; a double is too short for the longest words
         if node.kind != "choose" or node.decision or node.section == "joints" or node.format.width > 60:
             continue
-        error, stated = grown(bits, node, random)
+        error, stated = grown(nodes, node, random)
         checked += 1
         if error > stated * (1 + 1e-9):
             beyond[node.name] = error / stated

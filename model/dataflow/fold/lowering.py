@@ -48,11 +48,12 @@ class Sum:
 
 
 class Lowering:
-    """Lean dataflow as steps: call :meth:`build`, then :meth:`groups`.
+    """Lean dataflow, and its steps, which :meth:`groups` returns.
 
     An operation's ``lower`` calls the method of this class that the operation names, with the node and its terms.
     """
 
+    FLOW = staticmethod(lean.lean)
     INPUTS: tuple[str, ...] = FIELDS
     SIDE: tuple[str, ...] = ()
     RESULTS: tuple[str, ...] = RESULT_FIELDS
@@ -63,7 +64,7 @@ class Lowering:
         self.nodes = self.flow.nodes
         self.inner = inner_frac(width) + 2  # bits of an inner word
         self.bits = max(self.inner, root_frac(width) + 4)  # of a memory word: an inner word, or a mantissa with a sign
-        self.weight: dict[str, int] = {}
+        self.weight = dict.fromkeys(self.INPUTS, RESULT_WEIGHT) | dict.fromkeys(FIELDS, EXACT_WEIGHT)
         self.terms: dict[str, Step] = {}  # products, and nodes computed like a product, without an earlier addend
         self.sums: defaultdict[str, list[Sum]] = defaultdict(list)  # by the first term
         self.norms: dict[str, tuple[Normal, timing.Counted | None]] = {}  # by the term or sum that is normalized
@@ -76,11 +77,7 @@ class Lowering:
         self.joints: dict[str, timing.Joint] = {}
         self.rounded: set[str] = set()  # nodes whose steps round half up or down, as the node does
         self.angle_clocks = next(of for longest, of in timing.ANGLE_CLOCKS.items() if width <= longest)
-
-    def build(self) -> None:
-        """Build the whole dataflow, and the steps of its nodes."""
-        self.weight |= dict.fromkeys(FIELDS, EXACT_WEIGHT)
-        self.make(self.flow.inputs((*self.INPUTS, *self.SIDE)))
+        self.FLOW(self.flow, self.flow.inputs((*self.INPUTS, *self.SIDE)))
         for node in self.nodes.values():
             if node.format != self.flow.bit:
                 node.op.lower(self, node)
@@ -96,9 +93,6 @@ class Lowering:
             method = f"called by {kind.__name__}.lower" if "lower" in vars(kind) else node.op.method
             where = f"model/dataflow/fold/lowering.py, class {type(self).__name__}, method {method}"
             raise NotImplementedError(f"{node.name}: the folded program lacks its rounding; implement it in {where}")
-
-    def make(self, inputs: dict[str, Node]) -> None:
-        lean.lean(self.flow, inputs)
 
     # ---- masks ---------------------------------------------------------------------------------------------------
 
@@ -359,11 +353,8 @@ class ArmLowering(Lowering):
     sums of their squares wrap at 8.  The steps sum half of each wrist coordinate.
     """
 
+    FLOW = staticmethod(arm.arm)
     INPUTS, SIDE, RESULTS = ARM_FIELDS, BRANCHES, ARM_RESULT_FIELDS
-
-    def make(self, inputs: dict[str, Node]) -> None:
-        self.weight |= {name: RESULT_WEIGHT for name in self.INPUTS if name not in FIELDS}
-        arm.arm(self.flow, inputs)
 
     def replaced(self, node: Node, word: Node, mask: Node, constant: int) -> None:
         self.weight[node.name] = RESULT_WEIGHT

@@ -13,18 +13,11 @@ from functools import cache
 from pathlib import Path
 
 from . import steps as timing
-from .lowering import ArmLowering, Groups, Lowering
+from .lowering import ArmLowering, Lowering
 from .steps import ADDENDS, ALWAYS, CUTS, HALF, NEVER, NO_COUNT, NORMS, ONE, POWER, ZERO, Pick, Placed, Selector
 
 PROGRAMS: dict[str, type[Lowering]] = {"fold": Lowering, "fold_arm": ArmLowering}
-"""Program name -> class that makes its steps: the core, and the whole arm."""
-
-
-def lower(width: int, name: str = "fold") -> tuple[Lowering, Groups]:
-    """Return the lowering of a program's dataflow at an even word length, and the groups of its steps."""
-    lowering = PROGRAMS[name](width)
-    lowering.build()
-    return lowering, lowering.groups()
+"""Program name -> class that makes its steps at an even word length: the core, and the whole arm."""
 
 
 @dataclass(frozen=True)
@@ -49,10 +42,10 @@ def codes(name: str = "fold") -> dict[str, tuple]:
 
     The whole arm's selectors and signs follow the core's, so that both programs' units share the codes.
     """
-    lowering, groups = lower(WIDTH, name)
-    steps = [step for group in groups.values() for _, step in group]
+    lowering = PROGRAMS[name](WIDTH)
+    steps = [step for group in lowering.groups().values() for _, step in group]
     fixed = (NEVER, ALWAYS, NO_COUNT)
-    found = dict.fromkeys(s for step in steps for s in step.selectors if s not in fixed)
+    found = dict.fromkeys(s for step in steps for s, _ in timing.selections(Placed(0, step)) if s not in fixed)
     order = sorted(found, key=lambda selector: selector.node not in lowering.INPUTS)
 
     def selectors(used, *first: Selector) -> tuple[Selector, ...]:
@@ -190,9 +183,10 @@ def turns(lowering: Lowering, steps: list[Placed], starts: dict[str, int]) -> di
     return found
 
 
-def encode(lowering: Lowering, groups: Groups, of: Schedule, name: str = "fold") -> Program:
-    """Return the program of the schedule ``of`` for ``groups``.  Raises ConflictError if there is none."""
-    steps = [Placed(of.starts[first] + at, step) for first, group in groups.items() for at, step in group]
+def encode(lowering: Lowering, of: Schedule, name: str) -> Program:
+    """Return the program of the schedule ``of``.  Raises ConflictError if there is none."""
+    groups = lowering.groups().items()
+    steps = [Placed(of.starts[first] + at, step) for first, group in groups for at, step in group]
     steps.sort(key=lambda placed: placed.at)
     loads, period, bits, coded = of.loads, of.period, fields(name), codes(name)
     program = Program(name, period, [dict.fromkeys(bits, 0) for _ in range(period)], {}, steps, loads)
@@ -293,5 +287,5 @@ def schedule(width: int, name: str = "fold") -> Schedule:
 @cache
 def program(width: int, name: str = "fold") -> tuple[Lowering, Program]:
     """Return the lowering at a word length, and the program of the schedule on file."""
-    lowering, groups = lower(width, name)
-    return lowering, encode(lowering, groups, schedule(width, name), name)
+    lowering = PROGRAMS[name](width)
+    return lowering, encode(lowering, schedule(width, name), name)

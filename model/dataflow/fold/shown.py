@@ -121,9 +121,8 @@ class _Finder:
         for name in self.lowering.made_of.keys() - joints.keys() - {"low"}:
             registers = self.lowering.registers(Selector(name))
             if unset := registers - set_at.keys():
-                raise LookupError(
-                    f"{name}: no step sets {', '.join(unset)}; mask_registers of its operation names others"
-                )
+                unknown = f"no step sets {', '.join(unset)}; mask_registers of its operation names others"
+                raise LookupError(f"{name}: {unknown}")
             self.add(name, max(set_at[root] for root in registers) + 1, wires[name])
         self.add("low", set_at["e_q"] + 2, "q_low")
         for name, clock in joints.items():

@@ -142,12 +142,6 @@ class Step:
         """Variables whose memory words the step reads."""
         return [word_of(o) for o in (self.a, self.b) if o is not None] + [row.of for row in self.rows]
 
-    @property
-    def selectors(self) -> list[Selector]:
-        """The step's selectors; some may be :data:`NEVER`."""
-        picks = [o.flag for o in (self.write and self.write.to, self.a, self.b) if isinstance(o, Pick)]
-        return [self.minus, *picks, self.addend_by]
-
 
 BEND, READ, ROW, ADD, SUM, WRITE, NORM = -1, 0, 1, 3, 4, 5, 7
 """Clocks of a step's actions, from its issue: read the table row for c2; read the words; read the row for the addend;
@@ -175,8 +169,7 @@ ANGLE_CLOCKS = {24: AngleClocks(12, 15, 16), 32: AngleClocks(16, 17, 18)}
 COMPARED = 2  # clocks from a joint's angle until its comparison with the limits
 
 
-@dataclass(frozen=True)
-class Vector:
+class Vector(NamedTuple):
     """Vector (x, y), or (x, -y) if ``opposite``, of results or, if ``lengths``, of the last two vectors' lengths."""
 
     angle: str
@@ -187,8 +180,7 @@ class Vector:
     lengths: bool
 
 
-@dataclass(frozen=True)
-class Joint:
+class Joint(NamedTuple):
     """Joint angle: twice the vector angle ``angle``, or ``angle`` plus (if ``minus``: minus) the angle ``other``."""
 
     name: str
@@ -208,8 +200,7 @@ class Joint:
         return "_".join(name.removeprefix("branch_") for name in self.branch)
 
 
-@dataclass(frozen=True)
-class Placed:
+class Placed(NamedTuple):
     """Step with the clock of its issue."""
 
     at: int
@@ -250,7 +241,7 @@ def word_writes(placed: Placed) -> list[Use]:
 
 
 def selections(placed: Placed) -> list[tuple[Selector, int]]:
-    """Return the step's selectors and the clocks in which they are needed."""
+    """Return the step's selectors, some of which may be :data:`NEVER`, and the clocks in which they are needed."""
     step, at = placed.step, placed.at
     needs = [(o.flag, at + READ) for o in (step.a, step.b) if isinstance(o, Pick)]
     needs += [(step.addend_by, at + ADD), (step.minus, at + ADD)]

@@ -27,9 +27,8 @@ def signed(width: int):
     return st.integers(-(1 << width - 1), (1 << width - 1) - 1)
 
 
-NEAR_SQUARES = st.tuples(st.integers(1, math.isqrt(ROOT_LIMIT)), st.integers(-1, 1)).map(
-    lambda drawn: (drawn[0] ** 2 + drawn[1], 0)
-)
+ROOTS = st.integers(1, math.isqrt(ROOT_LIMIT))
+NEAR_SQUARES = st.builds(lambda root, off: (root**2 + off, 0), ROOTS, st.integers(-1, 1))
 """(n, 0) with n at most 1 from a square; the square may have more bits than the mantissa of a double."""
 
 
@@ -176,10 +175,8 @@ def test_angle_and_length_are_within_their_bounds(width):
     short = angles.gain(width) * length * 2 ** (width + 1) - long
     for least in (1, 2**-2, 2**-4, 2.0 ** -(width // 2), 2.0 ** (3 - width), 2.0 ** (2 - width)):
         part, limit = (length >= least) & (length <= 2 * least), angles.head(width, least)
-        for what, found, bound in (
-            ("angle", off[part], float((limit.lost + limit.rest).b)),
-            ("length", short[part], angles.length_bound(width, 2 * least)),
-        ):
+        lengths = "length", short[part], angles.length_bound(width, 2 * least)
+        for what, found, bound in (("angle", off[part], float((limit.lost + limit.rest).b)), lengths):
             text = f"{what}, W = {width}, length {least:.2g}: error {found.max():.3g}, bound {bound:.3g}"
             print(text)
             assert found.max() <= bound, text

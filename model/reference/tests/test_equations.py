@@ -129,8 +129,7 @@ def solve_print(*target):
     values = dict(zip(("p_w_x", "p_w_y", "p_w_z", "phi", "d1", "d2"), map(mpmath.mpf, target), strict=True))
     for number, lines in TEXT.items():
         for name, text in lines.items() if number != "(19)" else ():
-            misprint = "l_sw*cos(phi/2))" if name in ("pi_swivel_x", "pi_swivel_y") else "none"
-            values[name] = eval(text.replace(misprint, "l_sw*cos(phi/2)**2)"), functions, values)
+            values[name] = eval(text.replace("l_sw*cos(phi/2))", "l_sw*cos(phi/2)**2)"), functions, values)
     return [float(values[name]) for name in RESULT_FIELDS]
 
 

@@ -100,7 +100,7 @@ def test_every_core_equals_the_model(page, browser, tmp_path, machine):
     answers = page.run(f"playground.answer('{machine.name}', {json.dumps(words.tolist())})")
     model = assert_answers(answers, words, width, machine.datapath)
     assert {answer["latency"] for answer in answers} == {fixed.latency(machine.datapath, width)}
-    for name, node in model.bits.nodes.items():
+    for name, node in model.nodes.items():
         assert [int(answer["nodes"][name], 16) for answer in answers] == bits(node), name
 
 
@@ -268,7 +268,7 @@ def test_a_target_is_followed_through_its_nodes(page):
     """The table shows the model's word of each node the target has passed; a click on the pipeline shows a node."""
     cells = "[...document.getElementById('column').rows].map((row) => [1, 3].map((k) => row.cells[k].textContent))"
     step(page, 10)
-    model = fixed.run(np.array([page.run("playground.ui.followed.words")]), 32, "lean").bits.nodes
+    model = fixed.run(np.array([page.run("playground.ui.followed.words")]), 32, "lean").nodes
     for clocks in (10, LEAN):
         shown = {name: [int(word, 16)] for name, word in page.run(cells) if word}
         assert shown == {name: bits(node) for name, node in model.items() if node.time < clocks}
@@ -305,7 +305,7 @@ def test_the_vcd_holds_every_node(page, tmp_path, machine):
     words = np.array([[(int(recording.word(inputs[f], n), 2) ^ half) - half for f in FIELDS] for n in whole])
     asked = [to_words(Targets("one", *row), machine.width)[0][0] for row in rows_of("overhead")]
     assert words.tolist() == [asked[n % len(asked)].tolist() for n in whole] and whole
-    for name, node in fixed.run(words, machine.width, machine.datapath).bits.nodes.items():
+    for name, node in fixed.run(words, machine.width, machine.datapath).nodes.items():
         assert [int(recording.word(node, n), 2) for n in whole] == bits(node), name
 
 

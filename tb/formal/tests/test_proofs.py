@@ -197,9 +197,8 @@ def truth_of(formula: str, values: dict, close: float) -> np.ndarray:
 def test_formulas_hold_for_real_numbers():
     """Check each node's formulas in double precision on reachable targets with valid hand quaternions."""
     exact, words = Exact(24), np.concatenate([region(name, 100, 24, 3) for name in REGIONS])
-    bits = fixed.run(hand_poses(words, 24, 3), 24, "arm").bits
-    real = Real(bits, {})
-    usual = usual_targets(bits)
+    nodes = fixed.run(hand_poses(words, 24, 3), 24, "arm").nodes
+    real, usual = Real(nodes, {}), usual_targets(nodes)
     values = {"true": True, "false": False}
     for name, node in exact.nodes.items():
         value = np.broadcast_to(np.asarray(real.values[name]), usual.shape)[usual]
@@ -218,12 +217,12 @@ def test_rounding_is_within_its_bounds(width):
     """Check that words differ from exact results of their operations by at most the rounding that questions assume."""
     rounded, checked = Rounded(Exact(width)), set()
     words = np.concatenate([region(name, 1000, width, 3) for name in REGIONS])
-    bits = fixed.run(words, width, "lean").bits
-    usual = usual_targets(bits)
-    for name, node in bits.nodes.items():
+    nodes = fixed.run(words, width, "lean").nodes
+    usual = usual_targets(nodes)
+    for name, node in nodes.items():
         if node.decision or node.kind != "choose":
             continue
-        operands = (bits.nodes[operand.name] for operand in node.operands)
+        operands = (nodes[operand.name] for operand in node.operands)
         values = {o.name: np.asarray(o.value, dtype=np.float64) if o.frac else o.value for o in operands}
         exact = node.op.real_result(node, values)
         exact = np.minimum(exact, node.format.high) if node.limited else exact
