@@ -191,8 +191,8 @@ def installed(need: str) -> bool:
 
 
 def choose_simulator(options: Options, targets: int) -> None:
-    """For `LONG` targets or more, choose Verilator if it can be installed, unless --sim or --waves is given; print the
-    choice."""
+    """Choose and print the simulator of `LONG` targets or more: Verilator, if it can be installed and neither --sim nor
+    --waves is given."""
     chosen = "sim" in options.given
     if targets < LONG or getattr(options, "waves", None) or (chosen and options.sim != "verilator"):
         return

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proved accuracy: limits of the error of lean's wrist, and of the whole arm's hand, at every word length.
 
-docs/generated/accuracy.md is the proof.  This module computes its constants from the errors that the operations of the
-dataflow state, from the rows of the root's table, and from the CORDIC's errors (:func:`..dataflow.angles.head`).
-Numbers are intervals, rounded outwards by mpmath.
+docs/generated/accuracy.md is the proof.  This module computes the constants of the proof from the stated errors of the
+dataflow's operations, from the rows of the root's table, and from the CORDIC's errors
+(:func:`..dataflow.angles.head`).  Numbers are intervals, rounded outwards by mpmath.
 
     python -m model.bounds.accuracy [DATAPATH WIDTH]      print all limits, or the constants of a core
 """
@@ -72,8 +72,8 @@ def ulps(node: Node) -> Interval:
 
 
 class Cell(NamedTuple):
-    """Part of the range [1/4, 1) of mantissas V: sqrt V; the error of ``ik_rsqrt``'s word y relative to 1/(2 sqrt V);
-    and the error of 2 y m relative to sqrt V, where m is the word of V."""
+    """Intervals for a part of the range [1/4, 1) of mantissas V.  ``root``: sqrt V; ``inverse``: error of
+    ``ik_rsqrt``'s word y relative to 1/(2 sqrt V); ``product``: error of 2 y m relative to sqrt V, m being V's word."""
 
     root: Interval
     inverse: Interval
@@ -82,7 +82,7 @@ class Cell(NamedTuple):
 
 @cache
 def cells(frac: int, tile: int, cut: bool) -> list[Cell]:
-    """Return the cells of a mantissa whose root has ``frac`` fraction bits; all have equally many rows of the table.
+    """Return the cells of a mantissa whose root has ``frac`` fraction bits; each cell covers equally many table rows.
     ``cut``: the mantissa's word may be truncated."""
     form, ulp, rows = INVERSE_ROOT.form(frac, tile), 2.0**-frac, []
     for row in range(form.rows):
@@ -114,7 +114,7 @@ def combinations(node: Node, given: str = "") -> Iterator[dict[str, Cell]]:
 
 
 class Word(NamedTuple):
-    """Bound of a node's word, which is the exact value times ``factor``, plus ``rest``.  ``value``: range of the exact
+    """Bound of a node's word: it is the exact value times ``factor``, plus ``rest``.  ``value``: range of the exact
     value; None if it is not known to be positive."""
 
     factor: Interval
@@ -167,8 +167,8 @@ def _product(node: Node, one: Word, two: Word, scale: Interval) -> Word:
 
 
 class Turn(NamedTuple):
-    """Error of the rotation by the words of a half angle.  Its matrix is 1 + ``stretch`` times a rotation, off by an
-    angle of at most ``angle`` (rad).  The word of the squared length is from ``least`` to 1 + ``above``."""
+    """Error of the rotation by the words of a half angle.  Divided by the word of the squared length (``least``
+    to 1 + ``above``), their matrix is (1 + ``stretch``) times a rotation that is off by at most ``angle`` (rad)."""
 
     stretch: Interval
     angle: Interval
@@ -186,7 +186,7 @@ def turned(shared: Pairs, single: Pairs) -> Turn:
     """Return the error of a rotation with the exact cosine C and sine S.  The words of its half angle are L and s, with
     2 L = 1 + |C| (1 + r) + c and 2 s = S (1 + r) (1 + o) + e.
 
-    ``shared`` lists the pairs (r, c), ``single`` the pairs (o, e); any of one may occur with any of the other.
+    ``shared`` lists the pairs (r, c), ``single`` the pairs (o, e); each (r, c) may occur with each (o, e).
     """
     r, c, o, e = (hull(part) for pairs in (shared, single) for part in zip(*pairs, strict=True))
     wrong = abs(r).b + abs(c).b  # at most |C| where C's word has the wrong sign
@@ -205,8 +205,8 @@ def turned(shared: Pairs, single: Pairs) -> Turn:
 
 
 def turn(flow: Dataflow, cosine: str, sine: str, common: str, mirrored: bool = False) -> Turn:
-    """Return the error of the rotation by a half angle from the nodes ``cosine`` and ``sine``, whose words have the
-    factor of the node ``common``.  ``mirrored``: the sine may be negative."""
+    """Return the error of a rotation whose half angle is computed from the nodes ``cosine`` and ``sine``.  The words of
+    both must have the factor of the node ``common``.  ``mirrored``: the sine may be negative."""
     c, s, of = (flow.nodes[name] for name in (cosine, sine, common))
     one, two = (iv.mpf([n, n + 1]) * c.format.ulp for n in (0, 1))
     shared, single = [], []
@@ -228,7 +228,7 @@ def turn(flow: Dataflow, cosine: str, sine: str, common: str, mirrored: bool = F
 
 
 def lengths(flow: Dataflow, turns: Sequence[Turn]) -> tuple[Interval, Interval]:
-    """Return two relative errors of squared lengths: of (cos, sin) of phi/2, and of Qs after its product with inv_q."""
+    """Return relative errors of squared lengths: of (cos phi/2, sin phi/2), and of Qs (the error due to inv_q)."""
     az_tilt_sq, length_sq, m_q, sine = (flow.nodes[name] for name in ("az_tilt_sq", "length_sq", "m_q", "sin_h"))
     frac = min(sine.frac, SINE_FRACS[-1])
     table = norm(*[iv.mpf(half_sincos_error(frac, flow.tile)) * (1 + 2.0**-50) / 2**frac] * 2)
@@ -276,8 +276,8 @@ def shoulder(flow: Dataflow, *turns: Turn) -> dict[str, Interval]:
 
 
 def elbow(flow: Dataflow) -> dict[str, Interval]:
-    """Return limits of two parts of the length of Qe's error, due to its words' factors and due to their rests and
-    rounding, and of the angle by which unequal factors turn Qe."""
+    """Return limits, by name.  ``Qe factors``: length of Qe's error due to its words' factors; ``Qe rests``: length due
+    to their rests and rounding; ``Qe skew``: angle by which unequal factors turn Qe."""
     shared = hull(bound(flow.nodes["inv_12"], at).factor for at in combinations(flow.nodes["inv_12"]))
     factors, rests = [], []
     for half in "wi":
@@ -292,8 +292,8 @@ def elbow(flow: Dataflow) -> dict[str, Interval]:
 
 @cache
 def core(flow: Dataflow) -> dict[str, Interval]:
-    """Return the constants of the wrist's theorem, by name.  For d1 + d2 = 1, the limit is ``wrist`` = ``a`` + ``b`` in
-    reach and ``c`` for a clamped target."""
+    """Return the constants of the wrist's theorem, by name.  For d1 + d2 = 1, the wrist's error is at most ``wrist`` =
+    ``a`` + ``b`` in reach, and at most ``c`` for a clamped target."""
     turns = {
         "azimuth": turn(flow, "u_y", "u_x", "inv_rho", mirrored=True),
         "tilt": turn(flow, "sin_el", "cos_el", "inv_s"),
@@ -314,8 +314,8 @@ def core(flow: Dataflow) -> dict[str, Interval]:
 
 
 def ball(width: int, least: Interval) -> Interval:
-    """Return the limit of the angle (rad) between a quaternion of words, whose length is at least ``least``, and the
-    rotation by the words of the three angles computed from it."""
+    """Return the limit of the angle (rad) between two rotations: by a quaternion of words with a length of at least
+    ``least``, and by the words of the three angles that are computed from this quaternion."""
     word, half, root = iv.mpf(4) / 2**width, iv.pi / 2**width, iv.sqrt(iv.mpf(2))
     lsb = word / 2**GUARD
     worst = ZERO
@@ -354,8 +354,8 @@ def frame(flow: Dataflow, elbow: Interval) -> Interval:
 
 
 def arm(flow: Dataflow) -> dict[str, Interval]:
-    """Return the constants of the whole arm's theorem, by name: limits of the errors of the ``orientation`` (rad) and,
-    for d1 + d2 + |tool| = 1, of the ``point``, whose part ``coordinates`` does not scale with these lengths."""
+    """Return the constants of the whole arm's theorem, by name.  ``orientation``: limit of its error (rad); ``point``:
+    limit of its error for d1 + d2 + |tool| = 1, with the part ``coordinates``, which does not scale with lengths."""
     width, wrist = flow.width, core(dataflow("lean", flow.width))
     k, moved, factors, rests = (wrist[name] for name in ("K", "rounded", "Qe factors", "Qe rests"))
     qs, qe, half = iv.sqrt(1 - k) - moved, 1 - factors - rests, iv.pi / 2**width  # least lengths

@@ -188,7 +188,7 @@ def unfit(node: Node, low: float, high: float, where: str = "") -> str:
 
 class Ranges:
     """Bounds of the paper dataflow in one :class:`Case`, by node name; ``proved``: the same before formats limit them.
-    ``saturated``: names of nodes that saturate by design; ``failed``: other node that does not fit -> message."""
+    ``saturated``: nodes that saturate by design; ``failed``: name of any other node that does not fit -> message."""
 
     def __init__(self, width: int, case: Case) -> None:
         self.flow, self.bounds, self.failed = dataflow("paper", width), dict[str, Bound](), dict[str, str]()

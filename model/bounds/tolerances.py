@@ -80,7 +80,7 @@ d2 and tool to words; (2) of its orientation, from rounding the quaternion's fou
 
 
 def pose(words: np.ndarray, width: int, across: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return the errors of :func:`arm` plus those from rounding poses in the user's units to the input words ``words``.
+    """Return the tolerances of :func:`arm`, increased by errors from rounding poses in the user's units to ``words``.
 
     ``across`` (N,): length, in ulps, of the tool's component perpendicular to the hand's z axis.
     """
@@ -91,7 +91,7 @@ def pose(words: np.ndarray, width: int, across: np.ndarray) -> tuple[np.ndarray,
 
 def sought(width: int) -> float:
     """Return the largest permitted hand error / reach of the lean datapath for targets from a search for large errors:
-    the proved limit (:mod:`.accuracy`), or :data:`LEAN` where that is the proved limit rounded up."""
+    the proved limit (:mod:`.accuracy`), or :data:`LEAN` at word lengths at which LEAN is this limit, rounded up."""
     return max(LEAN[width], float(STATED["lean", "wrist"][width]) * 2.0 ** (2 - width))
 
 

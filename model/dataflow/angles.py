@@ -76,8 +76,8 @@ def vector(x, y, width: int):
 def iterate(x, y, width: int):
     """Return (length, angle) like :func:`vector`, of vectors with ``GUARD`` more bits, for example of two lengths.
 
-    A vector to the left of the y axis is first turned by half a turn; its X is a one's complement.  A vector on an axis
-    has exactly its angle: rounding never makes half a turn negative, nor twice a quarter of a turn.
+    A vector to the left of the y axis is first turned by half a turn; its X is a one's complement.  The angle of a
+    vector on an axis is exact: rounding changes neither half a turn nor twice a quarter of a turn.
     """
     head, _ = iterations(width)
     left, quarter = x < 0, 1 << width + ANGLE - 2
@@ -103,8 +103,8 @@ def gain(width: int) -> float:
 class Head(NamedTuple):
     """Error limits for vectors of at least a given length: the upper ends of intervals that are rounded outwards.
 
-    * ``along``, ``across``: parts of the sum of the roundings of X in the given vector's frame, in LSBs of X
-    * ``lost``: angle that they turn the vector; ``left``: angle left after the first M iterations (rad)
+    * ``along``, ``across``: sum of the roundings of X, as components along and across the given vector, in LSBs of X
+    * ``lost``: angle by which these roundings turn the vector; ``left``: angle left after the first M iterations (rad)
     * ``rest``: error of the computed angle apart from ``lost``
     * ``gain``: K
     """
@@ -133,12 +133,13 @@ def head(width: int, length: Interval) -> Head:
 
     * Each rounding shortens X by at most 1: the one's complement of X at the start, and each truncated |Y| / 4^i, where
       a negative Y has its one's complement.  X never decreases; it is at least |x| + |y| - 2 after the first iteration.
-    * By the law of sines, a rounding turns a vector that then has the length l, at an angle psi from the x axis, by at
-      most asin(sin(psi) / l).  The angle left after iteration i is at most this turn plus the larger of a_i =
-      atan(2^-i) and the angle left before minus a_i.
-    * The words of the table have errors: in the first M iterations relative to a_i, later to 2^-i, because X is then
-      constant, so each iteration changes the tangent t of the angle left by 2^-i.  The words then add up to t instead
-      of atan(t), a difference below t^3 / 3.  At the end t is at most 2^-(N-1) or the one before minus 2^-(N-1).
+    * By the law of sines, a rounding turns a vector at an angle psi from the x axis by at most asin(sin(psi) / l),
+      where l is its rounded length.  The angle left after iteration i is at most this turn plus the larger of a_i =
+      atan(2^-i) and the difference between the angle left before the iteration and a_i.
+    * The error of a word of the table is its difference from a_i in the first M iterations, and from 2^-i later: X is
+      then constant, so each iteration changes the tangent t of the angle left by 2^-i.  These later words add up to t
+      instead of atan(t), a difference below t^3 / 3.  At the end, t is at most the larger of 2^-(N-1) and the previous
+      t less 2^-(N-1).
     """
     first, last = iterations(width)
     one, quarter, long = iv.mpf(1), iv.pi / 2, iv.mpf(length) * 2 ** (width - 2 + GUARD)
@@ -162,11 +163,11 @@ def head(width: int, length: Interval) -> Head:
 
 
 def length_bound(width: int, length: float = 1.0) -> float:
-    """Return the largest error of the computed length of a vector no longer than ``length``, in its ulps, 2^-(W+1).  A
+    """Return the largest error of the computed length of a vector no longer than ``length``, in ulps of 2^-(W+1).  A
     computed length is never too large.
 
-    It is K times the length less ``along``, times the cosine of the angle left, which depends on the vector's length:
-    the bound is the largest over vectors from length / 2^(k+1) to length / 2^k.
+    It is at least K (l - ``along``) times the cosine of the angle left, where l is the true length.  The angle left
+    depends on l, so the bound is the largest over all ranges of l from ``length`` / 2^(k+1) to ``length`` / 2^k.
     """
     word = 2.0 ** (2 - width)
     cells = [(length / 2**k, head(width, max(length / 2 ** (k + 1), word))) for k in range(width)]

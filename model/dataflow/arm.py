@@ -124,7 +124,7 @@ def parts(before: str, after: str = "", of: str = "wijk") -> tuple[str, ...]:
 
 
 def equations(*names: str) -> str:
-    """Return, as text of a ``proof``, the facts that are the equations of the named nodes."""
+    """Return the text of a ``proof`` whose facts are the equations of the named nodes."""
     return "; ".join(f"={name}" for name in names)
 
 

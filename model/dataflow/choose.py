@@ -97,7 +97,7 @@ def _split(d: Dataflow, angles: dict[int, Node], first: int, middle: int, last: 
 
 
 def _steps(d: Dataflow, k: int, angle: Node, low: int, high: int) -> list[Node]:
-    """Return joint k's two steps from its reference: of its angle, and of that turned by half a turn or negated."""
+    """Return joint k's steps from its reference: to ``angle``, and to ``angle`` turned by half a turn or negated."""
     turn = (1 << d.width) - 1
     span = high - low & turn
 

@@ -8,7 +8,7 @@ Python's operators build expressions: ``cc - ss``, ``(d1 <= 0) | (d2 <= 0)``.  A
   to real numbers, which are never rounded.
 * ``formula(domain)``: SMT-LIB over the reals.  ``domain``, of :mod:`tb.formal.lean_proofs`, supplies the names of nodes
   and the formulas of comparisons; it may raise :class:`FreeError`.
-* ``text(level)``: right side of an equation; in parentheses if the context's binding strength, ``level``, is higher.
+* ``text(level)``: right side of an equation; in parentheses if its binding strength is below the context's, ``level``.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ set, so no length becomes 0."""
 
 
 class FreeError(Exception):
-    """Comparison of a rounded word by more than the word's sign: proofs have no formula for it."""
+    """Comparison that needs more of a rounded word than its sign: proofs have no formula for it."""
 
 
 def round_shift(words, shift: int):
@@ -204,7 +204,7 @@ class Operation(Term):
         return [] if self.free else [f"(= {node.name} {self.formula(domain)})"]
 
     def lower(self, to, node) -> None:
-        """Add the node's steps to the folded program by the method of the Lowering ``to`` that ``method`` names."""
+        """Add the node's steps to the folded program: call the method ``self.method`` of the Lowering ``to``."""
         if not self.method:
             raise NotImplementedError(f"{node.name}: the folded program has no {type(self).__name__}")
         getattr(to, self.method)(node, *(self.given or self.parts))

@@ -2,7 +2,7 @@
 """Word lengths, formats of nodes, and latencies of operations.
 
 A two's complement word of ``W`` bits with ``i`` integer bits has the range [-2^i, 2^i) and ``W-1-i`` fraction bits.  In
-the paper's datapath, most products that feed a sum, and some sums of such products, have ``GUARD`` more of them.
+the paper's datapath, most products that feed a sum, and some sums of such products, have ``GUARD`` more fraction bits.
 """
 
 from dataclasses import dataclass
@@ -100,7 +100,7 @@ class Latency:
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """Return ``kind``'s latency in clocks, as a Verilog expression; equal for a table's small and long form."""
+        """Return ``kind``'s latency (clocks) as a Verilog expression; small and long form of a table have the same."""
         if kind in cls.FORMS:
             frac, table, more = cls.FORMS[kind]
             short, long = (table.clocks(table.short_frac + longer) + more for longer in (0, 1))

@@ -289,7 +289,7 @@ def triangle(d: Dataflow, f: LeanFormats) -> None:
 
 
 def triangle_lemmas(d: Dataflow) -> None:
-    """State the lemmas on sin a.  n_ab >= 0: if A B > 0, because sin a <= 1; if A B = 0, as lengths are whole ulps."""
+    """State the lemmas on sin a.  n_ab >= 0 follows from sin a <= 1 or, for A B = 0, from lengths being whole ulps."""
     d.lemma("|a| = 1", f"{norm('cos_a', 'sin_a')} <= 1", "cos a; sin a; K^2 + A B; s > 0; =d1")
     uses = "=sin_a; =inv_law_ab; =inv_law_ab_raw; =n_ab; =root_ab; root of m_far; root of m_near; 1/(d1 |p|); 1/|p|; "
     uses += "=m_far; =m_near; =m_1; =m_s; =e_far; =e_near; =e_1; =e_s; =d1; s > 0"
@@ -414,6 +414,6 @@ def root(d: Dataflow, f: LeanFormats, name: str, value: Node, width: int) -> tup
 
 
 def limited(d: Dataflow, name: str, within: Within, fmt: Format, why: Limited = TWO) -> Node:
-    """Build the node ``name``: the node ``name``_raw, limited to the largest word of ``fmt``. Lengths that are powers
-    of two may make ``name``_raw an ulp larger than that word: 2, or 1 for inv_12."""
+    """Build the node ``name``: the node ``name``_raw, limited to the largest word of ``fmt``. If lengths are powers
+    of two, ``name``_raw may be 2 (1 for inv_12), an ulp larger than that word."""
     return d.node(name, ops.limited(d.nodes[f"{name}_raw"]), fmt, ends=SATURATE, within=within, limited=why)

@@ -203,7 +203,7 @@ class Choice(Unary):
 
 
 def _at_most(term: Term) -> Function:
-    """Return a term whose text shows that the node limits it to the largest word of its format."""
+    """Return ``term`` with a text that shows the limit: the largest word of the node's format."""
     return Function(lambda words: words, "min({}, most)", term, formula="{}", level=CHOICE + 1)
 
 

@@ -14,7 +14,7 @@ def cuts(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
 
 
 def unseen(a_width: int, b_width: int, tile: int = TILE) -> tuple[int, int]:
-    """Return how many low bits of a and b :func:`mul3` ignores because they do not fit two signed tiles."""
+    """Return how many low bits of a and of b are ignored by :func:`mul3` because they do not fit two signed tiles."""
     return max(a_width - 2 * tile + 1, 0), max(b_width - 2 * min(tile, 18) + 1, 0)
 
 
@@ -45,9 +45,10 @@ def mul3(a, b, shift: int, a_width: int, b_width: int, tile: int = TILE):
 def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tuple[float, float]:
     """Return the least and greatest error of :func:`mul3`, in ulps of the result.
 
-    The omitted product is nonnegative and less than 2^(cuts - shift) ulps; with the estimate, 7/16 of that remains.
-    Each of the two mixed products loses less than a quarter ulp.  All other truncated bits are part of the rounding,
-    which is half up.  Ignored bits add less than one unit of the operand's last used bit, times the other operand.
+    The omitted product is nonnegative and less than 2^(c - shift) ulps, where c is the sum of :func:`cuts`; with the
+    estimate, 7/16 of this limit remains.  Each of the two mixed products loses less than a quarter ulp.  All other
+    truncated bits are part of the rounding, which is half up.  The ignored bits of an operand add less than one unit of
+    its last used bit, times the other operand.
     """
     out = unseen(a_width, b_width, tile)
     aside = sum(2.0 ** (bits + other - 1 - shift) for bits, other in zip(out, (b_width, a_width), strict=True) if bits)
@@ -58,7 +59,7 @@ def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tupl
 
 
 class Mul3(Product):
-    """Product a * b * 2^scale from three tiles.  Bits above the node's format, set only if clamped, are dropped."""
+    """Product a * b * 2^scale from three tiles.  Bits above the format, set only for clamped targets, are dropped."""
 
     kind, latency, adds_rounding = "mul3", "mul3", True
 

@@ -71,8 +71,8 @@ class Rule:
 
 
 class Given(Rule):
-    """Range of an exact word that does not follow from the operands' ranges: of a count, or of a word that wraps where
-    it is unused.  ``limit`` returns the permitted part of the word's format."""
+    """Range of an exact word, given because it does not follow from the operands' ranges; for example of a count, or of
+    a word that wraps where it is unused.  ``limit`` returns the permitted part of the word's format."""
 
 
 @dataclass(frozen=True)

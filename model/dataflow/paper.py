@@ -316,7 +316,7 @@ def elbow_quaternion(d: Dataflow) -> None:
 
 
 def _half(d: Dataflow, name: str, twice: Sum) -> None:
-    """Build half of ``twice``, 1 + c or 1 - c of (6) and (7), limited to [0, 1].  It is unsigned, so that 1 fits."""
+    """Build ``twice`` / 2, limited to [0, 1]; unsigned, so that 1 fits.  ``twice`` is 1 + c or 1 - c of (6) and (7)."""
     fmt = Format(d.width, d.width - 1, "W - 1", signed=False)
     half = twice / 2
     limited = Function(lambda words: np.clip(words, 0, 1 << half.frac), "min(max({}, 0), 1)", half)
@@ -341,8 +341,9 @@ def rotate_to_elbow(d: Dataflow) -> None:
 
     L_m = d1 (p_ex (d1 - p_ez), p_ey (d1 - p_ez), p_ex^2 + p_ey^2) may be scaled freely, so the factor d1 is dropped.
     If the elbow is above the shoulder, d1 - p_ez loses digits.  But p_ex^2 + p_ey^2 = (d1 - p_ez)(d1 + p_ez), so L_m is
-    divided by d1 - p_ez: (p_ex, p_ey, d1 + p_ez).  If the elbow is below, one (p_ex, p_ey) of each term is scaled up
-    to (u_x, u_y).  On the z axis the first form is (0, 0, 2 d1) and the second (d1, 0, 0), so 0/0 never occurs.
+    divided by d1 - p_ez: (p_ex, p_ey, d1 + p_ez).  If the elbow is below, (p_ex, p_ey) is scaled up to (u_x, u_y) once
+    in each term: (u_x (d1 - p_ez), u_y (d1 - p_ez), u_x p_ex + u_y p_ey).  On the z axis the first form is (0, 0, 2 d1)
+    and the second (d1, 0, 0), so 0/0 never occurs.
     """
     n = d.nodes
     d.at("to_elbow", "(15)")

@@ -59,7 +59,7 @@ class Form:
 
     @property
     def clocks(self) -> int:
-        """Latency of ``ik_quadratic``, clocks: operands, slope times u, sum, result; c2 adds operands, c2 u, slope."""
+        """Clocks of ``ik_quadratic``: operands, slope times u, sum, result; with c2, first operands, c2 u, slope."""
         return 4 if self.linear else 7
 
 
@@ -279,8 +279,8 @@ def rsqrt_error(frac: int, tile: int = TILE) -> float:
 
 
 def _sine_derivative(linear: bool, segment: Segment) -> mpmath.mpf:
-    """Return the largest magnitude of the derivative that :class:`Table` needs: at the right end of the segment if
-    linear, else at the left end."""
+    """Return the largest |f''| (``linear``) or |f'''| of f = sin(pi/2 t) in a segment: |f''| at its right end,
+    |f'''| at its left end."""
     (left, width), quarter = segment, mpmath.pi / 2
     return quarter**2 * mpmath.sin(quarter * (left + width)) if linear else quarter**3 * mpmath.cos(quarter * left)
 
@@ -337,8 +337,8 @@ def half_sincos_error(frac: int, tile: int = TILE) -> float:
 
 
 def _faithful(node, frac: int, most: float = 1.0) -> tuple[float, float]:
-    """Return the error range (low, high) in ulps of the node.  The error is at most ``most`` ulps of a word with
-    ``frac`` fraction bits; the node may have more."""
+    """Return the error range (low, high) in ulps of the node.  The ends are -+``most`` ulps of a word with ``frac``
+    fraction bits; the node may have more."""
     bound = most * 2.0 ** max(node.format.frac - frac, 0)
     return -bound, bound
 

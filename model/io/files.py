@@ -38,7 +38,8 @@ def read_csv(
     """Read targets from a CSV file with a header.
 
     docs/targets.md describes the file. d1, d2 and phi (rad) replace columns that the file lacks; None stands for the
-    default arm, or a phi of nan. Rows in messages are line numbers. Raises TargetError for a bad file or default.
+    default arm's length or, as phi, for nan. Rows in messages are line numbers. Raises TargetError for a bad file or
+    default.
     """
     path = os.fspath(path)
     asked = {"phi": phi, "d1": d1, "d2": d2}
@@ -193,7 +194,7 @@ def whole_files() -> Iterator[Place]:
     """Yield a function path -> temporary path in the same folder. At the end rename all temporary files to their paths;
     after an error in the block remove them, so that the old files remain.
 
-    An OSError gets the requested path as its filename, or the last requested path if it has none.
+    The filename of an OSError becomes the requested path; if the error has no filename, the last path requested.
     """
     paths: dict[str, Path] = {}
 

@@ -38,7 +38,7 @@ def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
 
     For wrist or elbow on the z axis the distance is the angle from the nearer half of the axis. For theta_3 and theta_4
     (elbow) it is the distance of the half angle from 0 or pi/2, where a square root in (14) or (17) is 0. Raises
-    ValueError for lengths outside `equations.LENGTH_RANGE` of a target in reach.
+    ValueError if a target in reach has lengths outside `equations.LENGTH_RANGE`.
     """
     pose = solve_clamped(targets.x, targets.y, targets.z, targets.phi, targets.d1, targets.d2)
     wrist = np.arctan2(np.hypot(targets.x, targets.y), np.abs(targets.z))
@@ -126,7 +126,7 @@ class Score:
       all targets, `clamped_error_max` is over unreachable targets
     * `*_tolerance`: largest permitted error of the worst target, None without a tolerance; `hand_error_over_tolerance`:
       largest ratio of a hand error to its tolerance
-    * `hand_error_target`: the target with the largest error; `hand_error_pose`: how near that is to a singular pose
+    * `hand_error_target`: the target with the largest error; `hand_error_pose`: how near it is to a singular pose
     * `outcome`: verdict (pass, warn or FAIL), largest error and its tolerance as text; `failures` is empty exactly if
       `passed`; the verdict is warn if a target out of reach is missed by more than the tolerance
     * `over_limit`: number of targets with a joint outside its limits; it and `orientation_error_*`: None for wrists
@@ -188,8 +188,8 @@ def score(
     * run: the core's output, with the attributes of `tb.sim.job.Run`
     * predicted (N,): largest hand error / reach that rounding can cause; None if not computed
     * tolerance: permitted hand error / reach, requested by the user; by default from `model.bounds.tolerances`
-    * placed: elbows and wrists (N, 3) to score, relative to the shoulder, in the user's units, and orientations (N, 4)
-      for hand poses, which then have no tool; by default all are computed by forward kinematics
+    * placed: elbows and wrists (N, 3) to score, relative to the shoulder, in the user's units; for hand poses, which
+      must have no tool, also orientations (N, 4); by default all are computed by forward kinematics
     * limits: joint limits of hand poses, in words; none by default; strict: True to fail on a joint outside them
 
     Raises ValueError for arrays whose shapes do not match, and for a prediction that is not positive and finite.

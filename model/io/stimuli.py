@@ -380,7 +380,7 @@ def hand_poses(targets: np.ndarray, width: int, seed: int) -> np.ndarray:
 
 
 def arm_corners(width: int) -> np.ndarray:
-    """Return hand poses (N, 11) with a quaternion's length just in or out of range, or a wrist beyond the format."""
+    """Return hand poses (N, 11) with a quaternion length just in or out of its range, or a wrist beyond the format."""
     one, top, half = 1 << width - 2, (1 << width - 1) - 1, round((1 << width - 2) * 0.5**0.5)
     ends = [one + side * (one >> 8) - less for side in (1, -1) for less in (0, 1)]
     rows = [(one >> 2, 0, 0, 0, one >> 1, one >> 1, 0, 0, end, 0, 0) for end in ends]
@@ -392,8 +392,8 @@ def arm_corners(width: int) -> np.ndarray:
 
 
 def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
-    """Return words and branches (N, 12) of shuffled hand poses: half in reach, a quarter of arbitrary words, a quarter
-    with arbitrary wrists but unit quaternions; large sets include the corners."""
+    """Return words and branches (N, 12) of shuffled hand poses: half are in reach, a quarter are arbitrary words, and a
+    quarter are arbitrary words except for a unit quaternion. Large sets include the corners."""
     random, kind = np.random.default_rng((seed, width, 6)), np.arange(count)[:, None] // 2 % 4
     anything, corners = any_hands(count, width, seed), arm_corners(width)
     poses = hand_poses(random_reachable(count, width, seed), width, seed)
@@ -405,7 +405,7 @@ def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def referenced(words: np.ndarray, width: int, seed: int) -> np.ndarray:
-    """Return words and branches (N, 12) of poses with arbitrary reference joints inserted, (N, 19)."""
+    """Return words (N, 19): hand poses and branches ``words`` (N, 12) with arbitrary reference joints between them."""
     references = np.random.default_rng((seed, width, 8)).integers(-(1 << width - 1), 1 << width - 1, (len(words), 7))
     return np.insert(words, [len(ARM_FIELDS)] * 7, references, axis=1)
 
@@ -431,7 +431,7 @@ def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
 
 def arm_limits(width: int, long: bool = False) -> list[tuple[int, int]]:
     """Return limits (low, high) of seven joints, in words: arcs of all lengths, some across half a turn (low > high).
-    ``long``: arcs so long that some branches of a pose are within them; one is a whole turn."""
+    ``long``: arcs so long that some branches of a pose are within all of them; one of the arcs is a whole turn."""
     half = 1 << width - 1
     arcs = (0.9, -0.8), (-0.7, 0.95), (-1.0, 0.0), (-0.4, 0.5), (0.2, 0.3), (-0.99, 0.6), (0.7, 0.4)
     if long:
@@ -440,8 +440,8 @@ def arm_limits(width: int, long: bool = False) -> list[tuple[int, int]]:
 
 
 def any_hands(count: int, width: int, seed: int) -> np.ndarray:
-    """Return words (N, 11) of hand poses: targets of :func:`mixed` with arbitrary tool and hand words. In every second
-    pose these are at an end of the format, at half of it, or at -1, 0 or 1 ulp."""
+    """Return words (N, 11) of hand poses: targets of :func:`mixed`, with arbitrary words for tool and hand. In every
+    second pose, each of these words is -1, 0 or 1, at an end of the format, or halfway to an end."""
     random, low = np.random.default_rng((seed, width, 5)), -(1 << width - 1)
     anything = random.integers(low, -low, (count, 5))
     edge = random.choice([low, -1, 0, 1, -low // 2, low // 2, -low - 1], (count, 5))

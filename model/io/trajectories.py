@@ -42,8 +42,8 @@ def describe(name: str) -> str:
 def _registered(place: dict[str, Callable[[], Targets]], function: Callable[[], tuple]) -> Callable[[], tuple]:
     """Register a trajectory in ``place`` under the name of its function.
 
-    The function returns positions (N, 3) in m and swivel angles (rad), then d1 and d2 (m) unless the arm is the
-    default, then for hand poses orientations (N, 4) and the tool's length (m).
+    The function returns positions (N, 3) in m and swivel angles (rad). Unless the arm is the default, d1 and d2 (m)
+    follow; for hand poses, d1, d2, orientations (N, 4) and the tool's length (m) follow.
     """
 
     def made() -> Targets:
@@ -79,7 +79,7 @@ def _minimum_jerk(t: np.ndarray) -> np.ndarray:
 def _via(
     points: Sequence[tuple[float, ...]], times: Sequence[float], t: np.ndarray = TIME
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return positions (N, 3) and phi (N,) of a minimum-jerk motion that rests at points (x, y, z, phi) at times."""
+    """Return positions (N, 3), phi (N,) of a minimum-jerk motion with stops ``points`` (x, y, z, phi) at ``times``."""
     rests = np.asarray(points, dtype=np.float64)
     path = np.tile(rests[0], (len(t), 1))
     for n in range(len(rests) - 1):

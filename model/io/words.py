@@ -248,7 +248,7 @@ def binary_angles(angles: np.ndarray, width: int) -> np.ndarray:
 
 
 def limit_words(limits: np.ndarray | None, width: int) -> list[tuple[int, int]]:
-    """Return lowest and highest word of each joint within its limits. A range of a turn or more allows any word."""
+    """Return the lowest and highest words within each joint's limits. A range of a turn or more allows any word."""
     half, unit, words = 2 ** (width - 1), 2**width / (2 * np.pi), []
     for low, high in [(-np.inf, np.inf)] * 7 if limits is None else limits.tolist():
         free = not high - low < 2 * np.pi
@@ -297,7 +297,7 @@ class Records:
 
     Lengths and quaternions are Q2.30, one turn is 2^32. The word with index `tag` holds the tag in its low bits and,
     above them, the branch (target) or the flags (result); `inputs` and `results` name the other words. Results end
-    with the record's index in its job and, for the whole arm, over_limit: a bit for each joint, bad_hand in bit 8.
+    with the record's index in its job and, for the whole arm, a word: over_limit, a bit per joint, and bad_hand, bit 8.
     """
 
     size: int  # bytes
@@ -306,15 +306,15 @@ class Records:
     results: tuple[str, ...]
 
     def packed(self, fields: np.ndarray, *more: np.ndarray) -> bytes:
-        """Return zero-padded records of the 32-bit words ``fields`` (N, n), with columns as `inputs` for targets.
-        more: the tag words (N,), then further words (N,)."""
+        """Return records, padded with zeros. fields (N, n): 32-bit words, with the columns of `inputs` for targets;
+        more: the tag words (N,), then words (N,) that follow the fields."""
         columns = [*np.broadcast_arrays(*fields.T, *more, *[0] * (self.size // 4))]
         columns.insert(self.tag, columns.pop(fields.shape[1]))
         columns = columns[: self.size // 4]
         return (np.column_stack([column.astype(np.int64) for column in columns]) & 0xFFFFFFFF).astype("<u4").tobytes()
 
     def _unpacked(self, records: bytes, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return signed words (N, count), the first of each record except its tag word, and the tag words (N,)."""
+        """Return the first ``count`` words of each record, signed and without the tag word, and the tag words (N,)."""
         table = np.frombuffer(records, dtype="<i4").astype(np.int64).reshape(-1, self.size // 4)
         return np.delete(table, self.tag, axis=1)[:, :count], table[:, self.tag]
 
@@ -331,12 +331,12 @@ class Records:
         return words, tags & ((1 << TAG_BITS) - 1), tags >> TAG_BITS & (1 << len(BRANCHES)) - 1
 
     def written(self, results: np.ndarray, flags: np.ndarray, tags: np.ndarray, width: int) -> bytes:
-        """Return a job's result records for words (N, n) of `width` bits, columns as `results`, flags and tags (N,)."""
+        """Return a job's result records. results (N, n): `width` bits, columns as `self.results`; flags, tags: (N,)."""
         more = (flags & 255) << TAG_BITS | tags, np.arange(len(results)), flags >> OVER_BIT | flags & BAD_HAND
         return self.packed(results << (32 - width), *more)
 
     def result_words(self, records: bytes, width: int) -> np.ndarray:
-        """Return the results (N, n) of `width` bits in result records."""
+        """Return the results (N, n), as words of `width` bits, from result records."""
         return self._unpacked(records, len(self.results))[0] >> (32 - width)
 
 

@@ -37,13 +37,14 @@ def _integers(values):
 
 
 def _root(square, of, sign=1):
-    """Return sign times the root of square / of (integers), the ratio limited to 0 .. 1; 0 where ``of`` is 0."""
+    """Return sqrt(``square`` / ``of``), integers, with the sign of ``sign``. The ratio is limited to 0 .. 1, 0 where
+    ``of`` is 0."""
     square, of = np.where(of > 0, np.minimum(square, of), 0), np.where(of > 0, of, 1)
     return np.where(sign < 0, -1.0, 1.0) * np.sqrt(np.maximum((square / of).astype(np.float64), 0.0))
 
 
 def _shoulder(cosines, half_sines, phi):
-    """Return Qs (4, N) from cosines and halved sines (3, N) of azimuth + 90 deg, 90 deg - elevation, and a."""
+    """Return Qs (4, N) from cosines and halved sines (3, N) of the angles azimuth + 90 deg, 90 deg - elevation, a."""
     toward = cosines >= 0
     lengths = 0.5 * np.abs(cosines) + 0.5
     az_c, tilt_c, bend_c = np.where(toward, lengths, half_sines)
@@ -150,7 +151,8 @@ def _two_sum(a, b):
 
 
 def _near_limits(target, law):
-    """Return K (``law``), A and B limited to 0 .. 4 d1 d2, and reach flags; sums have twice a double's precision."""
+    """Return K, A and B (A and B limited to 0 .. 4 d1 d2), and reach flags, from sums of twice a double's precision.
+    law: K in double precision, returned unless d1 is so small that it cancels."""
     x, y, z, _, d1, d2 = target
     v = np.array((x, y, z, d1 + d2, d1 - d2))
     high = v * _SPLIT

@@ -42,7 +42,7 @@ class _Problem:
         self._resources()
 
     def _clock(self, name: str, first: int, last: int):
-        """Return a variable for a clock. ``at_place[name]`` gets a mask for each place of a lap, 1 at the clock."""
+        """Return a variable for a clock. ``at_place[name]`` gets the clock's place in the lap, as one-hot bits."""
         clock, place = self.model.new_int_var(first, last, name), self.model.new_int_var(0, self.period - 1, name)
         lap = self.model.new_int_var(0, last // self.period, name)
         self.model.add(clock == lap * self.period + place)
@@ -52,7 +52,7 @@ class _Problem:
         return clock
 
     def _one_each(self, uses: Iterable[tuple[str, int]]) -> None:
-        """Allow no more than one use in each clock of the lap. A use is (load or start, clocks after it)."""
+        """Allow at most one use in each clock of the lap. A use (name, n) is n clocks after load or start ``name``."""
         uses = list(uses)
         for n in range(self.period):
             self.model.add_at_most_one(self.at_place[name][(n - clock) % self.period] for name, clock in uses)
@@ -106,7 +106,7 @@ class _Problem:
         return clocks
 
     def _words(self) -> None:
-        """Constrain a word's reads to lie between its write and its write for the next target."""
+        """Constrain each read of a word to follow its write and precede the next target's write of the same word."""
         written = self._written(timing.word_writes, self.loads)
         for name, placed in self.placed:
             for use in timing.word_reads(placed):

@@ -43,7 +43,7 @@ def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
         return [(d, count) for d in corners(words) for count in COUNTS]
 
     def single_bits():
-        """For each count, return bits that it shifts to or next to an end of the result; also bit - 1, -bit, ~bit."""
+        """Return bits that each count shifts to or next to an end of the result; also bit - 1, -bit, ~bit."""
         places = (0, DROP - 1, DROP, DROP + 1, top - 2, top - 1, top)
         bits = [(1 << place - count, count) for place in places for count in COUNTS if place >= count]
         return [(d, count) for bit, count in bits for d in (bit, bit - 1, -bit, -bit - 1) if d in words]

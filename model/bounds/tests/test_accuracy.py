@@ -44,7 +44,7 @@ def length(vectors):
 
 @pytest.mark.parametrize("width, datapath", CORES)
 def test_wrists(width, datapath):
-    """Check the wrist's theorem in reach and, for the nearest reachable point, out of reach and at the shoulder."""
+    """Check the wrist's theorem: in reach, for the target; out of reach and at the shoulder, for the nearest pose."""
     a, b, c = (float(accuracy(width, datapath)[name]) for name in "abc")
     out = unreachable(COUNT, width, 5)
     for words, clamped in ((poses(width, 1), False), (out[(out[:, 4:] > 0).all(axis=1)], True)):
@@ -91,7 +91,7 @@ def test_hands(width):
 
 def displaced(nodes, members):
     """Yield, eight times, the values (N,) of all nodes if only the nodes ``members`` have errors, each at a random end
-    of its range. Nodes of tables have half of their stated error, which is an error that any table may have."""
+    of its range. For nodes of tables, the stated error is halved, because any table may have errors of that size."""
     random = np.random.default_rng(3)
     for _ in range(8):
         moved = (nodes[member] for member in members.split())

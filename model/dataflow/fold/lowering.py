@@ -4,9 +4,10 @@
 :class:`Lowering` collects the steps of all nodes; each node's operation adds its steps (``Operation.lower``).  The code
 here depends on the names of inputs and results, and of the node ``bend_swap``.
 
-Each word is aligned as far to the left as its largest value permits, so products of all formats are cut at the same
-bits.  The first bit of a word of ``weight`` w weighs -2^w.  The product of two words, with weights w and w', has
-2 ``bits`` bits; bit 2 ``bits`` - 2 weighs 2^(w + w').  A :data:`PLAIN` or :data:`DOUBLE` window is written back.
+Each memory word, of B = ``bits`` bits, is aligned as far to the left as its largest value permits, so products of all
+formats are cut at the same bits.  The first bit of a word of ``weight`` w weighs -2^w.  The product of two words, with
+weights w and w', has 2 B bits; bit 2 B - 2 weighs 2^(w + w').  The sum's window :data:`PLAIN` or :data:`DOUBLE` is
+written back.
 """
 
 from collections import defaultdict
@@ -97,7 +98,7 @@ class Lowering:
     # ---- masks ---------------------------------------------------------------------------------------------------
 
     def operand_registers(self, mask: Node, of: Node) -> set[str]:
-        """Return the registers that a mask needs for operand ``of``: a mask's registers, or a word's sign and zero."""
+        """Return the registers for a mask's operand ``of``: all registers of a mask, or the sign and zero of a word."""
         if of.format == self.flow.bit:
             return self.made_of[of.name]
         if of.name in POSITION:  # a register with the mask's name shows if the sum of squares is 0
@@ -245,7 +246,7 @@ class Lowering:
         self.terms[raw] = replace(step, minus=minus, result=node.name, write=write, addend=addend)
 
     def _result_addend(self, node: Node, half: str) -> str:
-        """Return a result's addend: ``half``, half an ulp of an inner word; for HALF_UP plus half a result's ulp."""
+        """Return a result's addend: ``half`` (half an ulp of an inner word), for HALF_UP plus half a result's ulp."""
         self.rounded.add(node.name)
         return half.replace("half", "result") if node.rounding == HALF_UP else half
 

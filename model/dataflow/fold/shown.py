@@ -17,7 +17,7 @@ from .steps import DOUBLE, ELBOW, PLAIN, Pick, Placed, Selector, Step
 
 @dataclass(frozen=True)
 class Shown:
-    """Location of a node: the Verilog expression ``text``, in the ``clocks`` of its target in which ``when`` holds."""
+    """Location of a node: the Verilog expression ``text`` in the clocks ``clocks`` of its target if ``when`` holds."""
 
     node: Node
     clocks: tuple[int, ...]

@@ -64,8 +64,8 @@ NEVER, ALWAYS, NO_COUNT = Selector(), Selector("always"), Selector("n_0")
 class Pick:
     """One of two memory words: the word ``pair`` or, if ``second``, its partner; a set ``flag`` swaps the two.
 
-    The words are the larger and the smaller part of a rotation, in adjacent places; but if there is a ``constant``,
-    the partner is this constant, which is :data:`.program.PLACES` further and takes no place."""
+    The words are the larger and the smaller part of a rotation, in adjacent places.  If there is a ``constant``, it is
+    the partner instead: it is a fixed word, :data:`.program.PLACES` addresses after the word ``pair``."""
 
     pair: str
     flag: Selector
@@ -108,7 +108,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Counted:
-    """Shift count of a step: ``base`` plus ``terms`` (factor, register), which is the node ``node`` plus ``offset``."""
+    """Shift count of a step: ``base`` plus ``terms`` (factor, register); equal to the node ``node`` plus ``offset``."""
 
     base: int
     terms: tuple[tuple[int, str], ...]

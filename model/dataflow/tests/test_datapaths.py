@@ -85,7 +85,7 @@ class Run:
             self.below(getattr(self, name), ANGLE_ULPS[self.width] * ulp(self.width), f"{name} error (rad)")
 
     def check_words(self, permitted, where: str = "") -> None:
-        """Assert norms of Qs and Qe within ``permitted`` ulps, their signs, exact flags, and words inside formats."""
+        """Assert |Qs|^2 and |Qe|^2 within ``permitted`` ulps of 1, right signs and flags, and words inside formats."""
         for name, off, tolerance in zip(("Qs", "Qe"), self.norms, permitted, strict=True):
             self.below(off, tolerance, f"|{name}|^2 - 1 in ulps:")
         results, flags = self.answer.results, expected_flags(self.words, self.width)
@@ -221,7 +221,7 @@ SECTIONS = [(name, of) for name in ("choose", "paper") for of in MODELS[name].se
 
 @pytest.mark.parametrize(("datapath", "section"), SECTIONS)
 def test_the_verilog_has_the_equation_of_each_operator(datapath, section):
-    """Check that equations in comments are the model's, and that each operator has one, with the paper's number."""
+    """Check that each operator has a comment with its equation and the paper's number; all must be the model's."""
     path = MODELS[datapath]
     (file,) = (Path(__file__).parents[3] / "rtl").glob(f"**/{path.module(section)}.v")
     text = file.read_text(encoding="utf-8")
@@ -328,7 +328,7 @@ def test_every_input_has_an_answer(width):
 
 @every_width
 def test_poses_with_exact_angles(width):
-    """Check that th2, th4, th6 of straight arms are 0, and th4 of a closed arm, th6 of a reversed hand half a turn."""
+    """Check angles: 0 (th2, th4, th6 of straight arms), half a turn (th4 of a closed arm, th6 of a reversed hand)."""
     one, half = 1 << width - 2, 1 << width - 1
     arm = 0, one // 2, one // 2, 0  # phi, d1, d2, tool
     hands = np.array([(one, 0, 0, 0), (-one, 0, 0, 0), (0, 0, 0, one), (one, 0, 0, 0), (0, one, 0, 0)])

@@ -145,8 +145,8 @@ def vectors(width: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def turned_exactly(x, y, width):
-    """Return the vectors as complex numbers in the right half plane, in LSBs of X; nearby ones that M iterations turn
-    to the same result without rounding; and the sum of the angle words (rad)."""
+    """Return the vectors as complex numbers in the right half plane, in LSBs of X; the nearby vectors that M iterations
+    without rounding turn to the same result; and the sum of the angle words (rad)."""
     x, y, real = x << angles.GUARD, y << angles.GUARD, np.longdouble
     given = np.where(x < 0, -1, 1) * (x.astype(real) + 1j * y.astype(real))
     x, y, head = np.where(x < 0, ~x, x), np.where(x < 0, -y, y), angles.iterations(width)[0]
@@ -202,7 +202,7 @@ def test_longest_vector_keeps_every_bit(width):
 
 
 def test_small_angles_keep_their_sign():
-    """Check that no angle of a straight arm or of a hand along an axis is rounded to below 0, which may be a limit."""
+    """Check that no angle of a straight arm or of a hand along an axis is rounded to below 0: a limit may be 0."""
     for width in range(8, 33):
         one, what = 1 << width - 2, f"W = {width}"
         x, y = np.meshgrid([one - 1, one, one + 2], np.arange(min(400, one)))

@@ -17,7 +17,7 @@ from model.reference.kinematics import matrix
 
 
 def targets(x=0.3, y=0.0, z=0.0, phi=math.pi, d1=0.33, d2=0.27):
-    """Return targets with the default swivel angle and arm of a file."""
+    """Return targets; phi, d1 and d2 default to the values that apply to a target file without these columns."""
     return Targets("t", x, y, z, phi, d1, d2)
 
 
@@ -144,7 +144,7 @@ def test_files_keep_every_bit(read):
 
 
 def test_far_targets_lower_the_exponent_until_the_headroom_ends():
-    """Check the exponent: for a reach of 1 the format ends at 2, or at 32 with all four bits of headroom used."""
+    """Check the exponent: for a reach of 1, coordinates below 2 use no headroom; below 32, up to all four bits."""
     arm = {"d1": 0.5, "d2": 0.5}
     ends = (0.0, 0), (math.nextafter(2, 0), 0), (2.0, -1), (-2.0, 0), (math.nextafter(-2, -3), -1)
     for x, exponent in (*ends, (math.nextafter(32, 0), -4), (-32, -4)):
@@ -194,7 +194,7 @@ def test_words_come_back_from_their_targets(width, exponent):
 
 @pytest.mark.parametrize("name", [*trajectories.TRAJECTORIES, *trajectories.HANDS])
 def test_trajectory(name):
-    """Check reach and smooth motion: below 5 cm (8 % of the reach) per step, below 2 cm between successive steps."""
+    """Check reach and smooth motion: each step is below 5 cm (8 % of the reach) and within 2 cm of the step before."""
     targets = trajectories.make(name)
     assert targets.name == name and len(targets) == 100
     for width in (16, 32) if targets.hand is None else ():
@@ -218,7 +218,7 @@ def test_example_files_are_up_to_date(name, capsys):
 
 
 def test_flags_are_exact_at_the_limits():
-    """Check targets so near a limit that squares in double precision are equal; other tests cover other flags."""
+    """Check targets so near a limit that the compared squares round to equal doubles; other tests cover other flags."""
     long, short = 2**30 + 1, 2**30 - 3
     wrists = [(long + short, 0), (long + short + 1, 0), (long + short, 1), (long - short, 0), (long - short - 1, 0)]
     words = np.array([(x, y, 0, 0, long, short) for x, y in wrists])

@@ -25,7 +25,7 @@ SIDE = {"d1": 0.3, "d2": 0.3}  # an arm of equal lengths (m)
 
 
 class Case:
-    """Trajectory run on an ideal core: double precision rounded to words. Tests corrupt the results."""
+    """Trajectory and results of an ideal core: double-precision poses rounded to words. Tests corrupt the results."""
 
     def __init__(self, targets, width=32, predicted=1e-6):
         self.targets, self.width = targets, width
@@ -164,8 +164,8 @@ def near_the_axis(*polar, **options):
 
 
 def test_tolerance_by_regularity_word_length_and_request(case):
-    """Check that at W = 32 the tolerance applies from 0.2 rad off singular poses, and that the user's tolerance
-    replaces it; check the text about the worst target's pose."""
+    """Check that at W = 32 the tolerance applies if all targets are 0.2 rad or more from singular poses, and that the
+    user's tolerance replaces it; check the text about the worst target's pose."""
     for distance, width, tolerance in ((0.19, 32, None), (0.21, 32, REGULAR), (0.21, 31, None)):
         result = near_the_axis(1.0, distance, width=width).score()
         assert result.passed and result.singular_distance_min == pytest.approx(distance)

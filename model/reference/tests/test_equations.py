@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test the reference: the equations by forward kinematics, the printed text and each other; section 3 as geometry;
+"""Test the reference: equations against forward kinematics, the printed text and each other; section 3 as geometry;
 blades, quaternions and half angles of section 2.
 
 Largest errors of `solve`, measured over 10^5 targets of `random_targets`: hand 2e-14 of the reach and shoulder 3e-14
 rad (against the rotation matrix) if theta_3 is 0.05 rad or more from 0 and pi; 1e-11 and 3e-11 for any theta_3; about
 1e-8 for theta_3 = 0 or pi. The errors of `solve_lean` are 1.4e-15 over the whole workspace. Next to singular poses,
-`solve_lean` is within 1e-15 rad of the printed equations evaluated with 80 digits, `solve` within 3e-8 rad. `solve` and
-geometry differ by 3e-12 rad at the shoulder (3e-14 rad off theta_3 = 0 and pi), 8e-14 rad at the elbow, p_e by 2e-14.
+`solve_lean` is within 1e-15 rad of the printed equations in 80 digits, `solve` within 3e-8 rad. `solve` and geometry
+differ by 3e-12 rad at the shoulder (3e-14 rad if theta_3 is not near 0 or pi), 8e-14 rad at the elbow, 2e-14 in p_e.
 """
 
 from fractions import Fraction
