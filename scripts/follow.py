@@ -69,12 +69,7 @@ def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterat
         yield f"            then: {more} more node{'s' * (more > 1)} of this target, marked with !"
 
 
-@command(
-    "follow",
-    OPTIONS,
-    passes="every node of the target equals the model",
-    fails="one differs",
-)
+@command("follow", OPTIONS, passes="every node of the target equals the model", fails="one differs")
 def main(arguments: Options) -> int:
     item, *others = prepare(arguments)
     target, total = arguments.target, len(item.words)

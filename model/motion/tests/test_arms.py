@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from model.motion.arms import HUMAN, IIWA14, ROBOTS, Arm
-from model.motion.tests.test_path import check, curve
+from model.motion.tests.test_path import check, curve, followed
 from model.reference.kinematics import matrix
 
 O, X, Y, Z = (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)
@@ -168,9 +168,7 @@ def test_nearly_exact_arms(chain, warned, tmp_path, recwarn):
         assert not pose.over_limit.any()
         check(arm, pose.joints, points, q, 1e-9)
     for kind, seed in (("line", 8), ("sine", 3)):  # almost straight rows that one branch of the shoulder does not reach
-        points, q = arm.forward(curve(arm, kind, seed, 200))
-        path = arm.path(points, q)
-        check(arm, path.joints, points, q, 1e-9)
+        path = followed(arm, curve(arm, kind, seed, 200), 1e-9)
         assert path.largest < 0.2 and not path.jumps
 
 
