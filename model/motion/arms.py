@@ -299,8 +299,7 @@ class Arm:
                 raise ValueError("start: not finite")
             over = np.maximum(before - self.limits[:, 1], self.limits[:, 0] - before)
             if over.max() > 1e-6:
-                name, by = self.names[over.argmax()], over.max()
-                raise ValueError(f"start: {name} is {by:.3g} rad outside its limits")
+                raise ValueError(f"start: {self.names[over.argmax()]} is {over.max():.3g} rad outside its limits")
         planner = self._planner(wrists, q)
         planner.progress = progress or planner.progress
         return planner.plan(given_phi, given_branch, before, goal)
