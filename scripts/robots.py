@@ -48,7 +48,6 @@ def times(targets: Targets, rate: float | None) -> np.ndarray | None:
         return seconds
     if name is None:
         return None
-    assert targets.rows is not None
     cells, lines = [cell.strip() for cell in targets.others[name]], targets.rows.tolist()
     for n, cell in enumerate(cells):
         try:

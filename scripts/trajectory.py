@@ -323,7 +323,6 @@ def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
 
 def positions(item: Prepared, result: Score) -> np.ndarray:
     """Return the robot's joint positions (N, 7) from the core's angles and the whole turns of the planned path."""
-    assert item.robot and item.path and result.per_target.hand
     return item.robot.positions(result.per_target.hand.joints, item.path.joints)
 
 
@@ -360,10 +359,8 @@ def by_joints(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndar
 def turned(item: Prepared, ran: Run, width: int) -> Clip:
     """Return the clip with its limbs turned by the core's quaternions or, for hand poses, by the seven angles. The clip
     is parsed from the content of its file, so it includes the rounding of written numbers."""
-    assert item.clip
-    count, turns_of = len(item.moves), quaternions if item.targets.hand is None else by_joints
-    turns = turns_of(item, ran, width)
-    moves = [(move, *(q[n::count] for q in turns)) for n, move in enumerate(item.moves)]
+    turns = (quaternions if item.targets.hand is None else by_joints)(item, ran, width)
+    moves = [(move, *(q[n :: len(item.moves)] for q in turns)) for n, move in enumerate(item.moves)]
     content = clips.turned(item.clip, moves, item.twist).content()
     return replace(clips.parse(content, item.clip.path), up=item.clip.up)
 

@@ -311,17 +311,15 @@ class Arm:
         side, or a joint would move by more than 0.2 rad, all swivel angles are tried, which takes a hundred times as
         long. At a dead end the step has a reason but no joints.
         """
-        step = None
-        if self._tracker:
-            step = self._tracker.step(point, hand, positions)
-            if step.joints and step.largest <= 0.2:
-                return step
+        step = self._tracker.step(point, hand, positions) if self._tracker else Step(None, 0, np.inf)
+        if step.largest <= 0.2:
+            return step
         pose = self.solve(point, hand, near=positions)
         if pose.over_limit.any() or (pose.flags & UNREACHABLE).any() and not self.chain:
             return Step(None, 0, np.inf, self.reasons(point, hand).get(0, "out of reach"))
         at = pose.joints[0]
         slow = Step(tuple(at.tolist()), int(pose.branch[0]), float(np.abs(at - positions).max()))
-        return step if step and step.joints and step.largest <= slow.largest else slow
+        return step if step.largest <= slow.largest else slow
 
     def continuous_joints(self, positions: ArrayLike) -> Floats:
         """Return joint positions (N, 7), rad, with the same hands and elbows but without jumps between branches.

@@ -58,8 +58,7 @@ def write(path, names="cmu", up="y", order="ZYX", frames=60, sides=("left", "rig
 
     def joint(name, vector, children, root=False):
         nonlocal channels, places
-        lines.append(f"{'ROOT' if root else 'JOINT'} {name}" if name else "End Site")
-        lines.extend(["{", f"OFFSET {offset(vector)}"])
+        lines.extend([f"{'ROOT' if root else 'JOINT'} {name}" if name else "End Site", "{", f"OFFSET {offset(vector)}"])
         if name:
             place = "Xposition Yposition Zposition " if root or rich else ""
             lines.append(f"CHANNELS {6 if place else 3} {place}{' '.join(f'{axis}rotation' for axis in order)}")
