@@ -121,7 +121,7 @@ class Tracker:
         wx, wy, wz = fy * gz - fz * gy, fz * gx - fx * gz, fx * gy - fy * gx  # the forearm's y
 
         th4 = 2 * atan2(stretch, fold)
-        th2, th6 = atan2(hypot(ux, uy), uz), 0.0
+        th2 = atan2(hypot(ux, uy), uz)
         if abs(sin(th2)) < SINGULAR:
             th1, turn = now1, atan2(gy, gx)
             th3 = turn - th1 if uz > 0 else th1 - turn

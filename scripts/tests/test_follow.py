@@ -48,8 +48,7 @@ def check_aligned(vcd, nodes, first, wrong=(), datapath="lean"):
         assert int(column["differs",]) == (target in {number for _, number in wrong})
     assert seen == list(range(len(first)))
     # all X from the beginning, and in the clock after a target that no target follows directly
-    lonely = [clock for clock in first if clock + 1 not in first]
-    assert gaps == [0, *((clock + last) * 10_000 + 5_000 for clock in lonely)]
+    assert gaps == [0, *((clock + last) * 10_000 + 5_000 for clock in first if clock + 1 not in first)]
 
 
 def traced(save_file):
