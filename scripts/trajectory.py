@@ -335,9 +335,8 @@ def speeds_of(item: Prepared, result: Score) -> Speeds:
         rows = rows[np.isfinite(item.path.joints[rows, 0])]
         moves.append(np.abs(np.diff(at[rows], axis=0)) / np.diff(item.seconds[rows])[:, None])
     speeds = np.concatenate(moves)
-    limits = np.where(
-        item.robot.velocities > 0, item.robot.velocities, np.inf
-    )  # some files have 0 for an unknown limit
+    limits = item.robot.velocities
+    limits = np.where(limits > 0, limits, np.inf)  # some files have 0 for an unknown limit
     return Speeds(item.robot.names, speeds.max(axis=0), limits, np.count_nonzero(speeds > limits, axis=0))
 
 
