@@ -69,12 +69,7 @@ def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterat
         yield f"            then: {more} more node{'s' * (more > 1)} of this target, marked with !"
 
 
-@command(
-    "follow",
-    OPTIONS,
-    passes="every node of the target equals the model",
-    fails="one differs",
-)
+@command("follow", OPTIONS, passes="every node of the target equals the model", fails="one differs")
 def main(arguments: Options) -> int:
     item, *others = prepare(arguments)
     target, total = arguments.target, len(item.words)
@@ -98,12 +93,9 @@ def main(arguments: Options) -> int:
             write_waves(out / VCD, recording, differing, datapath, width, nodes, files)
 
     admitted, last = recording.admitted[target], column(recording, nodes, target)
-    print(
-        f"target {target} of {item.targets.name}: {datapath} datapath, {width} bits, {arguments.sim}; "
-        f"admitted in clock {admitted}, its last node in clock {last}"
-    )
-    for line in listing(recording, nodes, target, datapath):
-        print(line)
+    about = f"target {target} of {item.targets.name}: {datapath} datapath, {width} bits, {arguments.sim}"
+    print(f"{about}; admitted in clock {admitted}, its last node in clock {last}")
+    print(*listing(recording, nodes, target, datapath), sep="\n")
     ours = [difference for difference in differing if difference.target == target]
     print(*(explanation(recording, ours) if ours else [f"all {len(nodes)} nodes equal the model"]), sep="\n")
     if differing and differing[0].target != target:

@@ -48,7 +48,6 @@ def times(targets: Targets, rate: float | None) -> np.ndarray | None:
         return seconds
     if name is None:
         return None
-    assert targets.rows is not None
     cells, lines = [cell.strip() for cell in targets.others[name]], targets.rows.tolist()
     for n, cell in enumerate(cells):
         try:
@@ -61,17 +60,6 @@ def times(targets: Targets, rate: float | None) -> np.ndarray | None:
                 reason = f"is not after {cells[before]!r} of row {lines[before]}: times increase inside a path"
                 raise cell_error(targets.path, lines[n], name, cells[n], reason)
     return seconds
-
-
-def speeds(robot: Arm, path: JointPath, positions: np.ndarray, seconds: np.ndarray, targets: Targets) -> Speeds:
-    """Return the speeds for joint positions (N, 7) at times `seconds` (N,). Rows without planned joints are skipped."""
-    limits = np.where(robot.velocities > 0, robot.velocities, np.inf)  # some files have 0 for an unknown limit
-    moves = [np.zeros((1, 7))]
-    for rows in targets.paths:
-        rows = rows[np.isfinite(path.joints[rows, 0])]
-        moves.append(np.abs(np.diff(positions[rows], axis=0)) / np.diff(seconds[rows])[:, None])
-    all_moves = np.concatenate(moves)
-    return Speeds(robot.names, all_moves.max(axis=0), limits, np.count_nonzero(all_moves > limits, axis=0))
 
 
 def planned(
@@ -110,10 +98,9 @@ def planned(
         large = rows[whole.step[rows] > GOAL].tolist()
         whole.jumps.update({n: f"a joint moves by {whole.step[n]:.3g} rad" for n in large})
     missing = np.flatnonzero(np.isnan(whole.phi))
-    if len(missing):
-        asked = (None if v is None else v[missing] for v in (phi, branch))
-        pose = robot.solve(poses.position[missing], poses.hand[missing], *asked)
-        whole.phi[missing], whole.branch[missing] = pose.phi, pose.branch
+    asked = (None if v is None else v[missing] for v in (phi, branch))
+    pose = robot.solve(poses.position[missing], poses.hand[missing], *asked)
+    whole.phi[missing], whole.branch[missing] = pose.phi, pose.branch
     others = {name: poses.others[name] for name in poses.others if name != "branch"}
     others |= {"branch": [*map(str, whole.branch.tolist())], "step": [*map(repr, whole.step.tolist())]}
     lengths: dict[str, Any] = {"d1": robot.d1, "d2": robot.d2, "tool": robot.tool[None], "default_arm": ()}

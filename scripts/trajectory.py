@@ -34,7 +34,7 @@ from model.motion.swivels import elbow_jumps
 from model.reference import joints
 from model.reference.kinematics import to_z
 from scripts.console import InputError, Options, choose_simulator, output, progress
-from scripts.robots import Speeds, planned, speeds, times
+from scripts.robots import Speeds, planned, times
 from tb.sim.simulate import Run, simulate
 
 SCORES = "score.json"
@@ -172,37 +172,36 @@ def _robot(arguments: Options) -> arms.Arm | None:
         raise InputError(f"argument --robot: {error}") from None
 
 
-def _of_hands(arguments: Options, targets: Targets, robot: arms.Arm | None, notes: tuple[str, ...]) -> Prepared:
+def _of_hands(arguments: Options, poses: Targets, robot: arms.Arm | None, notes: tuple[str, ...]) -> Prepared:
     """Prepare a trajectory of hand poses. Raises InputError or TargetError."""
     if arguments.soft is not None:
         raise InputError("argument --soft: applies to wrist targets, not to hand poses")
-    if robot and robot.chain:
-        robot, distance, turn = robot.nearest()
-        text = "the core solves the nearest exact arm and nothing corrects its joints"
-        notes = (*notes, f"{text}: the tip differs by up to {distance:.3g} and {turn:.3g} rad")
-    seconds = times(targets, arguments.rate) if robot else None
+    targets, of_robot = poses, {}
     if robot:
+        if robot.chain:
+            robot, distance, turn = robot.nearest()
+            text = "the core solves the nearest exact arm and nothing corrects its joints"
+            notes = (*notes, f"{text}: the tip differs by up to {distance:.3g} and {turn:.3g} rad")
+        seconds = times(poses, arguments.rate)
         try:
-            with progress(f"planning {len(targets)} rows", len(targets)) as meter:
-                (fitted, path), original = planned(robot, targets, arguments.plan == "rows", meter), targets
+            with progress(f"planning {len(poses)} rows", len(poses)) as meter:
+                targets, path = planned(robot, poses, arguments.plan == "rows", meter)
         except ValueError as error:
             raise InputError(f"argument --robot: {error}") from None
-        differ = [name for name in ("d1", "d2") if name not in original.default_arm]
-        differ = [name for name in differ if (getattr(fitted, name) != getattr(original, name)).any()]
-        differ += ["tool"] if "tool" in original.others and (fitted.tool != original.tool).any() else []
-        if differ and original.path is not None:
+        names = [name for name in ("d1", "d2") if name not in poses.default_arm] + ["tool"] * ("tool" in poses.others)
+        differ = [name for name in names if (getattr(targets, name) != getattr(poses, name)).any()]
+        if differ and poses.path is not None:
             notes = (*notes, f"ROBOT= overrides {', '.join(differ)} of the file")
-        targets = fitted
         notes = (*notes, *_jumps(targets, path))
+        of_robot = {"robot": robot, "path": path, "seconds": seconds}
+        if "branch" not in poses.others:
+            of_robot["references"] = core.binary_angles(np.nan_to_num(robot.angles(path.joints)), arguments.width)
     limits = core.limit_words(robot.bounds if robot else None, arguments.width)
     for name, (low, high) in zip(robot.names if robot else (), limits, strict=False):
         if low > high:
             raise InputError(f"argument --robot: no word of {arguments.width} bits is within the limits of {name}")
     targets = _guided(targets, arguments.pole, None)
     words = to_words(targets, arguments.width)
-    of_robot = {"robot": robot, "path": path, "seconds": seconds} if robot else {}
-    if robot and "branch" not in original.others:
-        of_robot["references"] = core.binary_angles(np.nan_to_num(robot.angles(path.joints)), arguments.width)
     return Prepared(targets, *words, notes=notes, limits=limits, **of_robot)
 
 
@@ -324,15 +323,21 @@ def elbow_errors(item: Prepared, result: Score) -> np.ndarray:
 
 def positions(item: Prepared, result: Score) -> np.ndarray:
     """Return the robot's joint positions (N, 7) from the core's angles and the whole turns of the planned path."""
-    assert item.robot and item.path and result.per_target.hand
     return item.robot.positions(result.per_target.hand.joints, item.path.joints)
 
 
 def speeds_of(item: Prepared, result: Score) -> Speeds:
-    """Return the speeds of the robot's joints; empty without times or robot."""
+    """Return the speeds of the robot's joints; empty without times or robot. Rows without joints are skipped."""
     if item.seconds is None or not (item.robot and item.path):
         return Speeds()
-    return speeds(item.robot, item.path, positions(item, result), item.seconds, item.targets)
+    at, moves = positions(item, result), [np.zeros((1, 7))]
+    for rows in item.targets.paths:
+        rows = rows[np.isfinite(item.path.joints[rows, 0])]
+        moves.append(np.abs(np.diff(at[rows], axis=0)) / np.diff(item.seconds[rows])[:, None])
+    speeds = np.concatenate(moves)
+    limits = item.robot.velocities
+    limits = np.where(limits > 0, limits, np.inf)  # some files have 0 for an unknown limit
+    return Speeds(item.robot.names, speeds.max(axis=0), limits, np.count_nonzero(speeds > limits, axis=0))
 
 
 def quaternions(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndarray]:
@@ -353,10 +358,8 @@ def by_joints(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, np.ndar
 def turned(item: Prepared, ran: Run, width: int) -> Clip:
     """Return the clip with its limbs turned by the core's quaternions or, for hand poses, by the seven angles. The clip
     is parsed from the content of its file, so it includes the rounding of written numbers."""
-    assert item.clip
-    count, turns_of = len(item.moves), quaternions if item.targets.hand is None else by_joints
-    turns = turns_of(item, ran, width)
-    moves = [(move, *(q[n::count] for q in turns)) for n, move in enumerate(item.moves)]
+    turns = (quaternions if item.targets.hand is None else by_joints)(item, ran, width)
+    moves = [(move, *(q[n :: len(item.moves)] for q in turns)) for n, move in enumerate(item.moves)]
     content = clips.turned(item.clip, moves, item.twist).content()
     return replace(clips.parse(content, item.clip.path), up=item.clip.up)
 

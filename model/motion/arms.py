@@ -6,7 +6,7 @@ built-in arms are in `ROBOTS`, among them `IIWA14`, a KUKA LBR iiwa 14 R820, and
 """
 
 from collections import UserDict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from .path import JointPath, Planner, Progress
 from .pose import Floats, Hands, Pose, checked_limits, common_count, refuse, solve, swivel
 from .swivels import Circles, Swivels, feasible_swivel
 from .track import Step, Tracker
-from .urdf import SAMPLES, TURN_MISFIT, Chain, arguments, from_axes, nearest, placed
+from .urdf import SAMPLES, TURN_MISFIT, Chain, arguments, exact, nearest, placed
 
 Given = ArrayLike | None  # argument; None: chosen
 
@@ -49,11 +49,6 @@ def _rows(name: str, values: ArrayLike, size: int) -> Floats:
         raise ValueError(f"{name}: shape {np.shape(values)}, not (N, {size})")
     refuse(name, np.asarray(~np.isfinite(rows).all(axis=1)), "not finite")
     return rows
-
-
-def _batches(rows: NDArray) -> Iterator[NDArray]:
-    """Yield BATCH rows at a time."""
-    yield from (rows[n : n + BATCH] for n in range(0, len(rows), BATCH))
 
 
 class Arm:
@@ -165,15 +160,23 @@ class Arm:
         points = self.base + rotate(self.mount, wrists + rotate(q, self.tool))
         return self.chain.corrected(positions, points, matrix(multiply(multiply(self.mount, q), self.tip)))
 
-    def _best(self, rows: NDArray, wrists: Floats, q: Floats, given: list, corrected: bool = False) -> tuple:
-        """Return :meth:`Planner.best` for ``rows``; given: [phi, branch, near], each for all rows or None.
+    def _fill(
+        self, at: Floats, left: NDArray, wrists: Floats, q: Floats, asked: list, corrected: bool = False
+    ) -> tuple:
+        """Set rows ``left`` of ``at`` (N, 7) to the joints of :meth:`Planner.best`; return their phi and branch.
 
-        corrected: True to correct the candidates on the true chain.
+        asked: [phi, branch, near], each for all rows or None; corrected: correct the candidates on the true chain.
         """
-        planner = self._planner(wrists[rows], q[rows])
-        planner.true[:] = corrected
-        phi, branch, near = (None if v is None else v[rows] for v in given)
-        return planner.best(phi, branch, near, None if near is None else self._swivel(near, wrists[rows]))
+        swivels, branches = np.empty(len(left)), np.empty(len(left), dtype=np.int64)
+        for batch in (slice(first, first + BATCH) for first in range(0, len(left), BATCH)):
+            rows = left[batch]
+            planner = self._planner(wrists[rows], q[rows])
+            planner.true[:] = corrected
+            phi, branch, near = (None if v is None else v[rows] for v in asked)
+            hint = None if near is None else self._swivel(near, wrists[rows])
+            best, swivels[batch], branches[batch] = planner.best(phi, branch, near, hint)
+            at[rows[best.row]] = best.at.T
+        return swivels, branches
 
     def _swivel(self, positions: Floats, wrists: Floats) -> Floats:
         """Return swivel angles (N,) for wrists (N, 3) with the elbow on the same side as at joint positions (N, 7)."""
@@ -200,9 +203,7 @@ class Arm:
         """Return the nearest exact arm, and the largest distance and angle (rad) between its tip and this arm's. Links
         that the exact arm would bend by less than the accepted misfit are straight."""
         assert self.chain
-        fitted, *_ = nearest(self.chain)
-        lengths = from_axes(fitted.axes, fitted.points, fitted.end, TURN_MISFIT)
-        arm = Arm(**lengths, limits=self.limits, names=self.names, velocities=self.velocities)
+        arm = Arm(**exact(nearest(self.chain)[0], TURN_MISFIT))
         low, high = np.clip(self.limits.T, -np.pi, np.pi)
         positions = np.random.default_rng(0).uniform(low, high, (SAMPLES, 7))
         (points, turns), (at, to) = (of.forward(positions) for of in (self, arm))
@@ -226,17 +227,14 @@ class Arm:
         count, (turns, of, to) = len(wrists), given
         swivels = np.empty(count) if turns is None else joints.wrap(turns) if of is None else turns
         branches = np.empty(count, dtype=np.int64) if of is None else of.copy()
-        at, left, pose = np.full((count, 7), np.nan), np.arange(count), None
+        at, pose = np.full((count, 7), np.nan), None
         if turns is not None:
             pose = solve(wrists, swivels, self.d1, self.d2, hand=q)
-            if of is not None:
-                left = left[:0]
-            else:
+            if of is None:
                 branches, at = self._nearest_branches(pose, to)
-                left = np.flatnonzero(np.isnan(at[:, 0]))
-        for rows in _batches(left):
-            best, swivels[rows], branches[rows] = self._best(rows, wrists, q, given)
-            at[rows[best.row]] = best.at.T
+        if turns is None or of is None:
+            left = np.flatnonzero(np.isnan(at[:, 0]))
+            swivels[left], branches[left] = self._fill(at, left, wrists, q, given)
         pose = pose or solve(wrists, swivels, self.d1, self.d2, hand=q)
         th, missing = joints.settled(self._branched(pose, branches), self.bounds), np.isnan(at[:, 0])
         over = joints.outside(th, self.bounds).T & missing[:, None]
@@ -245,9 +243,7 @@ class Arm:
             within = np.flatnonzero(~over.any(axis=1))
             at[within], errors = self._corrected(at[within], wrists[within], q[within])
             left = within[errors > CORRECTED]
-            for rows in _batches(left):
-                best, *_ = self._best(rows, wrists, q, given, corrected=True)
-                at[rows[best.row]] = best.at.T
+            self._fill(at, left, wrists, q, given, corrected=True)
             at[left], errors = self._corrected(at[left], wrists[left], q[left])
             over[left[errors > CORRECTED]] = True
         elbow, wrist = (self.base + rotate(self.mount, point) for point in (pose.elbow, pose.wrist))
@@ -303,8 +299,7 @@ class Arm:
                 raise ValueError("start: not finite")
             over = np.maximum(before - self.limits[:, 1], self.limits[:, 0] - before)
             if over.max() > 1e-6:
-                name, by = self.names[over.argmax()], over.max()
-                raise ValueError(f"start: {name} is {by:.3g} rad outside its limits")
+                raise ValueError(f"start: {self.names[over.argmax()]} is {over.max():.3g} rad outside its limits")
         planner = self._planner(wrists, q)
         planner.progress = progress or planner.progress
         return planner.plan(given_phi, given_branch, before, goal)
@@ -316,17 +311,15 @@ class Arm:
         side, or a joint would move by more than 0.2 rad, all swivel angles are tried, which takes a hundred times as
         long. At a dead end the step has a reason but no joints.
         """
-        step = None
-        if self._tracker:
-            step = self._tracker.step(point, hand, positions)
-            if step.joints and step.largest <= 0.2:
-                return step
+        step = self._tracker.step(point, hand, positions) if self._tracker else Step(None, 0, np.inf)
+        if step.largest <= 0.2:
+            return step
         pose = self.solve(point, hand, near=positions)
         if pose.over_limit.any() or (pose.flags & UNREACHABLE).any() and not self.chain:
             return Step(None, 0, np.inf, self.reasons(point, hand).get(0, "out of reach"))
         at = pose.joints[0]
         slow = Step(tuple(at.tolist()), int(pose.branch[0]), float(np.abs(at - positions).max()))
-        return step if step and step.joints and step.largest <= slow.largest else slow
+        return step if step.largest <= slow.largest else slow
 
     def continuous_joints(self, positions: ArrayLike) -> Floats:
         """Return joint positions (N, 7), rad, with the same hands and elbows but without jumps between branches.
@@ -366,15 +359,15 @@ IIWA14 = Arm(
 
 _DOWN, _FORWARD, _RIGHT = np.array((0.0, 0.0, -1.0)), np.array((1.0, 0.0, 0.0)), np.array((0.0, -1.0, 0.0))
 
-HUMAN = Arm(
-    **from_axes(
-        axes=np.array((_DOWN, _FORWARD, _DOWN, _RIGHT, _DOWN, -_FORWARD, _RIGHT)),
-        points=np.array((0.0, 0.0, 0.0, DEFAULT_D1, *[DEFAULT_D1 + DEFAULT_D2] * 3))[:, None] * _DOWN,
-        end=placed(np.column_stack((_FORWARD, _RIGHT, _DOWN)), (DEFAULT_D1 + DEFAULT_D2 + 0.08) * _DOWN),
-    ),
-    limits=np.radians(((-45, 135), (0, 180), (-120, 70), (0, 150), (-80, 80), (-70, 80), (-30, 20))),
+_HUMAN = Chain(
+    axes=np.array((_DOWN, _FORWARD, _DOWN, _RIGHT, _DOWN, -_FORWARD, _RIGHT)),
+    points=np.array((0.0, 0.0, 0.0, DEFAULT_D1, *[DEFAULT_D1 + DEFAULT_D2] * 3))[:, None] * _DOWN,
+    end=placed(np.column_stack((_FORWARD, _RIGHT, _DOWN)), (DEFAULT_D1 + DEFAULT_D2 + 0.08) * _DOWN),
     names=("plane", "elevation", "rotation", "elbow", "pronation", "flexion", "deviation"),
+    limits=np.radians(((-45, 135), (0, 180), (-120, 70), (0, 150), (-80, 80), (-70, 80), (-30, 20))),
+    velocities=np.full(7, np.inf),
 )
+HUMAN = Arm(**exact(_HUMAN))
 """Left arm of a person; lengths in m, x forward, y to the left, z up. With all joints at 0 it hangs, thumb forward.
 
 The shoulder joints are the plane of elevation (0 sideways, 90 degrees forward), the elevation, and inward rotation. The

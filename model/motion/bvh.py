@@ -148,8 +148,7 @@ class Clip:
             above = world[:, parent] if parent >= 0 else (1.0, 0.0, 0.0, 0.0)
             if k in turn:
                 world[:, k] = turn[k]
-                channels = self.nodes[k].of("rotation")
-                axes, columns = [channel.axis for channel in channels], [channel.column for channel in channels]
+                _, axes, columns = map(list, zip(*self.nodes[k].of("rotation"), strict=True))
                 angles = _angles(matrix(multiply(conjugate(above), turn[k])), axes, np.radians(table[:, columns]))
                 table[:, columns] = np.round(np.degrees(angles), 11)
             else:

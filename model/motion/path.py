@@ -268,9 +268,7 @@ class Planner:
         return turns[least], of[least], excess[:, least]
 
     def _attempt(self, count: int, phi, branch, start) -> tuple[Candidates, Floats]:
-        found = self.candidates(count, phi, branch)
-        if self.copied.any():
-            found = self._with_copies(found)
+        found = self._with_copies(self.candidates(count, phi, branch))
         path = self._search(found, start, WEIGHTS[0], self.avoided)
         for round, weight in enumerate(WEIGHTS[1:], 1):
             self.finer = TURN / count / 3**round
@@ -367,7 +365,7 @@ class Planner:
         """Return the candidate of each row on the path of least cost; rows without candidates are left out."""
         found = self._reaching(found)
         room = np.minimum(found.at - self.limits[:, :1], self.limits[:, 1:] - found.at)
-        nodes = weight * np.maximum(0, 1 - room / MARGIN).sum(axis=0) if weight else np.zeros(len(found.row))
+        nodes = weight * np.maximum(0, 1 - room / MARGIN).sum(axis=0)
         for place, radius in avoided:
             move = found.at - place[:, found.row]
             move = np.where((self.wide & ~self.copied)[:, None], joints.wrap(move), move)

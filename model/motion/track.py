@@ -16,13 +16,10 @@ import numpy as np
 from ..reference.joints import ROUNDING
 from ..reference.kinematics import conjugate, multiply
 from .path import SINGULAR
+from .swivels import TURN
 
 if TYPE_CHECKING:
     from .arms import Arm
-
-TURN = 2 * pi
-
-Vector = tuple[float, float, float]
 
 
 class Step(NamedTuple):
@@ -40,7 +37,7 @@ class Step(NamedTuple):
     reason: str = ""
 
 
-def axes(q: Sequence[float]) -> tuple[Vector, Vector, Vector]:
+def axes(q: Sequence[float]) -> tuple[tuple[float, ...], ...]:
     """Return the axes x, y, z as rotated by a unit quaternion: the columns of its rotation matrix."""
     w, i, j, k = q
     ii, jj, kk, ij, ik, jk, wi, wj, wk = i * i, j * j, k * k, i * j, i * k, j * k, w * i, w * j, w * k
@@ -63,28 +60,21 @@ class Tracker:
 
     def _placed(self, th: Sequence[float], branch: int, present: Sequence[float]) -> tuple[float, list[float]]:
         """Return the largest step, inf outside the limits, and the positions in ``branch`` for angles of branch 0."""
-        a, b, c = branch & 1, branch >> 1 & 1, branch >> 2
         th1, th2, th3, th4, th5, th6, th7 = th
-        if a:
+        if branch & 1:
             th1, th2, th3 = th1 + pi, -th2, th3 + pi
-        if b:
+        if branch & 2:
             th3, th4, th5 = th3 + pi, -th4, th5 + pi
-        if c:
+        if branch & 4:
             th5, th6, th7 = th5 + pi, -th6, th7 + pi
-        most, positions = 0.0, list[float]()
-        for (offset, sign, low, high), now, angle in zip(
-            self.joints, present, (th1, th2, th3, th4, th5, th6, th7), strict=True
-        ):
+        most, positions, angles = 0.0, list[float](), (th1, th2, th3, th4, th5, th6, th7)
+        for (offset, sign, low, high), now, angle in zip(self.joints, present, angles, strict=True):
             at = now + remainder(sign * angle + offset - now, TURN)
-            move = at - now
+            most = max(most, abs(at - now))
             if not low <= at <= high:
                 if not low - ROUNDING <= at <= high + ROUNDING:
                     return inf, positions
                 at = low if at < low else high
-            if move > most:
-                most = move
-            elif -move > most:
-                most = -move
             positions.append(at)
         return most, positions
 
@@ -131,7 +121,7 @@ class Tracker:
         wx, wy, wz = fy * gz - fz * gy, fz * gx - fx * gz, fx * gy - fy * gx  # the forearm's y
 
         th4 = 2 * atan2(stretch, fold)
-        th2, th6 = atan2(hypot(ux, uy), uz), 0.0
+        th2 = atan2(hypot(ux, uy), uz)
         if abs(sin(th2)) < SINGULAR:
             th1, turn = now1, atan2(gy, gx)
             th3 = turn - th1 if uz > 0 else th1 - turn

@@ -110,9 +110,8 @@ def arguments(path: str | Path, base: str | None, tip: str | None) -> dict[str, 
         chain = read(ElementTree.parse(path).getroot(), base, tip)
     except (ElementTree.ParseError, KeyError) as error:
         raise ValueError(f"not a URDF file: {error}") from None
-    more = {"limits": chain.limits, "names": chain.names, "velocities": chain.velocities}
     try:
-        return from_axes(chain.axes, chain.points, chain.end) | more
+        return exact(chain)
     except ValueError as error:
         fitted, misfit, turn = nearest(chain)
         if misfit > MISFIT * chain.size or turn > TURN_MISFIT:
@@ -121,7 +120,7 @@ def arguments(path: str | Path, base: str | None, tip: str | None) -> dict[str, 
         if misfit > DOUBTFUL * chain.size:
             text = f"{error}; answers are corrected, but swivel angles and reach belong to an arm that differs by"
             warnings.warn(f"{path}: {text} {misfit:.3g} at the tip", stacklevel=4)
-        return from_axes(fitted.axes, fitted.points, fitted.end) | more | {"chain": chain, "misfit": (misfit, turn)}
+        return exact(fitted) | {"chain": chain, "misfit": (misfit, turn)}
 
 
 def nearest(chain: Chain) -> tuple[Chain, float, float]:
@@ -225,12 +224,12 @@ def placed(turn: Floats, point: Floats) -> Floats:
     return np.vstack((np.column_stack((turn, point)), (0, 0, 0, 1)))
 
 
-def from_axes(axes: Floats, points: Floats, end: Floats, straight: float = TOLERANCE) -> dict[str, Any]:
-    """Return the arguments of :class:`Arm` for axes (7, 3) through points (7, 3) and a tip (4, 4), with joints at 0.
+def exact(chain: Chain, straight: float = TOLERANCE) -> dict[str, Any]:
+    """Return the arguments of :class:`Arm` for a chain.  Raises ValueError for a chain that cannot be solved exactly.
 
     Links that bend by less than ``straight`` (rad) count as straight.
     """
-    size = np.linalg.norm(np.ptp(np.vstack((points, end[:3, 3])), axis=0))
+    axes, points, end, size = chain.axes, chain.points, chain.end, chain.size
     centres = []
     for first, name in ((0, "shoulder"), (4, "wrist")):
         three = slice(first, first + 3)
@@ -276,4 +275,5 @@ def from_axes(axes: Floats, points: Floats, end: Floats, straight: float = TOLER
     turns = quaternion(np.stack((mount, to_hand @ end[:3, :3], upper, fore)))
     links = [UNIT if spin(link) is not None else turn for link, turn in ((upper, turns[2]), (fore, turns[3]))]
     arm = {"d1": d1, "d2": d2, "tool": to_hand @ reach, "offsets": -signs * th, "signs": signs, "base": shoulder}
-    return arm | {"mount": turns[0], "tip": turns[1], "upper": links[0], "fore": links[1]}
+    arm |= {"mount": turns[0], "tip": turns[1], "upper": links[0], "fore": links[1]}
+    return arm | {"limits": chain.limits, "names": chain.names, "velocities": chain.velocities}

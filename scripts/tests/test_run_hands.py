@@ -149,12 +149,10 @@ def test_speeds_of_joints(cli):
         status, out, err = cli(*words, *more)
         moved = np.diff(table(*arm.names).reshape(20, 2, 7), axis=0)
         expected = np.abs(moved) / np.diff(times.reshape(20, 2, 1), axis=0)
-        shown = [re.search(r"largest speed of (\S+), limit (\S+) \(rad/s\) +(\S+)", line) for line in out]
-        shown = [(one[1], float(one[2]), float(one[3])) for one in shown if one]
-        assert [(name, limit) for name, limit, _ in shown] == [
-            (name, float(f"{limit:.4g}")) for name, limit in zip(arm.names, arm.velocities, strict=True)
-        ]
-        np.testing.assert_allclose([speed for *_, speed in shown], expected.max(axis=(0, 1)), rtol=6e-3)
+        shown = re.findall(r"largest speed of (\S+), limit (\S+) \(rad/s\) +(\S+)", "\n".join(out))
+        names, limits, largest = zip(*shown, strict=True)
+        assert (names, limits) == (arm.names, tuple(f"{limit:.4g}" for limit in arm.velocities))
+        np.testing.assert_allclose(np.array(largest, float), expected.max(axis=(0, 1)), rtol=6e-3)
         above = np.count_nonzero(expected > arm.velocities, axis=(0, 1))
         listed = {name: int(count) for name, count in re.findall(r"(\w+) in (\d+) rows, up to", err[0] if err else "")}
         assert listed == {name: count for name, count in zip(arm.names, above.tolist(), strict=True) if count}

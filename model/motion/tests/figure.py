@@ -17,15 +17,13 @@ NAMES = {
     "poser": ("{s}Collar", "{s}Shldr", "{s}ForeArm", "{s}Hand"),
     "smpl": ("{S}_Collar", "{S}_Shoulder", "{S}_Elbow", "{S}_Wrist"),
     "blender": ("shoulder.{S}", "upper_arm.{S}", "forearm.{S}", "hand.{S}"),
-    "plain": ("{Side}Collar", "{Side}Shoulder", "{Side}Elbow", "{Side}Wrist"),
-    "character creator": ("CC_Base_{S}_Clavicle", "CC_Base_{S}_Upperarm", "CC_Base_{S}_Forearm", "CC_Base_{S}_Hand"),
     "rigify": ("DEF-shoulder.{S}", "DEF-upper_arm.{S}", "DEF-forearm.{S}", "DEF-hand.{S}"),
     "daz": ("{s}Collar", "{s}ShldrBend", "{s}ForearmBend", "{s}Hand"),
     "second life": ("mCollar{Side}", "mShoulder{Side}", "mElbow{Side}", "mWrist{Side}"),
     "makehuman": ("shoulder01.{S}", "upperarm01.{S}", "lowerarm01.{S}", "wrist.{S}"),
     "motive": ("{S}Shoulder", "{S}UArm", "{S}FArm", "{S}Hand"),
     "theia": ("{s}_clavicle", "{s}_uarm", "{s}_larm", "{s}_hand"),
-    "named": ("Bob_{Side}Shoulder", "Bob_{Side}Arm.001", "Bob_{Side}ForeArm", "Bob_{Side}Palm"),
+    "named": ("Bob_{Side}Shoulder", "Bob_{Side}Arm.001", "Bob_{Side}Elbow", "Bob_{Side}Palm"),
     "blanks": ("Bip01 {S} Clavicle", "Bip01 {S} UpperArm", "Bip01 {S} Forearm", "Bip01 {S} Hand"),
     "own": ("a{s}", "b{s}", "c{s}", "d{s}"),
 }
@@ -58,8 +56,7 @@ def write(path, names="cmu", up="y", order="ZYX", frames=60, sides=("left", "rig
 
     def joint(name, vector, children, root=False):
         nonlocal channels, places
-        lines.append(f"{'ROOT' if root else 'JOINT'} {name}" if name else "End Site")
-        lines.extend(["{", f"OFFSET {offset(vector)}"])
+        lines.extend([f"{'ROOT' if root else 'JOINT'} {name}" if name else "End Site", "{", f"OFFSET {offset(vector)}"])
         if name:
             place = "Xposition Yposition Zposition " if root or rich else ""
             lines.append(f"CHANNELS {6 if place else 3} {place}{' '.join(f'{axis}rotation' for axis in order)}")

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from model.motion.arms import HUMAN, IIWA14, ROBOTS, Arm
-from model.motion.tests.test_path import check, curve
+from model.motion.tests.test_path import check, curve, followed
 from model.reference.kinematics import matrix
 
 O, X, Y, Z = (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)
@@ -168,9 +168,7 @@ def test_nearly_exact_arms(chain, warned, tmp_path, recwarn):
         assert not pose.over_limit.any()
         check(arm, pose.joints, points, q, 1e-9)
     for kind, seed in (("line", 8), ("sine", 3)):  # almost straight rows that one branch of the shoulder does not reach
-        points, q = arm.forward(curve(arm, kind, seed, 200))
-        path = arm.path(points, q)
-        check(arm, path.joints, points, q, 1e-9)
+        path = followed(arm, curve(arm, kind, seed, 200), 1e-9)
         assert path.largest < 0.2 and not path.jumps
 
 
@@ -232,9 +230,6 @@ def test_straight_arms(arm):
         assert (within == ~arm.solve(points, q, phi, 0).over_limit.any(axis=1)).all()
 
 
-BEYOND = 0.3  # rad beyond the limits of half of the poses, so that some cannot be solved
-
-
 @pytest.fixture(params=["iiwa14", *(path.stem for path in sorted(ROBOTS.folder.glob("*.urdf")))])
 def robot(request, tmp_path):
     """Return a robot's file, its arm, and tips: points (200, 3), orientations (200, 4); the first 100 are feasible."""
@@ -242,7 +237,7 @@ def robot(request, tmp_path):
     if request.param == "iiwa14":
         path = urdf(tmp_path / "iiwa14.urdf", IIWA14_CHAIN, FLANGE, IIWA14.limits.tolist())
     arm, random = Arm.from_urdf(path), np.random.default_rng(7)
-    beyond = np.repeat([0.0, BEYOND], 100)[:, None]
+    beyond = np.repeat([0.0, 0.3], 100)[:, None]  # rad beyond the limits, so that some poses cannot be solved
     low, high = np.clip(arm.limits.T, -np.pi, np.pi)
     th = random.uniform(low - beyond, high + beyond, (200, 7))
     th[::10, 3] *= 0.01  # almost straight

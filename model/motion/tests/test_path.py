@@ -37,6 +37,14 @@ def check(arm, joints, points, q, atol=1e-12):
     assert (joints >= arm.limits[:, 0]).all() and (joints <= arm.limits[:, 1]).all()
 
 
+def followed(arm, joints, atol=1e-12, start=None):
+    """Return the path through the poses of the tip at joints (N, 7), after a check of its joints."""
+    points, q = arm.forward(joints)
+    path = arm.path(points, q, start)
+    check(arm, path.joints, points, q, atol)
+    return path
+
+
 @pytest.mark.parametrize(
     ("name", "seeds"),
     [
@@ -51,14 +59,12 @@ def test_lines_and_sines(name, seeds):
     arm, jumping = ARMS[name], 0
     for kind, seed in itertools.product(("line", "sine"), seeds):
         joints = curve(arm, kind, seed, 200, 1.0 if kind == "line" else 0.95)
-        points, q = arm.forward(joints)
-        path = arm.path(points, q, start=joints[0] if seed == 1 else None)
-        check(arm, path.joints, points, q, 1e-9)
+        path = followed(arm, joints, 1e-9, joints[0] if seed == 1 else None)
         assert set(np.flatnonzero(path.step > 0.2).tolist()) == set(path.jumps) and path.largest < 0.22, (kind, seed)
         jumping += bool(path.jumps)
         moved = np.abs(np.diff(path.joints, axis=0)).max(axis=1)
         np.testing.assert_allclose(path.step[1:], moved, rtol=0, atol=1e-12)
-        at = arm.solve(points, q, path.phi, path.branch).joints
+        at = arm.solve(*arm.forward(joints), path.phi, path.branch).joints
         regular = np.abs(np.sin(arm.angles(path.joints)[:, [1, 5]])).min(axis=1) > 1e-5
         assert arm.chain or apart(at, path.joints)[regular].max() < 1e-9 and regular.mean() > 0.9
     assert jumping <= 0.01 * 2 * len(seeds)
@@ -72,39 +78,28 @@ def test_through_singular_poses(tilts):
         for tilt in tilts:
             joints[:, tilt] = np.linspace(-1.5, 1.5, 201) * (1 - 2 * (seed % 2))
             assert joints[100, tilt] == 0
-        points, q = IIWA14.forward(joints)
-        path = IIWA14.path(points, q, start=joints[0] if seed else None)
-        check(IIWA14, path.joints, points, q, 3e-7)
-        assert path.largest <= 0.2
+        assert followed(IIWA14, joints, 3e-7, joints[0] if seed else None).largest <= 0.2
 
 
 def test_windings():
     """Check that a joint with a range of more than a turn continues past half a turn, and jumps at its limit."""
-    low, high = np.array([-2.9] * 6 + [-6.0]), np.array([2.9] * 6 + [6.0])
-    arm = Arm(0.4, 0.4, 0.1, limits=np.column_stack((low, high)))
+    arm = Arm(0.4, 0.4, 0.1, limits=[(-2.9, 2.9)] * 6 + [(-6.0, 6.0)])
     joints = np.tile(np.array((0.3, 0.9, 0.2, 1.1, 0.4, 0.8, 0.0)), (120, 1))
     joints[:, 6] = np.linspace(-5.9, 5.9, 120)
-    points, q = arm.forward(joints)
-    path = arm.path(points, q)
+    path = followed(arm, joints)
     assert path.largest < 0.2 and np.ptp(path.joints[:, 6]) > 11
-    check(arm, path.joints, points, q)
-    joints[:, 6] += 2.0  # would end at 7.9, or have begun at -10.2
-    path = arm.path(*arm.forward(joints))
-    check(arm, path.joints, *arm.forward(joints))
+    path = followed(arm, joints, start=joints[0] + (0, 0, 0, 0, 0, 0, 2 * np.pi))  # would end at 12.2
+    assert path.largest > 1 and path.jumps
+    path = followed(arm, joints + (0, 0, 0, 0, 0, 0, 2.0))  # would end at 7.9, or have begun at -10.2
     (jump,) = path.jumps.values()
     assert 1 < path.largest < 6.4 and f"moves by {path.largest:.3g} rad" in jump
-    path = arm.path(points, q, start=[0.3, 0.9, 0.2, 1.1, 0.4, 0.8, 2 * np.pi - 5.9])  # would end at 12.2
-    check(arm, path.joints, points, q)
-    assert path.largest > 1 and path.jumps
 
 
 def test_joints_of_exactly_a_turn():
     """Follow a path on which limits of joints with a range of a turn leave swivel arcs narrower than the grid."""
     limits = np.pi * np.array([(-1, 1), (0, 1), (-1, 1), (-0.83, 0), (-1, 1), (-0.5, 0.61), (-0.86, 0.86)])
     arm = Arm(0.28, 0.26, limits=limits)
-    points, q = arm.forward(curve(arm, "sine", 56, 200))
-    path = arm.path(points, q)
-    check(arm, path.joints, points, q)
+    path = followed(arm, curve(arm, "sine", 56, 200))
     assert path.largest <= 0.2 and not path.jumps
 
 
@@ -218,16 +213,15 @@ def test_track_takes_the_nearest_branch(name):
     assert found > 20
 
 
-@pytest.mark.parametrize(("tilt", "third"), [(1, 2), (5, 6)])
-def test_track_in_singular_poses(tilt, third):
-    """Check that where th2 or th6 is 0, no joint moves by more than the turn about the common axis."""
+@pytest.mark.parametrize(("tilt", "turned"), [(1, 2), (1, 6), (5, 6)])
+def test_track_in_singular_poses(tilt, turned):
+    """Check that where th2 or th6 is 0, no joint moves by more than the turned one; if it is th7, without a search."""
     joints = np.array((0.4, 0.7, -0.3, 1.1, 0.2, 0.6, 0.5))
     joints[tilt] = 0
-    moved = joints.copy()
-    moved[third] += 0.1
-    (point,), (hand,) = IIWA14.forward(moved)
-    step = IIWA14.track(point.tolist(), hand.tolist(), joints.tolist())
-    assert step.largest < 0.1 + 1e-6
+    (point,), (hand,) = IIWA14.forward(joints + 0.1 * (np.arange(7) == turned))
+    pose = point.tolist(), hand.tolist(), joints.tolist()
+    step = IIWA14.track(*pose)
+    assert step.largest < 0.1 + 1e-6 and (turned == 2 or IIWA14._tracker.step(*pose) == step)
     np.testing.assert_allclose(IIWA14.forward(step.joints)[0][0], point, rtol=0, atol=2e-7)
 
 
