@@ -37,7 +37,7 @@ class Speeds(NamedTuple):
 
 
 def times(targets: Targets, rate: float | None) -> np.ndarray | None:
-    """Return each row's time (s), (N,), by ``rate`` (Hz) from 0 in each path, or by column t; None without either.
+    """Return each row's time (s), (N,): from 0 in each path at ``rate`` (Hz), else from column t, else None.
 
     Raises TargetError for a column t whose times do not increase inside a path.
     """
@@ -68,7 +68,7 @@ def planned(
     """Convert poses of the robot's tip to targets of `ik_arm`; return them with the planned path through them.
 
     Swivel angles are planned if all phi are nan, branches if there is no column ``branch``. Rows with the same ``path``
-    form a path; with `each`, each row does. A row without joints within the limits gets the joints of `Arm.solve`.
+    form a path; with `each`, every row is a path. A row without joints within the limits gets those of `Arm.solve`.
     progress: called with the number of planned rows and a text.
     Raises ValueError for bent links, and for axes that do not meet exactly; use :meth:`Arm.nearest` for these.
     """

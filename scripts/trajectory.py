@@ -234,7 +234,7 @@ def _of_clip(arguments: Options) -> Prepared:
 
 
 def _guided(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Targets:
-    """Return targets with --pole, points (3,) or (N, 3) from the shoulder, and --soft applied; None: not applied."""
+    """Return targets with `pole` (points from the shoulder, (3,) or (N, 3)) and `soft` applied, each unless None."""
     if pole is not None:
         poles = targets.points_to_core(np.broadcast_to(pole, (len(targets), 3)))
         targets = replace(targets, phi=swivel((0.0, 0.0, 0.0), poles, targets.core_wrist))
@@ -365,8 +365,8 @@ def turned(item: Prepared, ran: Run, width: int) -> Clip:
 
 
 def placed(item: Prepared, ran: Run, width: int) -> tuple[np.ndarray, ...]:
-    """Return the turned clip's elbows and wrists, (N, 3) each from the shoulder, and for hand poses the orientations of
-    the hands (N, 4)."""
+    """Return the turned clip's elbows and wrists relative to the shoulders, (N, 3) each, and for hand poses the
+    orientations of the hands (N, 4)."""
     clip = turned(item, ran, width)
     at, limbs = clip.positions, [move.limb for move in item.moves]
     upper, fore, hand = ([getattr(limb, name) for limb in limbs] for name in ("upper", "fore", "hand"))
@@ -395,7 +395,7 @@ def result_paths(folder: Path, prepared: Sequence[Prepared]) -> list[Path]:
 
 
 def outputs(out: Path, folders: Iterable[Path], prepared: Sequence[Prepared], *others: Path) -> ContextManager[Place]:
-    """Return `output`, a context manager, for all files that `write_results` writes and for `others`."""
+    """Return the context manager of :func:`output` for `others` and all files that `write_results` writes."""
     paths = [*others, *(path for folder in folders for path in result_paths(folder, prepared)), out / SCORES]
     return output(out, paths, sources(prepared))
 

@@ -63,7 +63,7 @@ class Arm:
     * upper (4,): orientation of the upper arm in the frame of axis 3, whose z is axis 3
     * fore (4,): orientation of the frame of axis 5 in the forearm's frame; links are bent unless upper = fore = 1
     * names (7,): names of the joints; velocities (7,): greatest speeds, rad/s
-    * chain: true chain of a nearly exact arm, else None; misfit: largest tip errors (distance, rad) without it
+    * chain: true chain of a nearly exact arm, else None; misfit: largest tip errors (distance, rad) if it is ignored
 
     Quaternions are w, i, j, k.  Methods take and return points and orientations of the tip in the base frame.
     """
@@ -191,7 +191,7 @@ class Arm:
     def positions(self, th: ArrayLike, near: Floats | None = None) -> Floats:
         """Return the robot's joint positions (N, 7) for angles th1 .. th7 (N, 7), rad.
 
-        Adds whole turns, to be nearest to ``near`` (N, 7) or, where it is nan or None, within the limits if possible.
+        Adds whole turns to come nearest to ``near`` (N, 7) or, where it is nan or None, within the limits if possible.
         """
         low, high = self.limits.T + [[-joints.ROUNDING], [joints.ROUNDING]]
         at = joints.wrap(np.asarray(th) * self.signs + self.offsets)
@@ -201,7 +201,7 @@ class Arm:
 
     def nearest(self) -> tuple["Arm", float, float]:
         """Return the nearest exact arm, and the largest distance and angle (rad) between its tip and this arm's. Links
-        that the exact arm would bend by less than the accepted misfit are straight."""
+        of the exact arm that would bend by less than the accepted misfit (rad) are made straight."""
         assert self.chain
         arm = Arm(**exact(nearest(self.chain)[0], TURN_MISFIT))
         low, high = np.clip(self.limits.T, -np.pi, np.pi)
@@ -220,7 +220,7 @@ class Arm:
         * near (N, 7) or (7,): joint positions, rad
 
         If phi or branch is None, it is chosen so that the joints are within their limits and nearest to ``near`` or, if
-        near is None, farthest from the limits. Where this is impossible, the sum by which joints exceed their limits is
+        near is None, farthest from the limits. Where this is impossible, the sum of the angles beyond the limits is
         smallest. ``Pose.joints`` are the robot's positions.  Raises ValueError as :func:`cga_ik.solve` does.
         """
         wrists, q, *given = self._asked(points, hand, phi, branch, near)
@@ -266,8 +266,8 @@ class Arm:
         return feasible_swivel(wrists, q, self.d1, self.d2, limits=self.bounds, branch=branch, bent=self.bent)
 
     def reasons(self, points: ArrayLike, hand: ArrayLike) -> dict[int, str]:
-        """Return row -> reason for poses of the tip that no branch and swivel angle solves: the joints outside their
-        limits in the best branch, and by how much, or the reach.  Raises ValueError."""
+        """Return row -> reason for poses of the tip that no branch and swivel angle solves: which joints exceed their
+        limits in the best branch and by how much, or that the wrist is out of reach.  Raises ValueError."""
         wrists, q, *_ = self._asked(points, hand)
         planner, over = self._planner(wrists, q), self.solve(points, hand).over_limit.any(axis=1)
         return planner.impossible(np.flatnonzero(over | planner.circles.unreachable))
@@ -334,7 +334,7 @@ class Arm:
 
     @classmethod
     def from_urdf(cls, path: str | Path, base: str | None = None, tip: str | None = None) -> "Arm":
-        """Return the arm between two links of a URDF file; by default, between its only first and its only last link.
+        """Return the arm between two links of a URDF file; by default, from its only root link to its only leaf link.
 
         An arm whose axes almost meet is accepted (``misfit``); results of :meth:`solve` and :meth:`path` are corrected
         on its true chain.  Raises OSError, and ValueError for a file that is no URDF, for a chain without exactly seven

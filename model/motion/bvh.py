@@ -56,7 +56,7 @@ class Node:
 class Clip:
     """Clip of F frames, K nodes and C channels.
 
-    * head: two texts, before the number of frames, and from there to the table
+    * head: the text before the number of frames, and the text between this number and the table
     * table (F, C): positions, and rotations in degrees
     * notes: warnings about the file, each one line for the user
     * up: the up axis, as in :data:`kinematics.NAMED_AXES`
@@ -293,7 +293,7 @@ class _Parser:
         return Clip(self.path, self.encoding, head, tuple(self.nodes), np.array(rows), period, tuple(notes))
 
     def rows(self, count: float) -> tuple[list[list[float]], list[str]]:
-        """Return the rows of the table, where lines may be wrapped, and notes.  count: the stated number of frames."""
+        """Return the table's rows, which may be wrapped over lines, and notes.  count: the stated number of frames."""
         if not (channels := len(self.joint_of_column)):
             raise ClipError(f"{self.path}: no joint has channels")
         text = self.plain[self.table.end() :].split("\n") if self.table else []

@@ -141,7 +141,7 @@ def named(clip: Clip, name: str) -> list[int]:
 
 
 def _chosen(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]]) -> tuple[int, int, int]:
-    """Return the joints (upper, fore, hand) of the first limb with joints of these names that is not in ``others``."""
+    """Return the joints (upper, fore, hand) of the first limb, not in ``others``, with the joint names ``joints``."""
     for upper, fore, hand in product(*(named(clip, name) for name in joints)):
         if upper in clip.ancestors(fore) and fore in clip.ancestors(hand) and (upper, fore, hand) not in others:
             return upper, fore, hand
@@ -162,7 +162,7 @@ def _known(clip: Clip, side: str, table: Sequence[tuple[str, str, str]]) -> tupl
 
 
 def _body(clip: Clip) -> tuple[list[int], list[int]]:
-    """Return joints of head, neck or shoulders, and joints of the feet; two empty lists if either is not found."""
+    """Return joints of the head, else neck, else shoulders, and of the feet; two empty lists if either is not found."""
     optional = "(?:left|right|l|r)?"
     heads, feet = (
         next((joints for names in table if (joints := _called(clip, rf"{optional}(?:{names})\d*{optional}"))), [])
@@ -244,7 +244,7 @@ class Motion:
 
 
 def outward_and_up(clip: Clip, limb: Limb) -> np.ndarray:
-    """Return the direction (3,) halfway between outward from the torso and up, in the rest pose."""
+    """Return the bisector (3,) of two directions in the rest pose: up, and outward from the torso."""
     up = rest_up(clip)
     out = clip.rest[limb.upper] - clip.rest[limb.opposite]
     out = out - (out @ up) * up
@@ -286,7 +286,7 @@ def hands(clip: Clip, limb: Limb) -> np.ndarray:
 
 
 def _lengths(rest: np.ndarray, bone: np.ndarray) -> np.ndarray:
-    """Return the lengths (F,) of a bone (F, 3). Those within rounding of the length of ``rest`` (3,) are set to it."""
+    """Return the lengths (F,) of ``bone`` (F, 3). Lengths equal to |``rest``| within rounding are set to it."""
     length, lengths = np.linalg.norm(rest), np.linalg.norm(bone, axis=1)
     return np.where(np.isclose(lengths, length, rtol=1e-9, atol=0), length, lengths)
 
@@ -294,7 +294,7 @@ def _lengths(rest: np.ndarray, bone: np.ndarray) -> np.ndarray:
 def targets(
     clip: Clip, moves: Sequence[Motion], phi: Sequence[np.ndarray | float], width: int, by_hand: bool = False
 ) -> Targets:
-    """Return targets of all limbs as one stream, frame by frame: wrists, or with ``by_hand`` hand poses.
+    """Return targets of all limbs as one stream, frame by frame: wrist targets, or hand poses if ``by_hand``.
 
     phi: swivel angles of each limb, (F,) or a number.  Rounding to words of ``width`` bits could move the elbow of a
     straight limb sideways by the square root of an ulp, so targets of straight limbs are moved two ulps out of reach.

@@ -8,12 +8,12 @@ through one candidate of each row is found by dynamic programming (Viterbi) and 
     cost of a pose = weight * sum max(0, 1 - distance to the limit / 0.1)^2
 
 A joint whose range is a turn or less has one value per angle; its step is a plain difference, since it cannot cross the
-gap. For wider joints, steps are first taken modulo a turn, then the values are unwrapped. If these leave the limits,
-the path is planned again, with values whole turns apart as separate candidates.
+gap between its limits. For wider joints, steps are first taken modulo a turn, then the values are unwrapped. If these
+leave the limits, the path is planned again, with values whole turns apart as separate candidates.
 
-Where a step exceeds the goal, further attempts try more swivel angles nearby, charge steps near the goal more, and
-finally avoid the last attempt's joints. For a nearly exact arm, joints are corrected on its true chain: those of the
-final path, all candidates in rows near the limits of the reach and, in further attempts, all candidates near jumps.
+Where a step exceeds the goal, further attempts try more swivel angles nearby, raise the cost of steps near the goal,
+and finally avoid the joint positions at earlier jumps. For a nearly exact arm, joints are corrected on its true chain:
+those of the final path, all candidates in rows near the limits of the reach and, in further attempts, near jumps.
 """
 
 from collections.abc import Callable
@@ -54,7 +54,7 @@ class JointPath:
 
     * joints (N, 7): rad, within the limits; nan where no branch and swivel angle has all joints within them
     * phi (N,): swivel angle, rad; branch (N,): bits of :class:`Branch`
-    * step (N,): largest move of a joint since the previous row with joints, rad; in row 0 since ``start``, or 0
+    * step (N,): largest move of a joint from the previous row with joints, rad; row 0: from ``start``, or 0 without it
     * jumps: row -> text: which joint moves by more than the goal and why, or why the row has no joints
     """
 
@@ -90,9 +90,9 @@ class Candidates(NamedTuple):
 
 
 class Planner:
-    """Planner of a path. circles: the poses; limits (7, 2), offsets, signs (7,): of the robot's joints.
+    """Planner of a path. circles: the poses; limits (7, 2), offsets (7,), signs (7,): as in :class:`Arm`.
 
-    spare: angle (rad) by which candidates still to be corrected may exceed a limit; the range is at most a turn
+    spare: angle (rad) by which candidates may exceed a limit before correction; it widens no range beyond a turn
     """
 
     def __init__(self, circles: Circles, limits: Floats, offsets: Floats, signs: Floats, spare: float = 0.0) -> None:
@@ -115,7 +115,7 @@ class Planner:
     def placed(self, th: Floats, near: Floats | None = None) -> tuple[Floats, NDArray[np.bool_]]:
         """Return joint positions (7, M) for th1 .. th7, and True (7, M) for those outside their limits.
 
-        near (7, M): positions; each copied joint takes its value nearest to them.
+        near (7, M): positions; joints in ``self.copied`` get whole turns added to come nearest to them.
         """
         low, high = self.limits[:, :1], self.limits[:, 1:]
         at = th * self.signs[:, None] + self.offsets[:, None]
@@ -126,8 +126,8 @@ class Planner:
         return at, (at < low - joints.ROUNDING) | (at > high + joints.ROUNDING)
 
     def nearest_branch(self, th: list[Floats], near: Floats | None) -> tuple[NDArray[np.intp], Floats, NDArray]:
-        """Return the best branch (N,) within the limits, as in :meth:`best`, its joint positions (7, N), and True (N,)
-        for regular poses that have such a branch. th: th1 .. th7 (7, N) for each elbow solution."""
+        """Return the best branch (N,) within the limits (see :meth:`best`), its joint positions (7, N), and a mask (N,)
+        of regular poses that have such a branch. th: for each elbow solution, th1 .. th7 (7, N)."""
         turned = [joints.branched(some, of) for some in th for of in (0, Branch.SHOULDER | Branch.WRIST)]
         places, outside = (np.array(v) for v in zip(*map(self.placed, turned), strict=True))
         each, order, costs = np.arange(7), FLIPS.T.ravel(), np.empty((8, th[0].shape[1]))
@@ -140,13 +140,13 @@ class Planner:
         return best, self._closer(np.clip(at, *self.limits.T[..., None]), near), regular & (costs.min(axis=0) < np.inf)
 
     def _cost(self, at: Floats, near: Floats | None) -> Floats:
-        """Return costs (M,) of joint positions (7, M): of steps from ``near`` or, if None, minus limit distances."""
+        """Return costs (M,) of positions (7, M): of steps from ``near`` or, if None, minus the distance to a limit."""
         if near is not None:
             return self.edges(near, at)
         return -np.minimum(at - self.limits[:, :1], self.limits[:, 1:] - at).min(axis=0)
 
     def _closer(self, at: Floats, near: Floats | None) -> Floats:
-        """Return joint positions (7, M) with wide joints at their values nearest to ``near`` (7, M)."""
+        """Return joint positions (7, M), wide joints moved by whole turns toward ``near`` (7, M) if limits allow."""
         if near is None or not self.wide.any():
             return at
         closer = near + joints.wrap(at - near)
@@ -158,7 +158,7 @@ class Planner:
         difference of two joints counts: several splits of it are candidates.
 
         * row, phi (M,); branch (M,) or (M, B): branches of the same elbow solution
-        * near (7, M): joint positions from the last search, for values and splits close to them
+        * near (7, M): joint positions from the last search; values and splits are chosen close to them
         """
         several = branch if branch.ndim > 1 else branch[:, None]
         plain = self.circles.joints(row, several[:, 0] & Branch.ELBOW > 0, phi)
@@ -177,7 +177,7 @@ class Planner:
         return Candidates.joined(Candidates(row[inside], branch[inside], phi[inside], at))
 
     def _split(self, ball: int, row, branch, phi, th, near=None) -> list[NDArray]:
-        """Return the arguments repeated, splitting th1 + th3 or th1 - th3 (ball 1: th5, th7) in several ways."""
+        """Return the arguments, repeated with several th1, th3 (ball 1: th5, th7) of the same sum or difference."""
         a, tilt, c = 4 * ball + np.arange(3)
         turns = np.arange(SPLITS) * (TURN / SPLITS) if near is None else self.finer * np.arange(-3, 4)
         parts = [np.repeat(v, len(turns), axis=-1) for v in (row, branch, phi, th, *([] if near is None else [near]))]
@@ -190,7 +190,7 @@ class Planner:
 
     def plan(self, phi: Floats | None, branch: NDArray | None, start: Floats | None, goal: float) -> JointPath:
         """Return the best path of several attempts; stop when one reaches the goal. Each further attempt tries
-        more swivel angles near the jumps of the previous one, and from the third on avoids the joints found there.
+        more swivel angles near the jumps of the previous one; from the third on, the joint positions there are avoided.
 
         phi, branch (N,): fixed, or None; start (7,): joints before the first row; goal: largest wanted step, rad.
         """
@@ -231,8 +231,8 @@ class Planner:
         """Return the best candidate of each pose that has one, and phi and branch (N,) of all poses.
 
         The best is nearest to the joints ``near`` (N, 7) or, if near is None, farthest from the limits. For a pose
-        without candidates, phi and branch give the smallest sum by which joints exceed their limits. phi, branch (N,):
-        fixed values, or None; hint (N,): a guess of the swivel angle.
+        without candidates, phi and branch minimize the sum of the angles by which joints exceed their limits. phi,
+        branch (N,): fixed values, or None; hint (N,): a guess of the swivel angle.
         """
 
         def chosen(found: Candidates) -> Candidates:
@@ -335,7 +335,7 @@ class Planner:
         return found
 
     def _around(self, path: Candidates, near_extremes: bool) -> Candidates:
-        """Return candidates close to the path: finer swivel angles, neighbouring rows' angles, and close extremes."""
+        """Return candidates close to the path: finer swivel angles, neighbouring rows' angles, and extremes nearby."""
         offsets = self.finer * np.arange(-3, 4)
         swivels = [path.phi[:, None] + offsets, np.roll(path.phi, 1)[:, None], np.roll(path.phi, -1)[:, None]]
         if near_extremes:
@@ -404,7 +404,7 @@ class Planner:
         return at
 
     def impossible(self, row: NDArray, phi: Floats | None = None, branch: NDArray | None = None) -> dict[int, str]:
-        """Return row -> text that explains why the row has no candidate, for each of ``row``."""
+        """Return row -> text that explains why it has no candidate, for each row number in ``row``."""
         texts, (_, of, excess) = {}, self._nearest_miss(row, phi, branch)
         for n, best, over in zip(row.tolist(), of.tolist(), excess.T, strict=True):
             if self.circles.unreachable[n]:

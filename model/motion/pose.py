@@ -414,7 +414,7 @@ def quaternions(hand: Any, order: str) -> Floats:
 
 
 def common_count(counts: dict[str, int]) -> int:
-    """Return the common number of rows of arguments, ``counts``; 1 fits any.  Raises ValueError if others differ."""
+    """Return the number of rows to which ``counts`` (argument -> rows) broadcast.  Raises ValueError if they do not."""
     if len(different := set(counts.values()) - {1} or {1}) > 1:
         listed = ", ".join(f"{name} has {count}" for name, count in counts.items())
         raise ValueError(f"numbers of rows do not broadcast: {listed}")
@@ -422,8 +422,8 @@ def common_count(counts: dict[str, int]) -> int:
 
 
 def checked_limits(limits: ArrayLike) -> Floats:
-    """Return joint limits as an array (7, 2), rad.  Warns of degrees.  Raises ValueError for a wrong shape or an empty
-    interval."""
+    """Return joint limits as an array (7, 2), rad.  Warns if they seem to be in degrees.  Raises ValueError for a wrong
+    shape or an empty interval."""
     ends = np.asarray(limits, dtype=np.float64)
     if ends.shape != (7, 2):
         raise ValueError(f"limits have the shape {ends.shape}, not (7, 2)")

@@ -38,7 +38,7 @@ class Swivels:
 
     * intervals (N, K, 2): first and last angle of each closed interval, rad.  The first is in -pi to pi, the last at
       most a turn above it.  Poses with fewer than K intervals are filled up with nan
-    * over_limit (N, 7): True for joints outside their limits at the angle where these are fewest; all True out of reach
+    * over_limit (N, 7): True for joints outside their limits at the angle with the fewest such; all True out of reach
     * distance (N,): from shoulder to wrist; reach (N, 2): the least and the largest possible distance
     * start: swivel angle (rad) at which the elbow hangs
     """
@@ -225,8 +225,8 @@ class Circles:
         return np.concatenate((first + inset, (first + last) / 2, last - inset), axis=1)
 
     def arcs(self, rows: slice, elbow: NDArray | int, bounds: Floats, branches: list) -> tuple[list[Floats], NDArray]:
-        """Return the feasible intervals (n, K, 2) of poses ``rows`` for each of ``branches``, numbers or (n,); and for
-        the last branch True (n, 7) for joints outside their limits at the angle where these are fewest.
+        """Return the feasible intervals (n, K, 2) of poses ``rows`` for each of ``branches`` (numbers or (n,)) and, for
+        the last branch, a mask (n, 7) of the joints outside their limits at the angle with the fewest such joints.
 
         elbow (n,): elbow solution, used instead of the branch's ELBOW bit.
         """
@@ -300,7 +300,7 @@ def _roots(ends, bounds):
 
 
 def _joined(roots, at_root, arc):
-    """Return intervals (N, K, 2) that join feasible arcs; at_root, arc: masks of feasible roots and arcs after them."""
+    """Join feasible arcs to intervals (N, K, 2). at_root, arc: True where a root, or the arc after it, is feasible."""
     ring = np.stack((at_root, arc), axis=2).reshape(len(roots), 2 * roots.shape[1])
     whole = ring.all(axis=1)
     begins, ends = ring & ~np.roll(ring, 1, axis=1), ring & ~np.roll(ring, -1, axis=1)

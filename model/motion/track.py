@@ -59,7 +59,7 @@ class Tracker:
         self.joints = list(zip(arm.offsets.tolist(), arm.signs.tolist(), *arm.limits.T.tolist(), strict=True))
 
     def _placed(self, th: Sequence[float], branch: int, present: Sequence[float]) -> tuple[float, list[float]]:
-        """Return the largest step, inf outside the limits, and the positions in ``branch`` for angles of branch 0."""
+        """Return the largest step (inf if outside the limits) and the positions in ``branch``. th: of branch 0."""
         th1, th2, th3, th4, th5, th6, th7 = th
         if branch & 1:
             th1, th2, th3 = th1 + pi, -th2, th3 + pi
@@ -79,7 +79,7 @@ class Tracker:
         return most, positions
 
     def step(self, point: Sequence[float], hand: Sequence[float], joints: Sequence[float]) -> Step:
-        """Return the step to the pose with the elbow on its present side; joints None if impossible or |hand| != 1."""
+        """Return the step to the pose with the elbow on its present side; no joints if impossible or if |hand| != 1."""
         size = hand[0] * hand[0] + hand[1] * hand[1] + hand[2] * hand[2] + hand[3] * hand[3]
         if not abs(size - 1) < ROUNDING:
             return Step(None, 0, inf)

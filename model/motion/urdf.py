@@ -30,7 +30,7 @@ SOLVED, ROUNDS = 1e-12, 20  # error and number of steps at which the correction 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Chain of seven joints at 0: axes (7, 3) are unit vectors through points (7, 3), end (4, 4) is the tip's frame.
+    """Chain of seven joints; with all at 0: axes (7, 3), unit vectors through points (7, 3); end (4, 4), tip's frame.
 
     * names (7,); limits (7, 2), rad; velocities (7,): greatest speeds, rad/s, inf where the file has none
     """
@@ -154,7 +154,7 @@ def nearest(chain: Chain) -> tuple[Chain, float, float]:
 
 
 def read(robot: ElementTree.Element, base: str | None, tip: str | None) -> Chain:
-    """Return the chain between two links, by default the only first and last link. Raises KeyError or ValueError.
+    """Return the chain between two links, by default the only root and the only leaf. Raises KeyError or ValueError.
 
     Floating and planar joints are ignored; the default chain begins below them.
     """

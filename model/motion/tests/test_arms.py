@@ -173,7 +173,7 @@ def test_nearly_exact_arms(chain, warned, tmp_path, recwarn):
 
 
 def test_corrections_at_limits(tmp_path):
-    """Solve almost straight arms with the elbow at its limit; check that rows of paths with joints reach the pose."""
+    """Solve almost straight arms with the elbow at its limit; check that each row of a path is at its pose or nan."""
     limits = [(-2.9, 2.9)] * 3 + [(0.0, 1.5)] + [(-0.8, 0.8)] * 3
     arm = Arm.from_urdf(urdf(tmp_path / "arm.urdf", ANGLE, limits=limits))
     th = np.random.default_rng(1).uniform(*arm.limits.T, (1000, 7)) * (1, 1, 1, 0.02, 1, 1, 1)

@@ -98,7 +98,7 @@ def saved(clip):
     ],
 )
 def test_up(tmp_path, up, rows, head, foot):
-    """Check up and torso axes if the figure lies in one frame, or lies in the rest pose and stands in all frames."""
+    """Test the up and torso axes of a figure that lies in one frame, or lies at rest but stands in all frames."""
     path = figure.write(tmp_path / "clip.bvh", frames=3, up=up)
     text = path.read_text().replace("Head", head).replace("Leg", foot).replace("-0.5", "1.5")
     path.write_text(re.sub(r"(Shoulder\n{\nOFFSET) (-?)0.5", r"\1 \g<2>2.5", text))

@@ -54,8 +54,8 @@ def followed(arm, joints, atol=1e-12, start=None):
     ],
 )
 def test_lines_and_sines(name, seeds):
-    """Follow lines between random joints and sines over 95 % of the range; with seed 1, start at their first joints. At
-    most one of 116 paths may jump, slightly."""
+    """Follow lines between random joint positions, and sines over 95 % of the range; with seed 1, start at the first
+    row's joints. At most one of 116 paths may jump, slightly."""
     arm, jumping = ARMS[name], 0
     for kind, seed in itertools.product(("line", "sine"), seeds):
         joints = curve(arm, kind, seed, 200, 1.0 if kind == "line" else 0.95)
@@ -96,7 +96,7 @@ def test_windings():
 
 
 def test_joints_of_exactly_a_turn():
-    """Follow a path on which limits of joints with a range of a turn leave swivel arcs narrower than the grid."""
+    """Follow a path on which joints with a range of exactly a turn leave swivel arcs narrower than the grid's step."""
     limits = np.pi * np.array([(-1, 1), (0, 1), (-1, 1), (-0.83, 0), (-1, 1), (-0.5, 0.61), (-0.86, 0.86)])
     arm = Arm(0.28, 0.26, limits=limits)
     path = followed(arm, curve(arm, "sine", 56, 200))
@@ -128,7 +128,7 @@ def test_given_branch_and_swivel():
 
 @pytest.mark.parametrize("name", ARMS)
 def test_poses_alone(name):
-    """Check that joints are within their limits, and that ``near`` joints which reach the pose are returned."""
+    """Check that joints are within their limits, and that ``near`` is returned if it reaches the pose."""
     arm, random = ARMS[name], np.random.default_rng(1)
     joints = random.uniform(*np.clip(arm.limits.T, -np.pi, np.pi), (300, 7))
     points, q = arm.forward(joints)
@@ -199,7 +199,7 @@ def test_track(name):
 
 @pytest.mark.parametrize("name", ["iiwa14", "human"])
 def test_track_takes_the_nearest_branch(name):
-    """Check from distant joints that no other branch with the same elbow has a smaller largest step within limits."""
+    """From distant joints, check that no branch within limits and with the same elbow has a smaller largest step."""
     arm, random, found = ARMS[name], np.random.default_rng(3), 0
     far, present = random.uniform(*arm.limits.T, (2, 200, 7))
     for point, hand, now in zip(*arm.forward(far), present, strict=True):

@@ -107,7 +107,7 @@ def test_a_width_gives_the_words_of_the_core(datapath, width):
 
 @pytest.mark.parametrize("axis", NAMED_AXES)
 def test_a_named_axis_loses_no_bit(axis):
-    """Check that words are only permuted, and that components of Qs, half the sums of four words, are exact."""
+    """Check that words are only permuted, and that components of Qs, each half a sum of four words, are exact."""
     r = to_z(axis)
     ours, core = solve(POINTS, PHI, axis=axis, width=32), solve((matrix(r) @ POINTS.T).T, PHI, width=32)
     assert (multiply(r, ours.qs) == core.qs).all() and (ours.qe == core.qe).all()
