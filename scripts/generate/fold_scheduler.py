@@ -70,8 +70,8 @@ class _Problem:
         self._one_each((name, n) for name, of in counting for n in range(timing.first_count(of), last(of) + 1))
 
     def _angles(self) -> list[tuple[str, int]]:
-        """Allow only one vector at a time in each stage of the angle unit, elbow first, wrist last. Return the
-        joints' clocks, each as (start, clocks after it)."""
+        """Allow at most one vector in each stage of the angle unit; the elbow's goes first, the wrist's last. Return
+        the clock of each joint as (start, n): n clocks after ``start``."""
         early = (of.step for _, of in self.placed if of.step.name in timing.ELBOW and of.step.write)
         at = self.results | {step.write.to: self.results[step.result] for step in early}
         handed_over: dict[str, tuple[str, int]] = {}  # angle -> when its vector passes to the second stage

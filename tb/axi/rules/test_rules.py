@@ -70,7 +70,7 @@ QUICK = "m_axi.aw VALID_STAYS"
 
 
 def case(finding: str, *others: str):
-    """Return a test case: QUICK always runs, other rules are slow, cases without a rule are for releases."""
+    """Return a test case. QUICK always runs; others are slow if they name a rule, or for releases if not."""
     slow = [pytest.mark.slow, pytest.mark.cost(4)]
     marks = [] if finding == QUICK else slow if " " in finding else pytest.mark.release
     return pytest.param(finding, *others, id=finding.replace(" ", "_"), marks=marks)
