@@ -118,7 +118,7 @@ def sources() -> str:
 
 
 def _checked(client: str, payload: bytes):
-    """Run a pickled work item on a worker. Raises InputError if ``client`` is not the digest of its sources."""
+    """Run a pickled work item on a worker. Raises InputError if its sources do not have the digest ``client``."""
     if sources() != client:
         raise InputError(
             f"argument --farm: worker {os.uname().nodename} has other sources than this checkout ({sources()}, not "

@@ -169,8 +169,8 @@ def _core(result: Score, flags: np.ndarray, more: Sequence[tuple[str, ...]], dat
 
 
 def table_of_datapaths(done: Sequence[tuple[Score, np.ndarray, Sequence[tuple[str, ...]]]]) -> Table:
-    """Return a table with a column for the paper and one for each run of a trajectory. done: the runs, each as (score,
-    flags (N,), more rows)."""
+    """Return a table with a column for the paper and one for each run of a trajectory. done: for each run, its
+    score, flags (N,) and further table rows."""
     first, data = done[0][0], load()
     chips = {result.datapath: CHIPS.get(size(data, result.datapath, result.width)[1]) for result, *_ in done}
     small = [f"{name}: {chip[1]} and clock of an {chip[0]}." for name, chip in chips.items() if chip]

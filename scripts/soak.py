@@ -124,7 +124,7 @@ def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.nda
 
 
 def _start(width: int, random: np.random.Generator) -> np.ndarray:
-    """Find targets whose neighbours, which differ in low bits, have the largest mean errors; return the neighbours."""
+    """Search targets for which copies with other low bits have the largest mean error; return these copies."""
 
     def neighbours(words: np.ndarray, copies: int) -> tuple[np.ndarray, np.ndarray]:
         rows, bits = np.repeat(words, copies, axis=0), width // 3

@@ -87,7 +87,7 @@ def replaced(word: Term, mask: Term, constant: int) -> Choice:
 
 
 def outside(angle, low: int, high: int, width: int):
-    """Return a mask of the angles, words with one turn = 2^width, that lie outside the arc from ``low`` to ``high``."""
+    """Return a mask of angles outside the arc from ``low`` to ``high``. All are words with one turn = 2^width."""
     turn = (1 << width) - 1
     return (angle - low & turn) > (high - low & turn)
 

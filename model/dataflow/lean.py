@@ -97,7 +97,7 @@ def lean(d: Dataflow, target: dict[str, Node]) -> None:
 
 
 def guard(d: Dataflow, f: LeanFormats, target: dict[str, Node]) -> None:
-    """Build the exact integers, computed from the input words, and the flags that they decide."""
+    """Compute exact integers from the input words, and from these integers the flags."""
     x, y, z, d1, d2 = (target[k] for k in ("x", "y", "z", "d1", "d2"))
     d.at("guard")
     bad_length = d.mask("bad_length", (d1 <= 0) | (d2 <= 0))

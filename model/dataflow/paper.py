@@ -3,8 +3,8 @@
 
 Scale.  Four scales in the equations are free, because they do not change the result: the unit of length of d1 and d2,
 the unit of length of the target in (11)-(13), the length of the swivel plane's normal, and the length of L_m.  Each is
-a power of two, chosen by a count of leading sign bits so that the words are full.  So short arms, targets near the
-shoulder or the z axis, and elbows near the z axis lose no precision.
+a power of two, chosen by a count of leading sign bits so that the words are full.  Therefore no precision is
+lost for short arms, for targets near the shoulder or the z axis, and for elbows near the z axis.
 """
 
 import math

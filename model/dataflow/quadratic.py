@@ -188,7 +188,7 @@ def _root_segment(form: Form, row: int) -> Segment:
 
 
 def _root_derivative(linear: bool, segment: Segment) -> mpmath.mpf:
-    """Return the largest |f''| (``linear``) or |f'''| of f = 1/(2 sqrt m) in a segment, which is at its left end."""
+    """Return |f''| (if ``linear``) or |f'''| of f = 1/(2 sqrt m) at a segment's left end, where it is largest."""
     left = segment[0]
     return mpmath.mpf(3) / 8 * left ** mpmath.mpf(-2.5) if linear else mpmath.mpf(15) / 16 * left ** mpmath.mpf(-3.5)
 

@@ -103,8 +103,8 @@ class PerTarget:
     """Points and errors of each target: points (N, 3) in scaled lengths and the user's frame; errors (N,) relative to
     the reach, tool included, or in rad.
 
-    `judged_error` is `hand_error`, or for an unreachable target (`clamped`) the distance between the core's hand and
-    the clamped pose's.
+    `judged_error` is `hand_error`; for an unreachable target (`clamped`) it is the distance of the core's hand from
+    the hand of the clamped pose.
     """
 
     elbow: np.ndarray
@@ -129,7 +129,7 @@ class Score:
     * `hand_error_target`: the target with the largest error; `hand_error_pose`: how near it is to a singular pose
     * `outcome`: verdict (pass, warn or FAIL), largest error and its tolerance as text; `failures` is empty exactly if
       `passed`; the verdict is warn if a target out of reach is missed by more than the tolerance
-    * `over_limit`: number of targets with a joint outside its limits; it and `orientation_error_*`: None for wrists
+    * `over_limit`: number of targets with a joint outside its limits; like `orientation_error_*`, None for wrists
     """
 
     trajectory: str

@@ -63,7 +63,7 @@ class Arm:
     * upper (4,): orientation of the upper arm in the frame of axis 3, whose z is axis 3
     * fore (4,): orientation of the frame of axis 5 in the forearm's frame; links are bent unless upper = fore = 1
     * names (7,): names of the joints; velocities (7,): greatest speeds, rad/s
-    * chain: true chain of a nearly exact arm, else None; misfit: largest tip errors (distance, rad) if it is ignored
+    * chain: true chain if the axes only almost meet, else None; misfit: tip errors (distance, rad) without its use
 
     Quaternions are w, i, j, k.  Methods take and return points and orientations of the tip in the base frame.
     """

@@ -267,7 +267,7 @@ def _elements(q):
 def _roots(ends, bounds):
     """Return the swivel angles (N, 28) at which a joint may be at a limit; nan fills missing ones.
 
-    There are two for each limit of six joints, and for a straight arm along an axis two for each ball joint.
+    Each limit of six joints gives two angles. If the straight arm is along an axis, each ball joint gives two more.
     """
     stations = ends[0], (ends[0] + ends[1]) * 0.5**0.5, ends[1]
     at_0, at_quarter, at_half = (np.array([_elements(q) for q in balls]) for balls in stations)  # (ball, element, N)

@@ -104,7 +104,7 @@ class Chain:
 def arguments(path: str | Path, base: str | None, tip: str | None) -> dict[str, Any]:
     """Return the arguments of :class:`Arm` for the chain between two links of a URDF file.
 
-    Warns if the chain differs from an exact one by more than DOUBTFUL. Raises OSError, ValueError.
+    Warns if the chain differs by more than DOUBTFUL from one that `Arm` solves exactly. Raises OSError, ValueError.
     """
     try:
         chain = read(ElementTree.parse(path).getroot(), base, tip)

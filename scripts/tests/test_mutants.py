@@ -15,7 +15,7 @@ FILE = "rtl/lib/ik_half.v"
 
 
 def test_a_campaign_resumes_and_tries_survivors_again(command, monkeypatch, tmp_path):
-    """Replace netlists and benches; mutant 3 survives."""
+    """Stub the netlists and benches, so that only mutant 3 survives."""
     monkeypatch.setattr(Netlist, "key", "key")
     netlist = Netlist("lean 18", "ik_axis", (), 1)
     options = "mutate -mode inv -module ik_half -cell u -port a -portbit {}"

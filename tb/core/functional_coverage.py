@@ -95,7 +95,7 @@ def kinds_of(target: Sequence[int], results: Sequence[int], flags: int, width: i
 
 
 def regions(target: Sequence[int]) -> list[str]:
-    """Return the regions of a wrist target. "stretched" includes targets too far, "closed" targets too near."""
+    """Return the regions of a wrist target. "stretched" includes targets that are too far, "closed" those too near."""
     x, y, z, _, d1, d2 = (int(word) for word in target)
     reach, nearest = abs(d1) + abs(d2), abs(abs(d1) - abs(d2))
     off, far = isqrt(x * x + y * y), isqrt(x * x + y * y + z * z)

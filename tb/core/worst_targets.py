@@ -87,7 +87,7 @@ class Hard(NamedTuple):
 class Found:
     """Totals of a set of targets.
 
-    * `above`: number of targets whose hand error exceeds the tolerance (paper: the predicted error)
+    * `above`: number of targets whose hand error exceeds the tolerance or, for paper, the predicted error
     * `by_hand`, `by_norm`: hardest targets by hand error / tolerance, and by norm error
     * `flags`: number of targets with each flag
     """

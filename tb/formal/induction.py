@@ -145,7 +145,7 @@ class Design:
         return [(name, int(clock)) for clock, name in reached], "" if len(reached) == wanted > 0 else problem
 
     def trace(self) -> Path:
-        """Write a counterexample as a waveform, unless none is found within LIMIT; return the path of the waveform."""
+        """Return the path of a waveform, and write a counterexample to it if one is found within LIMIT."""
         path = self.place / "counterexample.vcd"
         formula = (self.place / "formula.smt2").relative_to(ROOT)
         call([*SMTBMC, "--timeout", LIMIT, "-i", "-t", 1, "--dump-vcd", path.relative_to(ROOT), formula])

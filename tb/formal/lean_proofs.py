@@ -154,7 +154,7 @@ class Exact:
         return between(within.low, name, within.high, within.below)
 
     def known(self, name: str) -> str:
-        """Return the fact that a proved :meth:`claim` provides. A count is an integer: above -1 means at least 0."""
+        """Return the fact that a proved :meth:`claim` provides. For a count, an integer, it is >= 0 instead of > -1."""
         return self.claim(name) if self.nodes[name].frac else between(1.0, name, 2.0 ** self.nodes[name].within.high)
 
     def places(self, name: str) -> str:

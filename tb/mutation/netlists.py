@@ -176,7 +176,7 @@ class Netlist:
 
 
 def unchanged(mutant: Mutant, modules: dict) -> bool:
-    """Return whether a mutant sticks a bit that is undefined or constant at that value. `modules`: from Yosys' JSON."""
+    """Return whether a mutant holds a bit at its value, or an undefined bit at any. `modules`: from Yosys' JSON."""
     o = mutant.options
     bits = modules[o["module"]]["cells"][o["cell"]]["connections"][o["port"]]
     return o["mode"] in ("const0", "const1") and bits[int(o["portbit"])] in (o["mode"][-1], "x")

@@ -25,7 +25,7 @@ if simulator() == "verilator":
         return native_run.program("lean", WIDTH)
 
     def spoiled(words, change):
-        """Return the frames of targets after ``change`` has altered the answer in the first frame."""
+        """Return frames, each with targets and their answer; ``change`` has altered the first answer."""
         frames = list(native_run.answered(words, WIDTH, "lean"))
         change(frames[0][1])
         return frames

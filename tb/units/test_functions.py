@@ -213,7 +213,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
 
 
 def of_datapath(*widths: int, **tile: int) -> list[dict[str, int]]:
-    """Return the parameters W and F of ``ik_trig`` in the datapath of each width; all sets include ``tile``."""
+    """Return, for each width, the parameters W and F of ``ik_trig`` in that datapath, and those in ``tile``."""
     return sets_of("W F", *((w, min(inner_frac(w), SINE_FRACS[-1])) for w in widths), **tile)
 
 

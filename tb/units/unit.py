@@ -62,7 +62,7 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
 
 
 def module_of(name: str) -> str:
-    """Return the module in the name of an instance or of its test; parameters have capital letters."""
+    """Return the module's name from that of an instance or its test: the parameters, in capitals, are cut off."""
     return re.search(r"ik(_[a-z0-9]+)+", name)[0]
 
 

@@ -44,7 +44,8 @@ def length(vectors):
 
 @pytest.mark.parametrize("width, datapath", CORES)
 def test_wrists(width, datapath):
-    """Check the wrist's theorem: in reach, for the target; out of reach and at the shoulder, for the nearest pose."""
+    """Check the limits of wrist errors: from targets in reach, and for others (some at the shoulder) from the nearest
+    pose."""
     a, b, c = (float(accuracy(width, datapath)[name]) for name in "abc")
     out = unreachable(COUNT, width, 5)
     for words, clamped in ((poses(width, 1), False), (out[(out[:, 4:] > 0).all(axis=1)], True)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test reports, wrapper, figures and page; simulate a small design, mapped to each family, next to its RTL."""
+"""Tests of reports, wrapper, figures and page. A small design, mapped to each family, is simulated beside its RTL."""
 
 import pickle
 import re

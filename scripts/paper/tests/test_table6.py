@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compare table 6's software with the model, equations.c in long double with the bit-true model, and the page with its
-figures. No test asserts a time."""
+"""Test that table 6's software agrees with the model, that equations.c in long double agrees with the bit-true model,
+and that the page has the recorded figures. No test asserts a time."""
 
 import json
 
