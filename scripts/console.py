@@ -185,14 +185,14 @@ def sim_option(default: str = SIMULATORS[0]) -> click.Option:
 
 
 def installed(need: str) -> bool:
-    """Install the programs of a need, such as ``verilator``, if missing; return whether they are available."""
+    """Install the programs for ``need``, such as ``verilator``, if missing; return whether they are available."""
     words = [sys.executable, "-ES", ROOT / "scripts" / "setup" / "bootstrap.py", need]
     return subprocess.run(words, check=False).returncode == 0
 
 
 def choose_simulator(options: Options, targets: int) -> None:
-    """Choose and print the simulator of `LONG` targets or more: Verilator, if it can be installed and neither --sim nor
-    --waves is given."""
+    """For `LONG` targets or more, choose and print the simulator: Verilator, if it can be installed and neither --sim
+    nor --waves is given."""
     chosen = "sim" in options.given
     if targets < LONG or getattr(options, "waves", None) or (chosen and options.sim != "verilator"):
         return
@@ -208,7 +208,7 @@ def core_options(
     sim: str = SIMULATORS[0], datapath: str | None = DEFAULT, most: int = 1, names: Iterable[str] = CONFIGURATIONS
 ) -> list[click.Option]:
     """Return the options --sim, --datapath and --width. --datapath takes up to `most` of `names`. datapath: default of
-    --datapath; None stands for all of DATAPATHS in the paper's scenario and for DEFAULT in others."""
+    --datapath; None stands for all of DATAPATHS in the paper's scenario and for DEFAULT in other scenarios."""
     names = list(names)
     if most == 1:
         paths = option("--datapath", "datapath", click.Choice(names), default=datapath)

@@ -54,7 +54,7 @@ def source(point: Point) -> str:
 
 
 def text(point: Point) -> str:
-    """Return the text that waivers match. Toggle point: bit and transition; others: kind, values and source line."""
+    """Return the text that waivers match: bit and transition of a toggle, otherwise kind, values and source line."""
     return point.what if point.kind == "toggle" else f"{point.kind} {point.what}: {source(point)}"
 
 

@@ -55,7 +55,7 @@ def listing(recording: Recording, nodes: Sequence[Node], target: int, datapath: 
 
 
 def explanation(recording: Recording, differing: Sequence[Difference]) -> Iterator[str]:
-    """Yield lines about a target's first wrong node, and about the operands of that node, which equal the model's."""
+    """Yield lines about a target's first wrong node and about its operands, whose words are equal in RTL and model."""
     first, target = differing[0], differing[0].target
     yield f"first difference: {first}"
     yield f"        equation: {first.node.name} = {first.node.right_side}"

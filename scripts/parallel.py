@@ -4,8 +4,8 @@
     python -m scripts.parallel --farm tcp://SCHEDULER:8786 [--jobs N]
 
 This command makes this machine a worker of the scheduler (`make farm-worker`). A work item is a function from
-this checkout, with its arguments. A worker refuses items if its sources differ from the client's. The farm repeats the
-items of a worker that died.
+this checkout, with its arguments. A worker refuses all items if its sources differ from the sources of
+the client. If a worker dies, the farm repeats the worker's items.
 """
 
 import contextlib
@@ -118,7 +118,7 @@ def sources() -> str:
 
 
 def _checked(client: str, payload: bytes):
-    """Run a pickled work item on a worker. Raises InputError if its sources do not have the digest ``client``."""
+    """Run a pickled work item on a worker. Raises InputError if ``client`` is not the digest of the worker's code."""
     if sources() != client:
         raise InputError(
             f"argument --farm: worker {os.uname().nodename} has other sources than this checkout ({sources()}, not "

@@ -37,9 +37,9 @@ class Speeds(NamedTuple):
 
 
 def times(targets: Targets, rate: float | None) -> np.ndarray | None:
-    """Return each row's time (s), (N,): from 0 in each path at ``rate`` (Hz), else from column t, else None.
+    """Return each row's time (s), (N,). With ``rate`` (Hz), each path starts at 0; without it, column t has the times.
 
-    Raises TargetError for a column t whose times do not increase inside a path.
+    Returns None if both are missing. Raises TargetError for a column t whose times do not increase inside a path.
     """
     seconds, name = np.empty(len(targets)), next((name for name in targets.others if name.lower() == "t"), None)
     if rate is not None:
@@ -67,9 +67,9 @@ def planned(
 ) -> tuple[Targets, JointPath]:
     """Convert poses of the robot's tip to targets of `ik_arm`; return them with the planned path through them.
 
-    Swivel angles are planned if all phi are nan, branches if there is no column ``branch``. Rows with the same ``path``
-    form a path; with `each`, every row is a path. A row without joints within the limits gets those of `Arm.solve`.
-    progress: called with the number of planned rows and a text.
+    Swivel angles are planned if all phi are nan, and branches if there is no column ``branch``. Rows with the same
+    ``path`` form a path; with `each`, every row is a path. If no joints are within the limits, `Arm.solve` sets phi and
+    branch of the row. progress: called with the number of planned rows and a text.
     Raises ValueError for bent links, and for axes that do not meet exactly; use :meth:`Arm.nearest` for these.
     """
     if robot.chain:

@@ -5,7 +5,7 @@ Seed, width and chunk number determine the 20000 targets of a chunk, so --from r
 the first chunk with a wrong bit or flag, a quaternion that is not of unit length, or a hand error above its tolerance.
 It prints the first target of each failure. The paper datapath has no tolerance near its singular poses, so targets
 whose error is above the prediction (`model.bounds.predict`) are only counted. For the whole arm, each target becomes a
-hand pose with that wrist, and errors are relative to the tolerance.
+hand pose with the same wrist, and errors are relative to the tolerance.
 
 --worst searches the bit-true model of the lean datapath or of the whole arm for the largest errors. Each round changes
 words of the previous round's worst targets. For lean, the search restarts every 40 rounds at new targets whose
@@ -55,7 +55,7 @@ OPTIONS = [
 
 
 def run_chunk(core: Core, seed: int | None, end: int, number: int) -> tuple[Found, list[str]]:
-    """Run the targets of chunk `number` that are below `end`; return totals and messages of failures. If `core` has no
+    """Run chunk `number` up to target `end` - 1; return totals and messages of failures. If `core` has no
     simulation program, as on a farm, it is built first."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
@@ -124,7 +124,7 @@ def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.nda
 
 
 def _start(width: int, random: np.random.Generator) -> np.ndarray:
-    """Search targets for which copies with other low bits have the largest mean error; return these copies."""
+    """Search for targets whose neighbours (other low bits) have the largest mean error; return these neighbours."""
 
     def neighbours(words: np.ndarray, copies: int) -> tuple[np.ndarray, np.ndarray]:
         rows, bits = np.repeat(words, copies, axis=0), width // 3

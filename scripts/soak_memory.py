@@ -28,7 +28,7 @@ ECHO_PLACE = ROOT / "build" / "soak-memory"
 
 
 def piece(sim: str, seed: int, number: int) -> tuple[str, int, int, str]:
-    """Simulate a piece; return its instance's name, the numbers of jobs and targets that passed, the failure or ""."""
+    """Simulate a piece; return its instance's name, numbers of jobs and targets that passed, and failure or ""."""
     parameters, echo = INSTANCES[number % len(INSTANCES)]
     what = f"{'echo' if echo else 'core'} {named(parameters)}"
     with tempfile.NamedTemporaryFile("r", prefix="ik_") as done:

@@ -70,7 +70,7 @@ class Prepared:
     references: np.ndarray | None = None
 
     def core_words(self, width: int) -> np.ndarray:
-        """Return the input words (N, 6) of the core. For hand poses `ik_arm` computes them from its inputs."""
+        """Return the input words (N, 6) of the core. For hand poses, `ik_arm` computes them from its inputs."""
         return self.words if self.targets.hand is None else fixed.of_hands(self.words[:, :-1], width)[0]
 
 
@@ -234,7 +234,7 @@ def _of_clip(arguments: Options) -> Prepared:
 
 
 def _guided(targets: Targets, pole: ArrayLike | None, soft: float | None) -> Targets:
-    """Return targets with `pole` (points from the shoulder, (3,) or (N, 3)) and `soft` applied, each unless None."""
+    """Apply `pole` (points relative to the shoulder, (3,) or (N, 3)) and `soft`; None leaves the targets unchanged."""
     if pole is not None:
         poles = targets.points_to_core(np.broadcast_to(pole, (len(targets), 3)))
         targets = replace(targets, phi=swivel((0.0, 0.0, 0.0), poles, targets.core_wrist))

@@ -86,7 +86,7 @@ class Board:
 
 
 def _why(error: BaseException) -> str:
-    """Return the operating system's text for an error (pyserial's is for programmers), or str(error) without errno."""
+    """Return the system's text for the errno (pyserial's text is for programmers), or str(error) if there is none."""
     numbers = [one.args[0] for one in (error, error.__context__) if one and one.args and isinstance(one.args[0], int)]
     return os.strerror(numbers[0]) if numbers else str(error)
 

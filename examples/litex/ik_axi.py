@@ -52,7 +52,7 @@ class IkAxi(LiteXModule):
 
 def _ports(prefix, bus, ax, x, slave):
     """Return the keyword arguments of Instance, port -> signal, for one AXI interface. `ax`: fields of the address
-    channels; `x`: fields of the write response before resp."""
+    channels; `x`: fields that precede resp in the write response channel."""
     w, r = ("data strb", "data resp") if slave else ("data strb last", "id data resp last")
     ports = {}
     for channel, fields in {"aw": ax, "w": w, "b": f"{x}resp", "ar": ax, "r": r}.items():

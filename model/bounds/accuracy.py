@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proved accuracy: limits of the error of lean's wrist, and of the whole arm's hand, at every word length.
+"""Proved accuracy: limits of the wrist error (lean) and of the hand's errors (whole arm) at every word length.
 
 docs/generated/accuracy.md is the proof.  This module computes the constants of the proof from the stated errors of the
 dataflow's operations, from the rows of the root's table, and from the CORDIC's errors
@@ -72,7 +72,7 @@ def ulps(node: Node) -> Interval:
 
 
 class Cell(NamedTuple):
-    """Intervals for a part of the range [1/4, 1) of mantissas V.  ``root``: sqrt V; ``inverse``: error of
+    """Intervals for one part of [1/4, 1), the range of a mantissa V.  ``root``: sqrt V; ``inverse``: error of
     ``ik_rsqrt``'s word y relative to 1/(2 sqrt V); ``product``: error of 2 y m relative to sqrt V, m being V's word."""
 
     root: Interval
@@ -114,8 +114,8 @@ def combinations(node: Node, given: str = "") -> Iterator[dict[str, Cell]]:
 
 
 class Word(NamedTuple):
-    """Bound of a node's word: it is the exact value times ``factor``, plus ``rest``.  ``value``: range of the exact
-    value; None if it is not known to be positive."""
+    """Bound of a node's word: the word is the exact value times ``factor``, plus ``rest``.  ``value``: range of the
+    exact value; None if the exact value is not known to be positive."""
 
     factor: Interval
     rest: Interval = None
@@ -167,8 +167,8 @@ def _product(node: Node, one: Word, two: Word, scale: Interval) -> Word:
 
 
 class Turn(NamedTuple):
-    """Error of the rotation by the words of a half angle.  Divided by the word of the squared length (``least``
-    to 1 + ``above``), their matrix is (1 + ``stretch``) times a rotation that is off by at most ``angle`` (rad)."""
+    """Error of a rotation defined by the words of a half angle.  Their matrix, divided by the squared length's word, is
+    (1 + ``stretch``) times a rotation off by at most ``angle`` (rad).  That word is in [``least``, 1 + ``above``]."""
 
     stretch: Interval
     angle: Interval
@@ -205,8 +205,8 @@ def turned(shared: Pairs, single: Pairs) -> Turn:
 
 
 def turn(flow: Dataflow, cosine: str, sine: str, common: str, mirrored: bool = False) -> Turn:
-    """Return the error of a rotation whose half angle is computed from the nodes ``cosine`` and ``sine``.  The words of
-    both must have the factor of the node ``common``.  ``mirrored``: the sine may be negative."""
+    """Return the error of a rotation whose half angle is computed from the nodes ``cosine`` and ``sine``.  The bounds
+    of both must contain the ``factor`` of the bound of ``common``.  ``mirrored``: the sine may be negative."""
     c, s, of = (flow.nodes[name] for name in (cosine, sine, common))
     one, two = (iv.mpf([n, n + 1]) * c.format.ulp for n in (0, 1))
     shared, single = [], []
@@ -228,7 +228,7 @@ def turn(flow: Dataflow, cosine: str, sine: str, common: str, mirrored: bool = F
 
 
 def lengths(flow: Dataflow, turns: Sequence[Turn]) -> tuple[Interval, Interval]:
-    """Return relative errors of squared lengths: of (cos phi/2, sin phi/2), and of Qs (the error due to inv_q)."""
+    """Return relative errors of the squared lengths of (cos phi/2, sin phi/2) and of Qs, the latter due to inv_q."""
     az_tilt_sq, length_sq, m_q, sine = (flow.nodes[name] for name in ("az_tilt_sq", "length_sq", "m_q", "sin_h"))
     frac = min(sine.frac, SINE_FRACS[-1])
     table = norm(*[iv.mpf(half_sincos_error(frac, flow.tile)) * (1 + 2.0**-50) / 2**frac] * 2)
@@ -242,7 +242,7 @@ def lengths(flow: Dataflow, turns: Sequence[Turn]) -> tuple[Interval, Interval]:
 
 
 def products(flow: Dataflow) -> dict[str, Interval]:
-    """Return a dict: name -> length of the error of Qs due to a group of products, or to the rounding of results."""
+    """Return a dict: group of products, or the rounding of results -> length of the error that it causes in Qs."""
 
     def at(names: str) -> list[Interval]:
         return [ulps(flow.nodes[name]) for name in names.split()]
@@ -276,8 +276,8 @@ def shoulder(flow: Dataflow, *turns: Turn) -> dict[str, Interval]:
 
 
 def elbow(flow: Dataflow) -> dict[str, Interval]:
-    """Return limits, by name.  ``Qe factors``: length of Qe's error due to its words' factors; ``Qe rests``: length due
-    to their rests and rounding; ``Qe skew``: angle by which unequal factors turn Qe."""
+    """Return limits, by name.  ``Qe factors``: length of Qe's error due to its words' factors; ``Qe rests``: length of
+    Qe's error due to its words' rests and to rounding; ``Qe skew``: angle by which unequal factors turn Qe."""
     shared = hull(bound(flow.nodes["inv_12"], at).factor for at in combinations(flow.nodes["inv_12"]))
     factors, rests = [], []
     for half in "wi":
@@ -314,8 +314,8 @@ def core(flow: Dataflow) -> dict[str, Interval]:
 
 
 def ball(width: int, least: Interval) -> Interval:
-    """Return the limit of the angle (rad) between two rotations: by a quaternion of words with a length of at least
-    ``least``, and by the words of the three angles that are computed from this quaternion."""
+    """Return the limit of the angle (rad) between a quaternion's rotation and the rotation by the words of the three
+    angles that are computed from it.  The quaternion consists of words; its length is at least ``least``."""
     word, half, root = iv.mpf(4) / 2**width, iv.pi / 2**width, iv.sqrt(iv.mpf(2))
     lsb = word / 2**GUARD
     worst = ZERO
@@ -354,8 +354,8 @@ def frame(flow: Dataflow, elbow: Interval) -> Interval:
 
 
 def arm(flow: Dataflow) -> dict[str, Interval]:
-    """Return the constants of the whole arm's theorem, by name.  ``orientation``: limit of its error (rad); ``point``:
-    limit of its error for d1 + d2 + |tool| = 1, with the part ``coordinates``, which does not scale with lengths."""
+    """Return the constants of the whole arm's theorem, by name.  ``orientation``: limit of the orientation error (rad);
+    ``point``: limit of the point error for d1 + d2 + |tool| = 1; its part ``coordinates`` is independent of lengths."""
     width, wrist = flow.width, core(dataflow("lean", flow.width))
     k, moved, factors, rests = (wrist[name] for name in ("K", "rounded", "Qe factors", "Qe rests"))
     qs, qe, half = iv.sqrt(1 - k) - moved, 1 - factors - rests, iv.pi / 2**width  # least lengths

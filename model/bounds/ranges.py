@@ -9,8 +9,8 @@ from geometry, its error growth and any intended saturation (:mod:`model.dataflo
 * :class:`Ranges`, paper dataflow: interval arithmetic, narrowed by rules at some nodes. The input words are split into
   :func:`cases`; a node's range is the union over the cases.
 * :class:`LeanRanges`, lean dataflow and whole arm: the nodes state all ranges, and `make formal` proves ranges and
-  errors (``tb/formal/lean_proofs.py``). Unused words may lose high bits: for a clamped target, K and the nodes computed
-  from K; for a bad hand, the hand's products.
+  errors (``tb/formal/lean_proofs.py``). Unused words may lose high bits: K and the nodes computed from K if the target
+  is clamped, and the hand's products if the hand is bad.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ class Case:
 
     @property
     def k_e(self) -> float:
-        """Upper bound of |k_e|: 2 d1 |p_w| + excess; if d1 and d2 are rounded, at most s_j + (d1 + d2) |d_dif_j|."""
+        """Upper bound of |k_e|: 2 d1 |p_w| + excess, limited to s_j + (d1 + d2) |d_dif_j| if d1 and d2 are rounded."""
         limit = 2 * self.d_high * self.p[1] + self.excess
         return min(limit, self.p[1] ** 2 * 2.0 ** -self.j[0] + 2) if self.long else limit
 
@@ -110,7 +110,7 @@ class Case:
 
     @property
     def tmp1(self) -> tuple[float, float]:
-        """Range of (d1 sin a)^2 |PP^-|^2; where d1 and d2 are rounded, of |pi_swivel|^2 ((2 d1 |p_w|)^2 - k_e^2)."""
+        """Range of (d1 sin a)^2 |PP^-|^2, or of |pi_swivel|^2 ((2 d1 |p_w|)^2 - k_e^2) if d1 and d2 are rounded."""
         most = (min(self.d_high, 0.5) * self.pp[1]) ** 2
         tilted = (self.pp[1] * self.p_e * self.tilt) ** 2
         if not self.long:
@@ -187,7 +187,7 @@ def unfit(node: Node, low: float, high: float, where: str = "") -> str:
 
 
 class Ranges:
-    """Bounds of the paper dataflow in one :class:`Case`, by node name; ``proved``: the same before formats limit them.
+    """Bounds of the paper dataflow in one :class:`Case`, by node name; ``proved``: bounds before formats limit them.
     ``saturated``: nodes that saturate by design; ``failed``: name of any other node that does not fit -> message."""
 
     def __init__(self, width: int, case: Case) -> None:

@@ -54,8 +54,7 @@ tool's offset to an inner word, which has three more bits at W = 32. Searches fi
 
 
 def arm(words: np.ndarray, width: int) -> tuple[np.ndarray, float]:
-    """Return the largest permitted errors for hand poses (N, 11): the point's in ulps (N,), the orientation's in
-    rad."""
+    """Return the largest permitted errors of hand poses (N, 11): point error (N,) in ulps, orientation error in rad."""
     reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
     point, orientation = ARM_ULPS if width < 28 else (float(STATED["arm", "point"][width]), ARM_ULPS[1])
     return point * 2.0 ** (2 - width) * reach + WRIST_ULPS, orientation * 2.0 ** (2 - width)
@@ -91,7 +90,7 @@ def pose(words: np.ndarray, width: int, across: np.ndarray) -> tuple[np.ndarray,
 
 def sought(width: int) -> float:
     """Return the largest permitted hand error / reach of the lean datapath for targets from a search for large errors:
-    the proved limit (:mod:`.accuracy`), or :data:`LEAN` at word lengths at which LEAN is this limit, rounded up."""
+    the larger of the proved limit (:mod:`.accuracy`) and :data:`LEAN`, which may be the proved limit, rounded up."""
     return max(LEAN[width], float(STATED["lean", "wrist"][width]) * 2.0 ** (2 - width))
 
 

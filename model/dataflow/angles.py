@@ -74,7 +74,7 @@ def vector(x, y, width: int):
 
 
 def iterate(x, y, width: int):
-    """Return (length, angle) like :func:`vector`, of vectors with ``GUARD`` more bits, for example of two lengths.
+    """Return (length, angle) like :func:`vector`, for components with ``GUARD`` more bits, such as computed lengths.
 
     A vector to the left of the y axis is first turned by half a turn; its X is a one's complement.  The angle of a
     vector on an axis is exact: rounding changes neither half a turn nor twice a quarter of a turn.
@@ -132,14 +132,14 @@ def head(width: int, length: Interval) -> Head:
     """Return the errors for vectors of at least ``length``.
 
     * Each rounding shortens X by at most 1: the one's complement of X at the start, and each truncated |Y| / 4^i, where
-      a negative Y has its one's complement.  X never decreases; it is at least |x| + |y| - 2 after the first iteration.
+      |Y| is the one's complement of a negative Y.  X never decreases; after iteration 0 it is at least |x| + |y| - 2.
     * By the law of sines, a rounding turns a vector at an angle psi from the x axis by at most asin(sin(psi) / l),
       where l is its rounded length.  The angle left after iteration i is at most this turn plus the larger of a_i =
       atan(2^-i) and the difference between the angle left before the iteration and a_i.
     * The error of a word of the table is its difference from a_i in the first M iterations, and from 2^-i later: X is
-      then constant, so each iteration changes the tangent t of the angle left by 2^-i.  These later words add up to t
+      then constant, so each iteration changes t, the tangent of the angle left, by 2^-i.  These later words add up to t
       instead of atan(t), a difference below t^3 / 3.  At the end, t is at most the larger of 2^-(N-1) and the previous
-      t less 2^-(N-1).
+      t minus 2^-(N-1).
     """
     first, last = iterations(width)
     one, quarter, long = iv.mpf(1), iv.pi / 2, iv.mpf(length) * 2 ** (width - 2 + GUARD)
@@ -166,8 +166,8 @@ def length_bound(width: int, length: float = 1.0) -> float:
     """Return the largest error of the computed length of a vector no longer than ``length``, in ulps of 2^-(W+1).  A
     computed length is never too large.
 
-    It is at least K (l - ``along``) times the cosine of the angle left, where l is the true length.  The angle left
-    depends on l, so the bound is the largest over all ranges of l from ``length`` / 2^(k+1) to ``length`` / 2^k.
+    The computed length is at least K (l - ``along``) times the cosine of the angle left, l being the true length.  This
+    angle depends on l, so the bound is the largest over all ranges of l from ``length`` / 2^(k+1) to ``length`` / 2^k.
     """
     word = 2.0 ** (2 - width)
     cells = [(length / 2**k, head(width, max(length / 2 ** (k + 1), word))) for k in range(width)]
@@ -187,7 +187,7 @@ class Angle(Operation):
         self.x, self.y, self.sign = x, y, sign
 
     def pair(self, node, values):
-        """Return the words of the vector's length, times K, and of its angle."""
+        """Return two words: the vector's length times K, and its angle."""
         if self not in values:
             width = node.flow.width
             of = vector if self.x.frac == width - 2 else iterate  # words, or lengths

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Choice among the eight branches of a hand pose: the joints nearest to reference joints, inside their limits.
 
-A branch's step is the largest step of its seven joints.  A maximum distributes over a minimum, so for each elbow bit e
-the shoulder bit s and the wrist bit w, all relative to the given branch, are chosen independently of each other:
+A branch's step is the largest step of its seven joints.  A maximum distributes over a minimum, so for each elbow bit e,
+the shoulder bit s and the wrist bit w are chosen independently of each other (all bits relative to the given branch):
 
     min_e max(step_4[e], min_s max(step_1[s], step_2[s], step_3[s^e]), min_w max(step_5[e^w], step_6[w], step_7[w]))
 

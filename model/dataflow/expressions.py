@@ -8,7 +8,7 @@ Python's operators build expressions: ``cc - ss``, ``(d1 <= 0) | (d2 <= 0)``.  A
   to real numbers, which are never rounded.
 * ``formula(domain)``: SMT-LIB over the reals.  ``domain``, of :mod:`tb.formal.lean_proofs`, supplies the names of nodes
   and the formulas of comparisons; it may raise :class:`FreeError`.
-* ``text(level)``: right side of an equation; in parentheses if its binding strength is below the context's, ``level``.
+* ``text(level)``: right side of an equation, in parentheses if its binding strength is below the context's ``level``.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ def dataflow(datapath: str, width: int, limits: tuple[tuple[int, int], ...] | No
 
 @dataclass(frozen=True)
 class Answer:
-    """Outputs of a datapath for N targets: ``results``, words (N, 6), or (N, 17) for the whole arm, in the order of
+    """Outputs of a datapath for N targets.  ``results``: words (N, 6), or (N, 17) for the whole arm, in the order of
     :attr:`.Datapath.results`; ``flags`` (N,); ``nodes``: name -> node, with its words in ``value``."""
 
     results: np.ndarray

@@ -23,7 +23,7 @@ ROOT_FRACS = 22, 31
 
 
 def effective_width(width: int) -> int:
-    """Return the word length that sets the lean formats: ``width``, but 16 for exhaustive tests' shorter words."""
+    """Return the word length that sets the lean formats: ``width``, but at least 16 (exhaustive tests use less)."""
     return max(width, WIDTHS[0])
 
 
@@ -100,7 +100,7 @@ class Latency:
 
     @classmethod
     def expression(cls, kind: str) -> str:
-        """Return ``kind``'s latency (clocks) as a Verilog expression; small and long form of a table have the same."""
+        """Return ``kind``'s latency (clocks) as a Verilog expression; a table's small and long form share it."""
         if kind in cls.FORMS:
             frac, table, more = cls.FORMS[kind]
             short, long = (table.clocks(table.short_frac + longer) + more for longer in (0, 1))

@@ -9,9 +9,9 @@ Exact part.  Squares, their sums, A, B and K are integers of 2W + 2 bits; their 
 every root is normalized by an even shift, so the root's relative precision does not depend on the argument's size.  The
 root, and every node computed from it, then has a power of two as its unit.
 
-Formats.  An inner word has F = W + 5 fraction bits, but at least 22 and at most 33, and two integer bits: [-2, 2).  A
-root has 22 fraction bits up to W = 18, else F, at most 31; its argument, a mantissa m, has 3 more.  The root is
-1/(2 sqrt(m)), in (1/2, 1]; 1 where m = 0.
+Formats.  An inner word has F = W + 5 fraction bits, but at least 22 and at most 33, and a range of [-2, 2).  A root has
+22 fraction bits up to W = 18; above, it has F, but at most 31.  Its argument, a mantissa m, has 3 more.  The root is
+1/(2 sqrt(m)), in (1/2, 1]; it is 1 where m = 0.
 
 Rounding.  ``Mul3`` omits or estimates the product of the two low parts and rounds half up.  Roots are faithful, shifts
 round down, results are rounded half up to W - 2 fraction bits.
@@ -195,7 +195,7 @@ def direction(d: Dataflow, f: LeanFormats) -> None:
 
 
 def triangle(d: Dataflow, f: LeanFormats) -> None:
-    """Build Qe (14) and half the angle a at the shoulder: cos a = K/(2 d1 |p|), sin a = sqrt(A B)/(2 d1 |p|)."""
+    """Build Qe (14) and the half angle of a, the shoulder angle: cos a = K/(2 d1 |p|), sin a = sqrt(A B)/(2 d1 |p|)."""
     n = d.nodes
     e_s, inv_s, clamp, closed, away = (n[name] for name in ("e_s", "inv_s", "clamp", "closed", "away"))
     d.at("triangle")
@@ -289,7 +289,7 @@ def triangle(d: Dataflow, f: LeanFormats) -> None:
 
 
 def triangle_lemmas(d: Dataflow) -> None:
-    """State the lemmas on sin a.  n_ab >= 0 follows from sin a <= 1 or, for A B = 0, from lengths being whole ulps."""
+    """State the lemmas on sin a.  n_ab >= 0, because sin a <= 1 or, for A B = 0, because lengths are whole ulps."""
     d.lemma("|a| = 1", f"{norm('cos_a', 'sin_a')} <= 1", "cos a; sin a; K^2 + A B; s > 0; =d1")
     uses = "=sin_a; =inv_law_ab; =inv_law_ab_raw; =n_ab; =root_ab; root of m_far; root of m_near; 1/(d1 |p|); 1/|p|; "
     uses += "=m_far; =m_near; =m_1; =m_s; =e_far; =e_near; =e_1; =e_s; =d1; s > 0"
@@ -362,8 +362,8 @@ def turn(d: Dataflow, f: LeanFormats, phi: Node) -> None:
 
 
 def last_rotation(d: Dataflow, f: LeanFormats, *pairs: tuple[str, str]) -> None:
-    """Build w_1 and i_1, and likewise k_1 and j_1, from three products.  With c = bend_c and s = bend_s, they are
-    w_0 c + i_0 s = (w_0 + i_0) c - i_0 (c - s) and i_0 c - w_0 s = (w_0 + i_0) c - w_0 (c + s)."""
+    """Build w_1 and i_1 from three products, and likewise k_1 and j_1.  With c = bend_c and s = bend_s,
+    w_1 = w_0 c + i_0 s = (w_0 + i_0) c - i_0 (c - s) and i_1 = i_0 c - w_0 s = (w_0 + i_0) c - w_0 (c + s)."""
     n = d.nodes
     part: Record = {"within": PART, "grows": SUM, "proof": "q_1; =wi_1_len; =kj_1_len; length_sq"}
     for one, two in pairs:

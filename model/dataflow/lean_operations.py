@@ -2,11 +2,11 @@
 """Operations of the lean dataflow besides products and tables: normalization, shifts by counts, and choices.
 
 Normalization is an even shift (``ik_even``).  In a formula, the name of a count n stands for 2^n, so that a shift is a
-product.  The paper's dataflow also uses the shifts, and the whole arm the choices.
+product.  The paper's dataflow also uses the shifts, and the whole arm's dataflow also uses the choices.
 
 Choices are selections, sign changes and sums for which the folded program has special steps.  The quaternion h(c, s)
-turns by the angle whose cosine is c and whose sine is s.  It is not normalized: (1 + c, s)/2, or (s, 1 - c)/2 where
-c < 0.  The larger of its two parts, (1 + |c|)/2, is also its squared length.
+turns by the angle whose cosine is c and whose sine is s.  It is not normalized: it is (1 + c, s)/2, or (s, 1 - c)/2
+where c < 0.  The larger of its two parts, (1 + |c|)/2, is also the squared length of h.
 """
 
 from __future__ import annotations
@@ -223,7 +223,7 @@ def signed(value: Term, negative: Term) -> Choice:
 
 
 def elbow(value: Term, sign: int, clamp: Term, closed: Term, ends: tuple[int, int]) -> Choice:
-    """Return a word times ``sign``; for a clamped target, ``ends[0]`` if the arm is closed, else ``ends[1]``."""
+    """Return ``value`` times ``sign``; for a clamped target, ``ends[0]`` if the arm is closed, else ``ends[1]``."""
     return Choice(Select(clamp, Select(closed, *ends), value if sign > 0 else -value), "elbow", value, sign)
 
 

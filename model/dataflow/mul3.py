@@ -47,8 +47,8 @@ def mul3_error(shift: int, a_width: int, b_width: int, tile: int = TILE) -> tupl
 
     The omitted product is nonnegative and less than 2^(c - shift) ulps, where c is the sum of :func:`cuts`; with the
     estimate, 7/16 of this limit remains.  Each of the two mixed products loses less than a quarter ulp.  All other
-    truncated bits are part of the rounding, which is half up.  The ignored bits of an operand add less than one unit of
-    its last used bit, times the other operand.
+    truncated bits are part of the rounding, which is half up.  An operand's ignored bits add an error of less
+    than the unit of that operand's last used bit, times the other operand.
     """
     out = unseen(a_width, b_width, tile)
     aside = sum(2.0 ** (bits + other - 1 - shift) for bits, other in zip(out, (b_width, a_width), strict=True) if bits)

@@ -49,7 +49,7 @@ ANYTHING = -math.inf, math.inf
 class Within:
     """Range [low, high] of a node in exact arithmetic, from geometry; ``why`` is the reason.
 
-    ``below``: the value is less than ``high``, and so is the node's word, because it is exact or truncated.
+    ``below``: the value is less than ``high``, and so is the node's word, because the word is exact or truncated.
     """
 
     low: float
@@ -60,9 +60,9 @@ class Within:
 
 @dataclass(frozen=True)
 class Rule:
-    """Rule for one node of the paper datapath.  Its functions take a :class:`model.bounds.ranges.Case` and return
-    ``limit``: a range that narrows the one computed from the operands (``why`` is the reason); ``word``: the range of
-    the rounded word; ``error``: an upper limit of the error computed from the operands."""
+    """Rule for one node of the paper datapath; ``why`` is the reason.  Each function takes a
+    :class:`model.bounds.ranges.Case`: ``limit`` returns a range that narrows the one computed from the operands,
+    ``word`` returns the range of the rounded word, and ``error`` returns an upper bound of the error."""
 
     why: str
     limit: Callable[[Any], Interval]
@@ -71,8 +71,8 @@ class Rule:
 
 
 class Given(Rule):
-    """Range of an exact word, given because it does not follow from the operands' ranges; for example of a count, or of
-    a word that wraps where it is unused.  ``limit`` returns the permitted part of the word's format."""
+    """Rule for an exact word whose range does not follow from the operands' ranges, for example a count or a word that
+    wraps where it is unused.  ``limit`` returns the permitted part of the word's format."""
 
 
 @dataclass(frozen=True)
@@ -228,7 +228,7 @@ class Input(Operation):
 class Dataflow:
     """Dataflow at one word length: its nodes in order, and statements for ranges and proofs.
 
-    * ``limits``: (lower, upper) limit of each joint of the whole arm, words with one turn = 2^W; by default no limits
+    * ``limits``: (lower, upper) limit of each joint of the whole arm, as words (one turn is 2^W); by default no limits
     * ``learned``: indices of nodes before which :func:`model.bounds.ranges.off_length` tightens the bounds of a case
     * ``restarts``: index of a node -> names of earlier nodes that define a plane.  From the node with this
       index on, the words of these earlier nodes count as exact, because all later nodes are correct for any plane
@@ -274,9 +274,9 @@ class Dataflow:
     # ---- making nodes --------------------------------------------------------------------------------------------
 
     def node(self, name: str, op: Operation, fmt: Format, latency: str | None = "", after=None, **record) -> Node:
-        """Add and return a node.  Its ``latency``, a key of :class:`.formats.Latency` (by default the operation's),
-        counts from the last of its operands and ``after``.  ``record``: further fields of :class:`Node`; ``proof`` is a
-        text, facts separated by semicolons.  Raises ValueError if the name is taken."""
+        """Add and return a node.  ``latency`` is a key of :class:`.formats.Latency`, by default the operation's; it
+        counts from the latest time of the operands and ``after``.  ``record``: further fields of :class:`Node`, of
+        which ``proof`` is a text of facts separated by semicolons.  Raises ValueError if the name is taken."""
         if name in self.nodes:
             raise ValueError(f"node {name} is defined twice")
         latency = op.latency if latency == "" else latency
@@ -305,7 +305,7 @@ class Dataflow:
     # ---- statements between nodes ----------------------------------------------------------------------------------
 
     def words(self, *names: str) -> None:
-        """Treat the named nodes' words as exact in later nodes, none of which starts before the last named node."""
+        """Treat the named nodes' words as exact in later nodes, which start only when the last named node is valid."""
         self._since = self.nodes[names[-1]]
         self._as_words |= {*names}
 

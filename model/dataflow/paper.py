@@ -49,7 +49,7 @@ def upto(size: Callable[[Any], float]) -> Callable[[Any], Interval]:
 
 
 def used(limit: Callable[[Any], Interval]) -> Callable[[Any], Interval]:
-    """Return ``limit``, but permitting any word if the target is clamped: the word is then unused and may wrap."""
+    """Return ``limit``, changed to permit any word for a clamped target, where the word is unused and may wrap."""
     return lambda c: ANYTHING if c.clamped else limit(c)
 
 

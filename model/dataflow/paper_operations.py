@@ -60,7 +60,7 @@ def cordic(phi, width: int):
 
 
 def sincos_bound(width: int) -> float:
-    """Return an upper bound of the error of ``ik_sincos`` in ulps, 2^-(width-2).
+    """Return an upper bound of the error of ``ik_sincos`` in ulps of 2^-(width-2).
 
     The errors that add up, in units g = 2^-G ulp, with G guard bits:
 
@@ -69,7 +69,7 @@ def sincos_bound(width: int) -> float:
     * The rounding error of the gain word is stretched by K = 1.6468.
     * One ulp of the angle z is pi/4 g as an arc.  After n = width iterations the residual angle is at most the last
       table angle, atan(2^-(n-1)).  The rounding of each table angle counts twice: once in the angle turned, and once in
-      the residual angle, because the sum of the remaining rounded angles may be that much too small.
+      the residual angle, because the sum of the remaining rounded angles may be too small by the same amount.
     * Rounding the result adds half an ulp.
     """
     inner = width + SINCOS_GUARD

@@ -59,7 +59,7 @@ class Form:
 
     @property
     def clocks(self) -> int:
-        """Clocks of ``ik_quadratic``: operands, slope times u, sum, result; with c2, first operands, c2 u, slope."""
+        """Clocks of ``ik_quadratic``: with c2, operands, c2 u, slope; then operands, slope times u, sum, result."""
         return 4 if self.linear else 7
 
 
@@ -151,8 +151,8 @@ def row_error(table: Table, form: Form, row: int, rises: bool) -> tuple[mpmath.m
     """Return the least and greatest error of :func:`polynomial` over the segment of a table row, both ends included.
     The cosine reads the sine's rows with ``rises`` False and u negated.  The errors that add up:
 
-    * Interpolation: 1/6 of the third derivative times (u + a) u (u - a); these three factors multiply to at most
-      width^3 / 32.  In a linear form, 1/2 of the second derivative times (u + a) (u - a), at most width^2 / 8.
+    * Interpolation with nodes at u = -a, 0 and a: 1/6 of the third derivative times (u + a) u (u - a), a product of at
+      most width^3 / 32.  In a linear form, 1/2 of the second derivative times (u + a) (u - a), at most width^2 / 8.
     * Rounding of the coefficients: exactly r0 + r1 u + r2 u^2.
     * u times the error of the slope, which is less than one ulp of the slope plus c2 times an ulp of u's high part.
     * Tiles: each is truncated by less than an ulp of the sum, and the product of the low parts is omitted.
@@ -255,7 +255,7 @@ def rsqrt_error(frac: int, tile: int = TILE) -> float:
 
     V is any real number whose truncation to frac + 3 bits is m.  Three errors add up in each segment: the error at m
     (:func:`row_error`); the rounding constant minus a truncation of less than an ulp; and the fall of 1/(2 sqrt V) from
-    m to V, at most the steepest slope, at the left end of the segment, times an ulp of m.
+    m to V.  This fall is at most an ulp of m times the slope at the segment's left end, where it is steepest.
     """
     form = INVERSE_ROOT.form(frac, tile)
     with mpmath.workprec(PRECISION):
@@ -337,8 +337,8 @@ def half_sincos_error(frac: int, tile: int = TILE) -> float:
 
 
 def _faithful(node, frac: int, most: float = 1.0) -> tuple[float, float]:
-    """Return the error range (low, high) in ulps of the node.  The ends are -+``most`` ulps of a word with ``frac``
-    fraction bits; the node may have more."""
+    """Return the error range (low, high) of the node: -+``most`` ulps of a word with ``frac`` fraction bits, converted
+    to ulps of the node, which may have more fraction bits."""
     bound = most * 2.0 ** max(node.format.frac - frac, 0)
     return -bound, bound
 

@@ -37,9 +37,9 @@ def read_csv(
 ) -> Targets:
     """Read targets from a CSV file with a header.
 
-    docs/targets.md describes the file. d1, d2 and phi (rad) replace columns that the file lacks; None stands for the
-    default arm's length or, as phi, for nan. Rows in messages are line numbers. Raises TargetError for a bad file or
-    default.
+    docs/targets.md describes the file. d1, d2 and phi (rad) replace columns that the file lacks; a length of None means
+    that of the default arm, and a phi of None means nan. Rows in messages are line numbers. Raises TargetError for a
+    bad file and for a bad d1, d2 or phi.
     """
     path = os.fspath(path)
     asked = {"phi": phi, "d1": d1, "d2": d2}
@@ -134,7 +134,7 @@ def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
 
 
 def _check_header(path: str, row: int, header: list[str]) -> list[str]:
-    """Return the column names, with targets' columns in lower case.  Raises TargetError for an invalid header."""
+    """Return the column names; those of targets and hands are in lower case.  Raises TargetError for a bad header."""
     columns = [cell.strip() for cell in header]
     of_hands = OF_HANDS if {column.lower() for column in columns} & {*QUATERNION, *EULER} else ()
     columns = [column.lower() if column.lower() in (*FIELDS, *of_hands) else column for column in columns]
@@ -194,7 +194,7 @@ def whole_files() -> Iterator[Place]:
     """Yield a function path -> temporary path in the same folder. At the end rename all temporary files to their paths;
     after an error in the block remove them, so that the old files remain.
 
-    The filename of an OSError becomes the requested path; if the error has no filename, the last path requested.
+    An OSError names the requested path, not the temporary one; if it names no file, it gets the last requested path.
     """
     paths: dict[str, Path] = {}
 

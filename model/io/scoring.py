@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scores of a trajectory run through the core: errors, and whether they meet the tolerances.
 
-* hand: the wrist by forward kinematics of the core's quaternions, or the point and orientation of a hand pose by
-  forward kinematics of the joints, compared with the user's target; quantisation of the target counts as an error
+* hand: compared with the user's target, so quantisation of the target counts as an error; forward kinematics gives the
+  wrist from the core's quaternions or, for a hand pose, the hand's point and orientation from the joints
 * angles and elbow point: compared with double precision at the core's input words
 * hand of an unreachable target: compared with the hand of the clamped pose, reported separately
 
@@ -34,7 +34,7 @@ from .words import FIELDS, JOINTS, RESULT_FIELDS, WRIST_FIELDS, Targets, from_wo
 
 
 def singular_distances(targets: Targets) -> dict[str, np.ndarray]:
-    """Return a dict: singularity of equations (10)-(18) -> distances (N,), rad, of the targets' poses from it.
+    """Return a dict: singularity of equations (10)-(18) -> distance (N,) of each target's pose from it, in rad.
 
     For wrist or elbow on the z axis the distance is the angle from the nearer half of the axis. For theta_3 and theta_4
     (elbow) it is the distance of the half angle from 0 or pi/2, where a square root in (14) or (17) is 0. Raises
@@ -79,7 +79,7 @@ def model_errors(words: np.ndarray, width: int, datapath: str) -> tuple[np.ndarr
 
 
 def _whole(q: np.ndarray) -> np.ndarray:
-    """Return quaternions (N, 4) from all components or only the first two; the others are 0."""
+    """Return quaternions (N, 4), given all four components or only the first two; the last two are then 0."""
     return np.pad(q, ((0, 0), (0, 4 - q.shape[1])))
 
 
@@ -100,8 +100,8 @@ class Hand:
 
 @dataclass(frozen=True, eq=False)
 class PerTarget:
-    """Points and errors of each target: points (N, 3) in scaled lengths and the user's frame; errors (N,) relative to
-    the reach, tool included, or in rad.
+    """Points and errors of each target.  Points (N, 3) are scaled lengths in the user's frame; errors (N,) are angles
+    in rad, or distances relative to the reach, which includes the tool.
 
     `judged_error` is `hand_error`; for an unreachable target (`clamped`) it is the distance of the core's hand from
     the hand of the clamped pose.
@@ -126,10 +126,10 @@ class Score:
       all targets, `clamped_error_max` is over unreachable targets
     * `*_tolerance`: largest permitted error of the worst target, None without a tolerance; `hand_error_over_tolerance`:
       largest ratio of a hand error to its tolerance
-    * `hand_error_target`: the target with the largest error; `hand_error_pose`: how near it is to a singular pose
+    * `hand_error_target`: target with the largest error; `hand_error_pose`: distance of that pose from a singular one
     * `outcome`: verdict (pass, warn or FAIL), largest error and its tolerance as text; `failures` is empty exactly if
       `passed`; the verdict is warn if a target out of reach is missed by more than the tolerance
-    * `over_limit`: number of targets with a joint outside its limits; like `orientation_error_*`, None for wrists
+    * `over_limit`: number of targets with a joint outside its limits; None for wrists, as is `orientation_error_*`
     """
 
     trajectory: str
@@ -365,8 +365,8 @@ def _large_errors(
 def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray] | None = None) -> dict[str, bytes]:
     """Return the contents of results.csv and results.npz by suffix; results.npz has the same data as arrays.
 
-    CSV: one row per target in input order, lengths in the user's unit and frame, angles in rad, followed by the other
-    columns of the target file and of `more`, name -> (N,). Reading the file returns the same bits.
+    CSV: one row per target, in input order; lengths are in the user's unit and frame, angles in rad. The last columns
+    are the other columns of the target file and those of `more`, name -> (N,). Reading the file returns the same bits.
     docs/targets.md lists columns and arrays.
     """
     value = dict(zip(MODELS[result.datapath].results, result_values(run.results, result.width).T, strict=True))

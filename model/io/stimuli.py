@@ -339,7 +339,7 @@ def _branches(random, width: int, position, phi, d1, d2) -> np.ndarray:
 def _k_around_0(random, width: int, rows: np.ndarray) -> np.ndarray:
     """Return the targets with new swivel angles that make k of Qs near 0.
 
-    Qs = q_0 cos(phi/2) + q_pi sin(phi/2), where q_0 and q_pi are Qs at 0 and pi up to sign: both signs are tried.
+    Qs = q_0 cos(phi/2) + q_pi sin(phi/2), where q_0 and q_pi are +-Qs at phi = 0 and pi: both relative signs are tried.
     """
     x, y, z, _, d1, d2 = rows.T.astype(float)
     at_0, at_pi = (solve_lean(x, y, z, phi, d1, d2)["qs_k"] for phi in (0.0, np.pi))
@@ -405,15 +405,15 @@ def arm_targets(count: int, width: int, seed: int) -> np.ndarray:
 
 
 def referenced(words: np.ndarray, width: int, seed: int) -> np.ndarray:
-    """Return words (N, 19): hand poses and branches ``words`` (N, 12) with arbitrary reference joints between them."""
+    """Return words (N, 19): ``words`` (N, 12) with arbitrary reference joints inserted between hand pose and branch."""
     references = np.random.default_rng((seed, width, 8)).integers(-(1 << width - 1), 1 << width - 1, (len(words), 7))
     return np.insert(words, [len(ARM_FIELDS)] * 7, references, axis=1)
 
 
 def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
-    """Return words and branches (N, 12) of hand poses with wrists at targets (N, 6).
+    """Return words and branches (N, 12) of hand poses whose wrists are at the targets ``words`` (N, 6).
 
-    One in eight has an arbitrary, non-unit quaternion. If there are many poses, the first are the corners.
+    One pose in eight has an arbitrary, non-unit quaternion. Large sets begin with the poses of :func:`arm_corners`.
     """
     random, named = np.random.default_rng((seed, width, 7)), arm_corners(width)
     reachable = np.flatnonzero((expected_flags(words, width) & UNREACHABLE) == 0)
@@ -431,7 +431,7 @@ def hands(words: np.ndarray, width: int, seed: int) -> np.ndarray:
 
 def arm_limits(width: int, long: bool = False) -> list[tuple[int, int]]:
     """Return limits (low, high) of seven joints, in words: arcs of all lengths, some across half a turn (low > high).
-    ``long``: arcs so long that some branches of a pose are within all of them; one of the arcs is a whole turn."""
+    ``long``: the arcs are so long that some branches of a pose are within all seven; one arc is a whole turn."""
     half = 1 << width - 1
     arcs = (0.9, -0.8), (-0.7, 0.95), (-1.0, 0.0), (-0.4, 0.5), (0.2, 0.3), (-0.99, 0.6), (0.7, 0.4)
     if long:

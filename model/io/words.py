@@ -61,7 +61,7 @@ class Targets:
 
     * path, rows: target file and line numbers, for messages; None for targets created in Python
     * default_arm: names of the lengths that have default values; others: additional columns of the file
-    * frame (4,) or (N, 4): quaternion of R, which rotates the user's frame to the core's; None: equal frames
+    * frame (4,) or (N, 4): quaternion of R, which rotates the user's frame to the core's frame; None: equal frames
     * arm (N,): name of each target's arm; None: all targets have the same arm
     * hand (N, 4): unit quaternions in the user's frame; x, y, z is then the hand's point. None: wrist targets
     * tool (N, 3): vector from the wrist to the hand's point in the hand's frame; a number is a length along z
@@ -183,7 +183,7 @@ def scale_exponent(targets: Targets, width: int) -> int:
     """Return the exponent e of the host's scaling: the core works on lengths times 2^e.
 
     The largest reach d1+d2 is scaled to [1, 2). If a coordinate would then leave [-2, 2), e is lowered by at most
-    `HEADROOM_BITS`; if a tool would, by up to `HEADROOM_BITS` more. Each step costs one bit of precision. Raises
+    `HEADROOM_BITS`; a tool may lower it by up to `HEADROOM_BITS` more. Each step costs one bit of precision. Raises
     TargetError if that is insufficient, if a reach exceeds double precision, or if an arm length's word would be 0.
     """
     reach = targets.reach
@@ -296,8 +296,8 @@ class Records:
     """Layout of target and result records: words of 32 bits, little endian, whatever the core's word length.
 
     Lengths and quaternions are Q2.30, one turn is 2^32. The word with index `tag` holds the tag in its low bits and,
-    above them, the branch (target) or the flags (result); `inputs` and `results` name the other words. Results end
-    with the record's index in its job and, for the whole arm, a word: over_limit, a bit per joint, and bad_hand, bit 8.
+    above them, the branch (target) or the flags (result); `inputs` and `results` name the other words. A result
+    ends with its index in the job and, for the whole arm, a word with over_limit in bits 0 to 6 and bad_hand in bit 8.
     """
 
     size: int  # bytes
@@ -306,8 +306,8 @@ class Records:
     results: tuple[str, ...]
 
     def packed(self, fields: np.ndarray, *more: np.ndarray) -> bytes:
-        """Return records, padded with zeros. fields (N, n): 32-bit words, with the columns of `inputs` for targets;
-        more: the tag words (N,), then words (N,) that follow the fields."""
+        """Return records, padded with zeros. fields (N, n): 32-bit words, with the columns of `inputs` (targets) or
+        `results`; more: the tag words (N,), then any further words (N,), which are stored after the fields."""
         columns = [*np.broadcast_arrays(*fields.T, *more, *[0] * (self.size // 4))]
         columns.insert(self.tag, columns.pop(fields.shape[1]))
         columns = columns[: self.size // 4]

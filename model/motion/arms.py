@@ -55,7 +55,7 @@ class Arm:
     """Arm with three joint axes that meet in the shoulder, one in the elbow, and three that meet in the wrist.
 
     * d1, d2: distances from shoulder to elbow and from elbow to wrist
-    * tool: from wrist to tip: a distance along axis 7, or a vector (3,) in the hand's frame, whose z is axis 7
+    * tool: offset of the tip from the wrist: distance along axis 7, or vector (3,) in the hand's frame (z along axis 7)
     * offsets (7,) rad, signs (7,) of 1 or -1: position of a joint = sign * th + offset
     * limits (7, 2): lower and upper limit of each joint, rad
     * base (3,), mount (4,): position of the shoulder and orientation of its frame (z along axis 1) in the base frame
@@ -63,7 +63,7 @@ class Arm:
     * upper (4,): orientation of the upper arm in the frame of axis 3, whose z is axis 3
     * fore (4,): orientation of the frame of axis 5 in the forearm's frame; links are bent unless upper = fore = 1
     * names (7,): names of the joints; velocities (7,): greatest speeds, rad/s
-    * chain: true chain if the axes only almost meet, else None; misfit: tip errors (distance, rad) without its use
+    * chain: true chain if the axes only almost meet, else None; misfit: tip errors (distance, rad) of the exact arm
 
     Quaternions are w, i, j, k.  Methods take and return points and orientations of the tip in the base frame.
     """
@@ -200,8 +200,8 @@ class Arm:
         return at if near is None else np.where(np.isnan(near), at, near + joints.wrap(at - near))
 
     def nearest(self) -> tuple["Arm", float, float]:
-        """Return the nearest exact arm, and the largest distance and angle (rad) between its tip and this arm's. Links
-        of the exact arm that would bend by less than the accepted misfit (rad) are made straight."""
+        """Return the nearest exact arm, and the largest distance and angle (rad) between the tips of the two
+        arms. Links of the exact arm that would bend by less than the accepted misfit (rad) are made straight."""
         assert self.chain
         arm = Arm(**exact(nearest(self.chain)[0], TURN_MISFIT))
         low, high = np.clip(self.limits.T, -np.pi, np.pi)
@@ -285,10 +285,10 @@ class Arm:
     ) -> JointPath:
         """Return joints along a path of poses of the tip: points (N, 3), orientations ``hand`` as in :meth:`solve`.
 
-        Joints are within their limits, or nan.  If branches and swivel angles allow, no step of a joint exceeds
-        ``goal`` (rad). start (7,): joint positions before the first pose. phi (rad), branch: numbers or (N,); None:
-        chosen. progress: callback with the fraction done, 0 to 1, and the number of swivel angles tried; the fraction
-        restarts for each further attempt.  Raises ValueError.
+        Joints are within their limits, or nan.  If branches and swivel angles allow it, no step of a joint
+        exceeds ``goal`` (rad). start (7,): joint positions before the first pose. phi (rad), branch: numbers or (N,),
+        or None to choose them. progress: callback with the fraction done, 0 to 1, and the number of swivel angles
+        tried; the fraction restarts for each further attempt.  Raises ValueError.
         """
         wrists, q, given_phi, given_branch, _ = self._asked(points, hand, phi, branch)
         if not 0 < goal < np.inf:

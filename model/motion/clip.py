@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Convert the limbs of a BVH clip to targets of the core, and turn the limbs by the core's quaternions.
 
-Frame and unit of length are the clip's.  A limb is an arm or a leg.  Its joints are called upper, fore and hand:
-shoulder, elbow and wrist, or hip, knee and ankle.  Targets are relative to the shoulder or hip.
+Positions use the clip's frame and unit of length.  A limb is an arm or a leg.  Its joints upper, fore and hand are the
+shoulder, elbow and wrist, or the hip, knee and ankle.  Targets are relative to the shoulder or hip.
 """
 
 import re
@@ -141,7 +141,7 @@ def named(clip: Clip, name: str) -> list[int]:
 
 
 def _chosen(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]]) -> tuple[int, int, int]:
-    """Return the joints (upper, fore, hand) of the first limb, not in ``others``, with the joint names ``joints``."""
+    """Return the first limb (upper, fore, hand) that has the joint names ``joints`` and is not in ``others``."""
     for upper, fore, hand in product(*(named(clip, name) for name in joints)):
         if upper in clip.ancestors(fore) and fore in clip.ancestors(hand) and (upper, fore, hand) not in others:
             return upper, fore, hand
@@ -162,7 +162,7 @@ def _known(clip: Clip, side: str, table: Sequence[tuple[str, str, str]]) -> tupl
 
 
 def _body(clip: Clip) -> tuple[list[int], list[int]]:
-    """Return joints of the head, else neck, else shoulders, and of the feet; two empty lists if either is not found."""
+    """Return joints of the head (else neck, else shoulders) and of the feet; both lists are empty if one would be."""
     optional = "(?:left|right|l|r)?"
     heads, feet = (
         next((joints for names in table if (joints := _called(clip, rf"{optional}(?:{names})\d*{optional}"))), [])
@@ -217,7 +217,7 @@ class Motion:
     """Motion of a limb in F frames, in the clip's frame and unit.
 
     * elbow, wrist (F, 3): relative to the shoulder; d1, d2 (F,): lengths of upper arm and forearm
-    * frame (F, 4): the quaternion of R, which takes the clip's frame to the core's
+    * frame (F, 4): the quaternion of R, which takes the clip's frame to the core's frame
     * phi (F,): the swivel angle (rad) in the core's frame
     * hand (F, 4): orientation of the hand, z along the hand's bone; None if the clip has no channels for it
     """
@@ -327,7 +327,7 @@ TWISTS = ("clip", "core")
 
 
 def turned(clip: Clip, moves: Sequence[tuple[Any, ...]], twist: str = "clip") -> Clip:
-    """Return the clip with turned limbs.  moves: (motion, Qs, Qe) or (motion, Qs, Qe, Qh), (F, 4) in the clip's frame.
+    """Return the clip with turned limbs.  moves: (motion, Qs, Qe[, Qh]), quaternions (F, 4) in the clip's frame.
 
     Each bone turns the shortest way to the direction that the core gives, which keeps the clip's twist.  With the twist
     "core", each bone also turns about itself until the elbow's mean hinge axis in the clip is parallel to the core's
@@ -368,7 +368,7 @@ def _shortest(start: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 
 def _hinge(along: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """Return the mean (3,) of normals (F, 3), made perpendicular to a bone's direction and of length 1."""
+    """Return the mean (3,) of normals (F, 3), made perpendicular to a bone's direction and scaled to length 1."""
     along = _unit(along)
     hinge = normals.sum(axis=0)
     hinge -= (hinge @ along) * along

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write a clip as an animated glTF 2.0 binary in metres, with an armature of joints and double pyramids as bones."""
+"""Write a clip as an animated glTF 2.0 binary in metres: an armature of joints, with double pyramids as bones."""
 
 import numpy as np
 import pygltflib as gltf

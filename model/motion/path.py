@@ -8,12 +8,12 @@ through one candidate of each row is found by dynamic programming (Viterbi) and 
     cost of a pose = weight * sum max(0, 1 - distance to the limit / 0.1)^2
 
 A joint whose range is a turn or less has one value per angle; its step is a plain difference, since it cannot cross the
-gap between its limits. For wider joints, steps are first taken modulo a turn, then the values are unwrapped. If these
-leave the limits, the path is planned again, with values whole turns apart as separate candidates.
+gap between its limits. For wider joints, steps are first taken modulo a turn, then the values are unwrapped. If the
+unwrapped values leave the limits, the path is planned again, with values whole turns apart as separate candidates.
 
 Where a step exceeds the goal, further attempts try more swivel angles nearby, raise the cost of steps near the goal,
 and finally avoid the joint positions at earlier jumps. For a nearly exact arm, joints are corrected on its true chain:
-those of the final path, all candidates in rows near the limits of the reach and, in further attempts, near jumps.
+on the final path, and for all candidates in rows near the limits of the reach or, in further attempts, near jumps.
 """
 
 from collections.abc import Callable
@@ -140,13 +140,13 @@ class Planner:
         return best, self._closer(np.clip(at, *self.limits.T[..., None]), near), regular & (costs.min(axis=0) < np.inf)
 
     def _cost(self, at: Floats, near: Floats | None) -> Floats:
-        """Return costs (M,) of positions (7, M): of steps from ``near`` or, if None, minus the distance to a limit."""
+        """Return costs (M,) of positions (7, M): steps from ``near`` or, without it, minus the distance to a limit."""
         if near is not None:
             return self.edges(near, at)
         return -np.minimum(at - self.limits[:, :1], self.limits[:, 1:] - at).min(axis=0)
 
     def _closer(self, at: Floats, near: Floats | None) -> Floats:
-        """Return joint positions (7, M), wide joints moved by whole turns toward ``near`` (7, M) if limits allow."""
+        """Return joint positions (7, M); move wide joints by whole turns toward ``near`` (7, M) if limits allow it."""
         if near is None or not self.wide.any():
             return at
         closer = near + joints.wrap(at - near)
@@ -177,7 +177,7 @@ class Planner:
         return Candidates.joined(Candidates(row[inside], branch[inside], phi[inside], at))
 
     def _split(self, ball: int, row, branch, phi, th, near=None) -> list[NDArray]:
-        """Return the arguments, repeated with several th1, th3 (ball 1: th5, th7) of the same sum or difference."""
+        """Return the arguments, repeated for several th1, th3 (ball 1: th5, th7) with the same sum or difference."""
         a, tilt, c = 4 * ball + np.arange(3)
         turns = np.arange(SPLITS) * (TURN / SPLITS) if near is None else self.finer * np.arange(-3, 4)
         parts = [np.repeat(v, len(turns), axis=-1) for v in (row, branch, phi, th, *([] if near is None else [near]))]
@@ -254,8 +254,8 @@ class Planner:
         return found, joints.wrap(swivels), branches
 
     def _nearest_miss(self, row: NDArray, phi: Any, branch: Any) -> tuple[Floats, NDArray, Floats]:
-        """Return phi and branch (R,) for rows (R,) without candidates, such that the sum of the angles by which joints
-        exceed their limits is smallest; and these angles (7, R). phi, branch (N,): fixed, or None."""
+        """Return, for rows (R,) without candidates, phi and branch (R,) that minimize the sum of the angles by which
+        joints exceed their limits, and these angles (7, R). phi, branch (N,): fixed, or None."""
         turns: Any = np.arange(SWIVELS) * (TURN / SWIVELS) if phi is None else phi[row, None]
         of: Any = np.arange(8) if branch is None else branch[row, None]
         shape = (len(row), turns.shape[-1], of.shape[-1])
@@ -289,7 +289,7 @@ class Planner:
         return found._replace(at=at.T), errors
 
     def _reaching(self, found: Candidates) -> Candidates:
-        """Return the candidates after correcting those in rows ``self.true``, without those that then miss their pose.
+        """Correct candidates in rows ``self.true``; return all candidates except corrected ones that miss their pose.
 
         Where the exact arm is straight or closed, the true chain may not be, so correction starts with a bent elbow.
         """

@@ -151,9 +151,9 @@ def solve(
     branch: ArrayLike = 0,
     limits: ArrayLike | None = None,
 ) -> Pose:
-    """Return poses of arms: shoulder and elbow for wrist targets, (10)-(18) of the paper, or all joints for hand poses.
+    """Return poses of arms: shoulder and elbow for wrist targets ((10)-(18) of the paper), all joints for hand poses.
 
-    * points (N, 3) or (3,): wrist targets, the shoulder at the origin; with ``hand``, the hand's points
+    * points (N, 3) or (3,): wrist targets relative to the shoulder; with ``hand``, the hand's points
     * phi: swivel angle, rad, a number or (N,).  At 0 the elbow is in the plane of axis and wrist, on the side of the
       axis.  None: :func:`hanging`
     * d1, d2: lengths of upper arm and forearm; numbers or (N,)
@@ -166,7 +166,7 @@ def solve(
     * tool: distance from the wrist to the hand's point, along the hand's z axis; a number or (N,)
     * branch: bits of :class:`Branch`, one of eight solutions for the joints; a number or (N,)
     * limits (7, 2): lower and upper limit of each joint, rad, for ``over_limit``; with a width, rounded inward.  In
-      double precision they also select one of the equivalent pairs th1, th3 where th2 is 0 or pi; th5, th7 likewise
+      double precision they also choose among equivalent pairs th1, th3 (th5, th7) where th2 (th6) is 0 or pi
 
     An unreachable target gets the nearest pose, and a flag.  Warns if phi exceeds a turn.  Raises ValueError for wrong
     arguments, and its subclass TargetError for a target that does not fit the core's format at the common scale.
@@ -381,7 +381,7 @@ def _hanging(axis: str | tuple[float, ...]) -> float:
 
 
 def _rolled(order: Order, q: Floats, places: int) -> Floats:
-    """Return quaternions in another order; places: -1 from wxyz to `order`, 1 from `order` to wxyz."""
+    """Convert quaternions between wxyz and `order`; places: -1 to convert to `order`, 1 to convert to wxyz."""
     check_order(order)
     return q if order == "wxyz" else np.roll(q, places, axis=-1)
 

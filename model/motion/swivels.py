@@ -38,7 +38,7 @@ class Swivels:
 
     * intervals (N, K, 2): first and last angle of each closed interval, rad.  The first is in -pi to pi, the last at
       most a turn above it.  Poses with fewer than K intervals are filled up with nan
-    * over_limit (N, 7): True for joints outside their limits at the angle with the fewest such; all True out of reach
+    * over_limit (N, 7): mask of joints outside their limits at the angle with fewest such joints; all True out of reach
     * distance (N,): from shoulder to wrist; reach (N, 2): the least and the largest possible distance
     * start: swivel angle (rad) at which the elbow hangs
     """
@@ -201,7 +201,7 @@ class Circles:
         return joints.angles(qs, self.flexion[elbow.astype(int), row], qw)
 
     def extremes(self) -> Floats:
-        """Return swivel angles (N, K, 2 elbow solutions) at and near which th2 or th6 is nearest to singular."""
+        """Return swivel angles (N, K, 2 elbow solutions) where th2 or th6 is nearest to singular, and angles nearby."""
         stations = self.ends[:, :, 0], (self.ends[:, :, 0] + self.ends[:, :, 1]) * 0.5**0.5, self.ends[:, :, 1]
         at_0, at_quarter, at_half = ((np.square(q) * (1, -1, -1, 1)).sum(axis=-1)[..., None] for q in stations)
         middle = (at_0 + at_half) / 2
@@ -300,7 +300,7 @@ def _roots(ends, bounds):
 
 
 def _joined(roots, at_root, arc):
-    """Join feasible arcs to intervals (N, K, 2). at_root, arc: True where a root, or the arc after it, is feasible."""
+    """Join feasible arcs to intervals (N, K, 2). at_root, arc: whether a root and the arc after it are feasible."""
     ring = np.stack((at_root, arc), axis=2).reshape(len(roots), 2 * roots.shape[1])
     whole = ring.all(axis=1)
     begins, ends = ring & ~np.roll(ring, 1, axis=1), ring & ~np.roll(ring, -1, axis=1)
@@ -348,9 +348,9 @@ def continuous_core_angles(angles: ArrayLike) -> Floats:
 
 
 def elbow_jumps(targets: Targets) -> tuple[NDArray[np.intp], list[float]]:
-    """Return (1) the rows at which the elbow jumps because the wrist passes the reference axis, (2) a better axis.
+    """Return the rows at which the elbow jumps because the wrist passes the reference axis, and a better axis.
 
-    Let the wrist move by s from one row to the next, and let r be its smaller distance from the axis in the two rows.
+    Let the wrist move by s from one row to the next, and let r be the smaller of its two distances from the axis.
     The elbow jumps if it moves by more than a tenth of the reach, more than 4 s, and more than 4 (r - s).
     """
     reach = targets.reach.max(initial=1e-300)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pose nearest to a robot's present joints, computed without arrays for a control loop that needs one at a time.
+"""Pose nearest to a robot's present joints, computed without arrays for a control loop that needs one pose at a time.
 
-The elbow keeps its side of the line from shoulder to wrist. The branch with the smallest largest step of a joint is
-taken. With unit vectors n toward the wrist p and v, perpendicular to n, toward the elbow, the upper arm is
+The elbow keeps its side of the line from shoulder to wrist. Of the branches, the one whose largest joint step is least
+is taken. n is the unit vector toward the wrist p; v, perpendicular to n, points toward the elbow. The upper arm is
 
     u = n cos a + v sin a        cos a = (s + d1^2 - d2^2) / (2 d1 |p|)        s = |p|^2
 """
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 
 class Step(NamedTuple):
-    """Answer of :meth:`Arm.track`.
+    """Result of :meth:`Arm.track`.
 
     * joints: seven positions, rad; None at a dead end
     * branch: bits of :class:`Branch`
     * largest: largest step of a joint, rad
-    * reason: why it is a dead end, or an empty string
+    * reason: cause of the dead end; empty if the step has joints
     """
 
     joints: tuple[float, ...] | None
@@ -59,7 +59,7 @@ class Tracker:
         self.joints = list(zip(arm.offsets.tolist(), arm.signs.tolist(), *arm.limits.T.tolist(), strict=True))
 
     def _placed(self, th: Sequence[float], branch: int, present: Sequence[float]) -> tuple[float, list[float]]:
-        """Return the largest step (inf if outside the limits) and the positions in ``branch``. th: of branch 0."""
+        """Return the largest step (inf outside the limits) and the positions in ``branch``. ``th`` is in branch 0."""
         th1, th2, th3, th4, th5, th6, th7 = th
         if branch & 1:
             th1, th2, th3 = th1 + pi, -th2, th3 + pi
@@ -79,7 +79,7 @@ class Tracker:
         return most, positions
 
     def step(self, point: Sequence[float], hand: Sequence[float], joints: Sequence[float]) -> Step:
-        """Return the step to the pose with the elbow on its present side; no joints if impossible or if |hand| != 1."""
+        """Return the step to the pose with the elbow on its present side; without joints if it fails or |hand| != 1."""
         size = hand[0] * hand[0] + hand[1] * hand[1] + hand[2] * hand[2] + hand[3] * hand[3]
         if not abs(size - 1) < ROUNDING:
             return Step(None, 0, inf)

@@ -30,8 +30,9 @@ SOLVED, ROUNDS = 1e-12, 20  # error and number of steps at which the correction 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Chain of seven joints; with all at 0: axes (7, 3), unit vectors through points (7, 3); end (4, 4), tip's frame.
+    """Chain of seven joints; axes, points and end describe it with all joints at 0.
 
+    * axes (7, 3): unit vectors; points (7, 3): one point on each axis; end (4, 4): frame of the tip
     * names (7,); limits (7, 2), rad; velocities (7,): greatest speeds, rad/s, inf where the file has none
     """
 
@@ -126,8 +127,8 @@ def arguments(path: str | Path, base: str | None, tip: str | None) -> dict[str, 
 def nearest(chain: Chain) -> tuple[Chain, float, float]:
     """Return the nearest chain that can be solved exactly, and the largest distance and angle (rad) between the tips.
 
-    The axes are made perpendicular in sequence. Least squares over SAMPLES positions within the limits then give
-    shoulder, bones u and f perpendicular to axis 4, and tool; Rk is the rotation about the first k axes:
+    The axes are made perpendicular in sequence. A least-squares fit over SAMPLES positions within the limits then gives
+    the shoulder, the bones u and f (perpendicular to axis 4) and the tool. Rk is the rotation about the first k axes:
 
         tip = shoulder + R3 u + R4 f + R7 tool
     """

@@ -123,7 +123,7 @@ def euclidean_coordinates(p):
 
 
 def centre(o):
-    """Return the centre of a sphere, circle or point pair `o`: e_inf reflected in `o`, a point of any scale."""
+    """Return the centre of a sphere, circle or point pair `o` as a point of any scale: e_inf reflected in `o`."""
     return (o * e_inf * o).grade(1)
 
 
@@ -142,7 +142,7 @@ def direction(o):
 
 
 def cos_angle(o_1, o_2):
-    """Return cos(theta) = o1 . o2 / (|o1| |o2|), (5), of two lines or two planes in the same representation.
+    """Return cos(theta) of two lines or two planes in the same representation, by (5): o1 . o2 / (|o1| |o2|).
 
     For direct lines and standard planes this is the cosine of the angle between directions or normals. For standard
     lines (as in c4) and direct planes (as in c3) it is the negative cosine of that angle.
@@ -171,8 +171,8 @@ def quaternion_coefficients(q):
 
 
 def rotation(axis, phi):
-    """Return the right-handed rotation by phi (rad) about the standard line ``axis``, |L| = 1, by equation (4):
-    cos(phi/2) + L sin(phi/2)."""
+    """Return the right-handed rotation by phi (rad) about the standard line L = ``axis``, where |L| = 1, by equation
+    (4): cos(phi/2) + L sin(phi/2)."""
     lib = _functions(phi)
     return scalar(lib.cos(phi / 2)) + axis * scalar(lib.sin(phi / 2))  # (4)
 

@@ -174,7 +174,7 @@ def columns(**values):
 
 
 def check_lengths(d1, d2, rows=slice(None)):
-    """Raise ValueError if an arm length of `rows`, the targets in reach, is outside LENGTH_RANGE."""
+    """Raise ValueError if an arm length is outside LENGTH_RANGE in `rows`, which select the targets in reach."""
     low, high = LENGTH_RANGE
     for name, d in (("d1", d1[rows]), ("d2", d2[rows])):
         if not ((d >= low) & (d <= high)).all():

@@ -29,7 +29,7 @@ def swivel_plane(P_w, phi):
 
 
 def elbow_point_pair(P_w, pi_swivel, d1, d2):
-    """Return spheres S_1 about the wrist, S_2 about the shoulder, their circle Z_e, and the pair PP of elbows (3.2)."""
+    """Return the spheres S_1 about the wrist, S_2 about the shoulder, their circle Z_e and the elbow pair PP (3.2)."""
     S_1 = cga.sphere(P_w, d2)
     S_2 = cga.sphere(e_0, d1)
     Z_e = S_1 ^ S_2
@@ -60,7 +60,7 @@ def elbow_quaternion(P_e, P_w):
 
 
 def elbow_rotation(P_e, d1):
-    """Return P_ze, pi_m, pi_e, L_m, Q_12 (3.4). Q_12 is the half turn from the z axis to an elbow that is off it."""
+    """Return P_ze, pi_m, pi_e, L_m, Q_12 (3.4). Q_12 is the half turn that takes the z axis to an elbow off it."""
     P_ze = cga.point(0, 0, d1)
     pi_m = P_ze - P_e
     pi_e = cga.dual(e_0 ^ P_ze ^ P_e ^ e_inf)

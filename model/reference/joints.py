@@ -57,7 +57,7 @@ def branched(joints, branch):
 
 
 def zxz(q):
-    """Return the angles a, b, c, (3, ...), of unit quaternions Rz(a) Rx(b) Rz(c), (4, ...)."""
+    """Return the angles (3, ...) a, b and c of unit quaternions (4, ...) Rz(a) Rx(b) Rz(c)."""
     w, i, j, k = q
     s, d = np.arctan2(k, w), np.arctan2(j, i)
     angles = np.empty((3, *s.shape))
@@ -74,7 +74,7 @@ def wrist_quaternion(qs, qe, hand):
 
 
 def tool_offset(hand, tool):
-    """Return the vectors Qh (tool e3) Qh~, (3, N), from wrist to hand point.  hand: Qh (4, N); tool: lengths (N,)."""
+    """Return the vectors (3, N) Qh (tool e3) Qh~ from wrist to hand point.  hand: Qh (4, N); tool: lengths (N,)."""
     w, i, j, k = hand
     return np.array((2 * (i * k + w * j), 2 * (j * k - w * i), (w * w + k * k) - (i * i + j * j))) * tool
 
@@ -93,7 +93,7 @@ def angles(qs, th4, qw, branch=0):
 
 
 def bent(qs, th4, qw, branch, upper, fore):
-    """Convert rotations of bent bones to those of the joint axes; return them as arguments of :func:`angles`.
+    """Convert rotations of bent bones to rotations of the joint axes; return arguments for :func:`angles`.
 
     upper (4,): orientation of the upper arm in the frame of axis 3; fore (4,): orientation of the frame of axis 5 in
     the forearm's frame. The branch ELBOW turns each bone by pi about itself, which with bent links changes all joints.
@@ -112,8 +112,8 @@ def turned(a, b, c):
 
 
 def reached(joints, d1, d2, tool, upper=UNIT, fore=UNIT):
-    """Return the hand's point (N, 3) and orientation (N, 4) at joints (7, N).  tool (N, 3): in the hand's frame. upper,
-    fore: as in :func:`bent`."""
+    """Return the hand's point (N, 3) and orientation (N, 4) at joints (7, N).  tool (N, 3): from wrist to hand
+    point, in the hand's frame. upper, fore: as in :func:`bent`."""
     upper = product(turned(*joints[:3]), upper)
     straight = product(upper, turned(0 * joints[3], joints[3], 0 * joints[3]))
     hand = product(product(straight, fore), turned(*joints[4:])).T

@@ -82,13 +82,13 @@ def quaternion(m):
 
 
 def angle_between(a, b):
-    """Return the angle (N,), 0 to pi rad, of the rotation from a to b: quaternions (N, 4) of any length and sign."""
+    """Return the angles (N,), 0 to pi rad, of the rotations from quaternions a to b, (N, 4), of any length and sign."""
     relative = multiply(conjugate(a), b)  # the arc cosine of a . b would lose half of the digits of tiny angles
     return 2.0 * np.arctan2(np.linalg.norm(relative[..., 1:], axis=-1), np.abs(relative[..., 0]))
 
 
 def forward(qs, qe, d1, d2):
-    """Return the points (N, 3) of elbow and wrist for joints Qs (N, 4) and Qe: (N, 4), or (N, 2) with w and i only.
+    """Return the points (N, 3) of elbow and wrist for Qs (N, 4) and Qe, which is (N, 4), or (N, 2) with w and i only.
 
         elbow = Qs (d1 e3) Qs~          wrist = Qs (d1 e3 + Qe (-d2 e3) Qe~) Qs~
 
@@ -150,7 +150,7 @@ def parse_axis(text: str) -> Axis:
 
 
 def to_z(axis: Axis) -> NDArray[np.float64]:
-    """Return the quaternion (4,) w, i, j, k of R, which takes the axis to z."""
+    """Return the quaternion (4,), in the order w, i, j, k, of a rotation that takes the axis to z."""
     a = direction(axis)
     if np.count_nonzero(a) == 1:
         turn = np.array(_TO_Z["xyz"[np.argmax(np.abs(a))]])

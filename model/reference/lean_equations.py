@@ -9,11 +9,11 @@ B = s - (d1 - d2)^2 and K = s + d1^2 - d2^2, for a target in reach:
     cos a = K/(2 d1 |p|)    sin a = sqrt(A) sqrt(B)/(2 d1 |p|)
     Qs = Rz(azimuth + 90 deg) Rx(90 deg - elevation) Rz(phi) Rx(-a)                  the paper's (18)
 
-Each factor of Qs except Rz(phi) is computed from its angle's cosine cos and sine sin, as a quaternion that is not of
-unit length: (1 + cos, sin)/2, or (sin, 1 - cos)/2 if cos < 0. Its squared length is (1 + |cos|)/2. One root
+Each factor of Qs except Rz(phi) is computed from the cosine and sine of its angle, as a quaternion that is not of unit
+length: (1 + cos, sin)/2, or (sin, 1 - cos)/2 if cos < 0. The squared length of a factor is (1 + |cos|)/2. One root
 normalizes the product.
 
-Neither function uses the core's dataflow (:mod:`model.dataflow.lean`); tests compare the dataflow with both.
+The two solvers do not use the core's dataflow (:mod:`model.dataflow.lean`); tests compare the dataflow with both.
 :func:`solve_lean` computes the squares of all sines and cosines as ratios of integers. It keeps full relative precision
 next to the z axis and for an almost straight or closed arm, where ``equations.solve`` loses up to half of its digits.
 :func:`solve_direct` has the same precision in a tenth of the time.
@@ -37,14 +37,14 @@ def _integers(values):
 
 
 def _root(square, of, sign=1):
-    """Return sqrt(``square`` / ``of``), integers, with the sign of ``sign``. The ratio is limited to 0 .. 1, 0 where
-    ``of`` is 0."""
+    """Return sqrt(``square`` / ``of``) of integers, with the sign of ``sign``. The ratio is limited to 0 .. 1, and is 0
+    where ``of`` is 0."""
     square, of = np.where(of > 0, np.minimum(square, of), 0), np.where(of > 0, of, 1)
     return np.where(sign < 0, -1.0, 1.0) * np.sqrt(np.maximum((square / of).astype(np.float64), 0.0))
 
 
 def _shoulder(cosines, half_sines, phi):
-    """Return Qs (4, N) from cosines and halved sines (3, N) of the angles azimuth + 90 deg, 90 deg - elevation, a."""
+    """Return Qs (4, N) from cosines and halved sines (3, N) of azimuth + 90 deg, 90 deg - elevation and a."""
     toward = cosines >= 0
     lengths = 0.5 * np.abs(cosines) + 0.5
     az_c, tilt_c, bend_c = np.where(toward, lengths, half_sines)
@@ -63,11 +63,11 @@ def _shoulder(cosines, half_sines, phi):
 def solve_lean(x, y, z, phi, d1, d2):
     """Return poses and flags of any N targets by the lean equations.
 
-    x, y, z (wrist target), d1 (upper arm), d2 (forearm) in one unit of length, phi in radians; numbers or arrays that
-    broadcast to (N,). Targets out of reach and targets with lengths <= 0 get the pose of `equations.solve_clamped`.
-    Returns a dict of arrays (N,): the results, and flags (int64). Results are never nan if d1 + d2 and d1 - d2 are
-    finite. Raises ValueError for inputs that are not finite or do not broadcast, and for lengths outside
-    `equations.LENGTH_RANGE` of a target in reach.
+    x, y, z (wrist target), d1 (upper arm) and d2 (forearm) share one unit of length, phi is in radians; all are numbers
+    or arrays that broadcast to (N,). Targets out of reach or with lengths <= 0 get the pose of
+    `equations.solve_clamped`. Returns a dict of arrays (N,): the results, and flags (int64). Results are never nan if
+    d1 + d2 and d1 - d2 are finite. Raises ValueError for inputs that are not finite or do not broadcast, and for
+    targets in reach with a length outside `equations.LENGTH_RANGE`.
     """
     x, y, z, phi, d1, d2 = columns(x=x, y=y, z=z, phi=phi, d1=d1, d2=d2)
     flags = pose_flags(x, y, z, d1, d2)
@@ -151,8 +151,8 @@ def _two_sum(a, b):
 
 
 def _near_limits(target, law):
-    """Return K, A and B (A and B limited to 0 .. 4 d1 d2), and reach flags, from sums of twice a double's precision.
-    law: K in double precision, returned unless d1 is so small that it cancels."""
+    """Return K, A, B and reach flags, from sums with twice a double's precision. A and B are limited to 0 .. 4 d1 d2.
+    ``law``: K in double precision; it is returned unless d1 is so small that the terms of K cancel."""
     x, y, z, _, d1, d2 = target
     v = np.array((x, y, z, d1 + d2, d1 - d2))
     high = v * _SPLIT

@@ -35,8 +35,8 @@ BROKEN_DOWN = {"lean": (32, 18), "paper": (32,)}
 
 
 def describe(design: Design) -> dict:
-    """Return the commit and digest of a design's code. If the design has a model, also return latency in clocks and the
-    model's largest wrist error / reach (for the whole arm, the largest hand error / reach and orientation error)."""
+    """Return the commit and digest of a design's code. If the design has a model, also return its latency in clocks
+    and the model's largest errors: wrist error / reach; for the whole arm, hand error / reach and orientation error."""
     facts = {"rtl": designs.code(design), "commit": commit()}
     if design.datapath not in MODELS:
         return facts
@@ -50,7 +50,7 @@ def describe(design: Design) -> dict:
 
 
 def execute(data: dict, runs: Sequence[Run], ordered_map: Callable = map) -> dict[str, dict]:
-    """Execute the runs whose key in ``data`` is missing or old, and record them; return all runs' title -> figures."""
+    """Execute and record the runs whose key in ``data`` is missing or old; return title -> figures of all runs."""
     known = {run.title: data["runs"].get(run.title, {}) for run in runs}
     new = [run for run in runs if known[run.title].get("key") != run.key()]
     with progress("fpga", len(new)) as meter:

@@ -33,7 +33,7 @@ MULTIPLIERS = {"MULT18X18D": (18, 18), "MULT18X18": (18, 18), "MULT9X9": (9, 9),
 
 @dataclass
 class Cell:
-    """Cell of a netlist in write_json's format. A net is a number or "0", "1", "x". fresh: numbers of unused nets."""
+    """Cell of a netlist in write_json's format. A net is a number or "0", "1", "x". ``fresh`` yields unused nets."""
 
     name: str
     kind: str

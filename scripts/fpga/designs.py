@@ -20,7 +20,7 @@ class Design:
     """Top module with its parameters, and the families for which it is synthesized (``families``) or placed (``aims``).
 
     ``parameters`` excludes W. ``aims``: family -> clock (MHz) at which no further placement seed is tried; clocks
-    vary by up to a fifth between seeds. If ``within`` is given, `ik_axis` with these parameters is placed, not the top.
+    vary by up to a fifth between seeds. If ``within`` is given, `ik_axis` is placed instead, with these parameters too.
     """
 
     datapath: str
@@ -114,7 +114,7 @@ def find(datapath: str, width: int) -> Design | None:
 
 def select(groups: Sequence[str], widths: Sequence[int]) -> list[Design]:
     """Return the default designs of ``groups``; if empty, of all groups but ASIC. With ``widths``, return a design for
-    each of their datapaths at each of these word lengths that it supports."""
+    each datapath of these designs at each of the ``widths`` that the datapath supports."""
     designs = [one for one in DESIGNS if one.group in (groups or {*GROUPS} - {ASIC})]
     if widths:
         names = dict.fromkeys(one.datapath for one in designs)

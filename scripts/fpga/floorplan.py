@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Choice of the multipliers' sites on an ECP5-85k before nextpnr runs, as its placer puts some too far apart."""
+"""Choice of the multipliers' sites on an ECP5-85k, before nextpnr, whose placer would put some too far apart."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def floorplan(module: dict, seed: int) -> None:
 
 
 def coupling(module: dict, names: list[str]) -> np.ndarray:
-    """Return the symmetric coupling matrix of the named cells. Entry (a, b) measures how often b is the
-    first named cell that a random walk from a through the netlist reaches."""
+    """Return the symmetric coupling matrix of the named cells. Entry (a, b) measures how often a
+    random walk through the netlist that starts at cell a reaches cell b before any other named cell."""
     order = {name: k for k, name in enumerate(dict.fromkeys([*names, *module["cells"]]))}
     drivers: dict[int, int] = {}
     readers = defaultdict(list)

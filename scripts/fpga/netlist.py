@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Interface to YoWASP's Yosys and nextpnr: finds their versions, runs them, reads cells by kind, clock and critical
-path from their reports, and packs registers into a netlist's hard blocks."""
+"""Interface to YoWASP's Yosys and nextpnr: finds their versions, runs them, reads their reports (numbers of cells by
+kind, clock, critical path), and packs registers into a netlist's hard blocks."""
 
 import re
 import subprocess
@@ -175,7 +175,7 @@ def pack_registers(module: dict) -> dict:
     A multiplier or memory port gets its output register if the only reader of each bit is a plain flip-flop. A memory
     with words of 36 bits uses both ports for a word, so both get the register or neither does.
     A multiplier gets its input registers if all bits of A and B come from plain flip-flops or are constant. A flip-flop
-    with other readers is kept for these. A flip-flop fed by a memory is not moved, because memory outputs are late.
+    with other readers is not removed. A flip-flop fed by a memory is not moved, because memory outputs are late.
     Returns the numbers of multipliers, of registers moved into each kind of cell, and of removed flip-flops.
     """
     cells = module["cells"]

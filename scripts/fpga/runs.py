@@ -100,7 +100,7 @@ class Run:
         return "-".join([*parts, self.family, *[self.kind] * (self.kind != "synth")])
 
     def files(self) -> list[Path]:
-        """Return the source files, the top's first, without those of datapaths that are not instantiated."""
+        """Return the source files, the top's file first. Files of datapaths that are not instantiated are left out."""
         whole = self.top == "ik_arm" or self.values.get("ARM")
         known = DATAPATHS["ik_arm" if whole else ""].items()
         others = {name for number, name in known if number != self.values.get("DATAPATH", 1)}

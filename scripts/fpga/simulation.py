@@ -57,10 +57,10 @@ class Ports:
         return BENCH.wrapper(self, name, inner or self.name, f"#({parameters})" if names else "", overrides)
 
     def stimuli(self, clocks: int, width: int) -> np.ndarray:
-        """Return uint64 (clocks,): the wrapper's input pins in each clock, bit k for in[k]. Pins valid and ready
-        are high in 3/4 of the clocks at random, others in 1/2. rst is high in the first 8 clocks and in one halfway. If
-        there is a pin ``hold``, hand poses in words of ``width`` bits are shifted in and held for HELD clocks each. For
-        ``ik_axi``, register writes start jobs."""
+        """Return the wrapper's input pins in each clock, uint64 (clocks,), bit k for in[k]. Pins named valid or ready
+        are high in 3/4 of the clocks at random, all other pins in 1/2. Pin rst is high in the first 8 clocks and in
+        clock ``clocks // 2``. If there is a pin ``hold``, hand poses in words of ``width`` bits are shifted in and held
+        for HELD clocks each. For ``ik_axi``, register writes start jobs."""
         draw = np.random.default_rng(1)
         shifted = draw.integers(0, 2, clocks).astype(bool)
         shares = {label: 0.75 if label.endswith(("valid", "ready")) else 0.5 for label in self.single["input"]}

@@ -52,7 +52,7 @@ class _Problem:
         return clock
 
     def _one_each(self, uses: Iterable[tuple[str, int]]) -> None:
-        """Allow at most one use in each clock of the lap. A use (name, n) is n clocks after load or start ``name``."""
+        """Allow at most one use in each clock of the lap. A use (name, n) is n clocks after the named load or start."""
         uses = list(uses)
         for n in range(self.period):
             self.model.add_at_most_one(self.at_place[name][(n - clock) % self.period] for name, clock in uses)
@@ -70,8 +70,8 @@ class _Problem:
         self._one_each((name, n) for name, of in counting for n in range(timing.first_count(of), last(of) + 1))
 
     def _angles(self) -> list[tuple[str, int]]:
-        """Allow at most one vector in each stage of the angle unit; the elbow's goes first, the wrist's last. Return
-        the clock of each joint as (start, n): n clocks after ``start``."""
+        """Allow at most one vector in each stage of the angle unit. The elbow's vector goes first, the wrist's vectors
+        go last. Return the clock of each joint as (name, n): n clocks after the start with that name."""
         early = (of.step for _, of in self.placed if of.step.name in timing.ELBOW and of.step.write)
         at = self.results | {step.write.to: self.results[step.result] for step in early}
         handed_over: dict[str, tuple[str, int]] = {}  # angle -> when its vector passes to the second stage
@@ -98,7 +98,7 @@ class _Problem:
         return [(name, after + clocks.shown + late) for (name, after), late in joints]
 
     def _written(self, by: Callable[[Placed], Iterable[timing.Use]], loaded: Iterable[str]) -> dict[str, list]:
-        """Return a dict: word or register -> clocks of its writes. by: step -> its writes. loaded: input names."""
+        """Return a dict: word or register -> clocks of its writes. by(step): the step's writes. loaded: input names."""
         clocks = {name: [self.loads[name]] for name in loaded}
         for name, placed in self.placed:
             for use in by(placed):
@@ -113,8 +113,8 @@ class _Problem:
                 self._needs(written, {use.of}, self.starts[name] + use.at, self.period - 1)
 
     def _registers(self) -> dict[str, list]:
-        """Constrain the reads of flags and counts, which are registers and can be read even in the clock that sets them
-        for the next target. Return a dict: register -> clocks that set it."""
+        """Constrain the reads of flags and counts. These are in registers, so a read may be as late as the clock that
+        sets the register for the next target. Return a dict: register -> clocks that set it."""
         written = self._written(timing.registers_set, ["phi"])
         for name, placed in self.placed:
             start = self.starts[name]

@@ -61,7 +61,7 @@ def lean_formats() -> str:
 
 
 def node_formats(datapath: str, only: str = "") -> str:
-    """Return the header of a datapath's nodes; with ``only``, of the nodes in that section."""
+    """Return the header of a datapath's nodes, or of the nodes in section ``only`` if that is given."""
     runs, path = traced(datapath), MODELS[datapath]
     nodes = runs[WIDTHS[-1]]
     used = {node.latency for node in nodes.values()}
@@ -90,14 +90,14 @@ def latencies() -> str:
 
 
 def _row(words: Iterable[int], bits: Sequence[int], add: str) -> str:
-    """Return a table row in Verilog: one constant of all ``words``, each cut to its ``bits``, plus the text ``add``."""
+    """Return a table row in Verilog: ``words``, each cut to its ``bits``, joined into one constant, plus ``add``."""
     row = "".join(format(word % (1 << size), f"0{size}b") for word, size in zip(words, bits, strict=True))
     return f"{sum(bits)}'h{int(row, 2):0{-(-sum(bits) // 4)}x} + {add}"
 
 
 def quadratic_table(name: str, table: Table, rounding: str, *more: str) -> str:
     """Return the header of a module around ``ik_quadratic``: parameters and table. ``rounding`` is the constant added
-    to c0, in Verilog. ``more`` names attributes of the forms that become further parameters."""
+    to c0, in Verilog. Each attribute of the forms named in ``more`` becomes a further parameter."""
     forms = {"small": table.small, "long": table.long, "short": table.short}
     roms = {size: [_row(row, of.c_bits, "ADD") for row in table_rows(table, of)] for size, of in forms.items()}
     return BODIES.quadratic_table(name, table.short_frac, rounding, forms, more, roms)
@@ -138,7 +138,7 @@ def _rows(made: Program) -> list[tuple[str, list[str]]]:
 
 
 def _pick(values: Iterable[object]) -> str:
-    """Return the Verilog of a value, given its value in each program. If two differ, SHORT selects the first."""
+    """Return a value in Verilog. ``values``: the value in each program; if these differ, SHORT selects the first."""
     values = list(map(str, values))
     return values[0] if len(set(values)) == 1 else f"SHORT ? {values[0]} : {values[1]}"
 

@@ -41,8 +41,8 @@ NAMES = {of: name for of, (name, *_) in KINDS.items()} | {"fifo": "output FIFO"}
 
 
 def by_region() -> Iterator[tuple[str, ...]]:
-    """Yield a row per region: its name, then for each datapath the median and the maximum of hand error / reach, and
-    the largest angle error (rad)."""
+    """Yield a row per region: its name, then three numbers for each datapath: median of hand error / reach, maximum of
+    hand error / reach, largest angle error (rad)."""
     for name in REGIONS:
         errors = [model_errors(region(name, TARGETS, WIDTH, 1), WIDTH, path) for path in DATAPATHS]
         yield name, *(error(v) for hand, angle in errors for v in (np.median(hand), hand.max(), angle))
@@ -50,7 +50,7 @@ def by_region() -> Iterator[tuple[str, ...]]:
 
 def arm_by_region(widths: Iterable[int]) -> Iterator[tuple[str, ...]]:
     """Yield a row per region: its name, then for each word length the whole arm's largest hand error / reach and
-    largest orientation error (rad). Reaches below 1 are left out."""
+    largest orientation error (rad). Hand poses with a reach below 1 in the core's format are left out."""
     for name in (name for name in REGIONS if name != "short lengths"):
         poses = [(hand_poses(region(name, TARGETS, width, 1), width, 1), width) for width in widths]
         yield name, *(error(errors.max()) for words, width in poses for errors in hand_errors(words, width, "arm")[0])

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reproduce the paper: derivation, table 4, figures 6 and 7, table 6: `make paper`.
 
-All parts except table6 write only pages that have changed. A failed check stops the command. Table 5: `make fpga`.
+All parts except table6 write only pages that have changed. A failed check stops the command. `make fpga` makes table 5.
 
 Figures 6 and 7 are the dataflow graph and the pipeline schedule of p_e_x (13), as SVG. A balancing delay lasts from the
 clock in which a node is ready to the last clock in which a consumer starts. Graphviz draws the graph. The picture

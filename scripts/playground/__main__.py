@@ -176,7 +176,7 @@ def table(machine: Machine) -> dict[str, Any]:
 
 
 def _robot(name: str, arm: Arm) -> dict[str, Any]:
-    """Return the page's data for a robot whose tool is along the tip's z axis, with a target within its limits."""
+    """Return the page's data for a robot, with a target within its limits. The tool must be along the tip's z axis."""
     axis = next(axis for axis in NAMED_AXES if np.array_equal(matrix(to_z(axis)), matrix(conjugate(arm.mount))))
     tool, place = float(np.linalg.norm(arm.tool)), np.array((0.35, 0.1, -0.15)) * (arm.d1 + arm.d2) / 0.6
     point = arm.base + place + (tool, 0.0, 0.0)

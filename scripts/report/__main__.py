@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Run trajectories through the core and write an HTML report (`make report`).
 
-Writes OUT/report.html: the arm (for a clip, the whole figure) posed by the core's quaternions, figures 1 to 5 of the
+Writes OUT/report.html: the arm (for a clip, the whole body) posed by the core's quaternions, figures 1 to 5 of the
 paper, joint angles, every target's error, tolerance and predicted error, the score, and the pipeline over time.
 The page is self-contained (report.html, .css and the scripts of this folder, and the data as JSON) and opens from disk
 without network. It links to the result files, which are written to OUT as by `scripts.run`. With several datapaths,
-the page shows them side by side, and each has a folder of files, such as OUT/lean.
+the page shows their results side by side, and the result files of each datapath are in a folder such as OUT/lean.
 If a trajectory fails, the page is written with a notice.
 
-The entities of figures 1 to 5 are computed in double precision from the core's input words, not from its results. A
-clip's figure has every bone in every frame; the core poses the arms. The page draws with z up, so the clip's axes are
+The entities of figures 1 to 5 are computed in double precision from the core's input words, not from its results. For
+a clip, every bone is drawn in every frame; the core poses the arms. The page draws with z up, so the clip's axes are
 permuted cyclically until the up axis is z. Points are integers in a small unit, relative to the root, so that a page
 of 3000 frames has only a few megabytes.
 """
@@ -96,12 +96,12 @@ def trajectory_data(item: Prepared, done: Sequence[tuple[Run, Score]]) -> dict[s
 def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
     """Return the page's data for hand poses. Angles are in degrees unless rad is stated.
 
-    * names, joints (N, 7), limits (7, 2): of the robot, otherwise of th1 to th7; a missing limit is None
-    * over: bits of the joints outside their limits, bit 0 for the first joint; error: orientation error in rad
+    * names, joints (N, 7), limits (7, 2): of the robot or, without a robot, of th1 to th7; a missing limit is None
+    * over (N,): mask of joints outside their limits, bit 0 for the first joint; error (N,): orientation error in rad
     * arcs (N, 8): for each branch, intervals of the swivel angle in which all joints are within their limits
     * branch (N,): the target's branch; free (N,): the arcs of this branch
-    * steps (N,): largest step of a joint from the previous row, rad, None without joints; jumps: numbers of the rows
-      that jump or have no joints; most: largest permitted step, rad
+    * steps (N,): largest step (rad) of a joint from the previous row, None without joints; jumps: numbers of the rows
+      that jump or have no joints; most: largest permitted step (rad)
     * without a robot, free is None, and arcs, branch, steps, jumps and most are absent
     * goal, point, turn (not for clips): requested point, reached point (both from the shoulder), reached orientation
     """
@@ -128,7 +128,7 @@ def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
 
 
 def _arcs(item: Prepared, branch: np.ndarray) -> list[Any]:
-    """Return, for each target, intervals of the swivel angle (degrees) in which `branch` (N,) is within the limits."""
+    """Return each target's intervals of swivel angle (degrees) in which `branch` (N,) has no joint beyond a limit."""
     targets = item.targets
     lengths = targets.d1, targets.d2, 0.0
     swivels = feasible_swivel(targets.core_wrist, targets.core_hand, *lengths, item.robot.bounds, branch)
@@ -137,7 +137,7 @@ def _arcs(item: Prepared, branch: np.ndarray) -> list[Any]:
 
 
 def step_figures(item: Prepared) -> list[tuple[str, ...]]:
-    """Return rows for the table of figures: a joint's largest step; how many targets jump or have no joints."""
+    """Return rows for the page's table: largest step of a joint (rad); list of targets that jump or have no joints."""
     if not item.path:
         return []
     kind, names = ("targets", range(len(item.targets))) if item.targets.rows is None else ("rows", item.targets.rows)
@@ -232,7 +232,7 @@ def _vector(mv: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def place(up: str) -> np.ndarray:
-    """Return the rotation (3, 3) from the frame of a clip with up axis `up`, such as "-y", to the page's (z up)."""
+    """Return the rotation (3, 3) from a clip's frame with up axis `up`, such as "-y", to the page's frame (z up)."""
     turn = np.roll(np.eye(3), 2 - "xyz".index(up[-1]), axis=0)
     return turn if up[0] != "-" else np.diag((1.0, -1.0, -1.0)) @ turn
 
@@ -258,12 +258,12 @@ def _facing(item: Prepared, turn: np.ndarray) -> float:
 
 
 def figure_data(item: Prepared, ran: Run, width: int) -> dict[str, Any]:
-    """Return the page's data for a clip's figure, in the page's frame.
+    """Return the page's data for the body in a clip, in the page's coordinates.
 
     * nodes: a flat list per frame: the root, then all other nodes relative to the root, as posed by the core
     * own: a flat list per frame: elbow and wrist of each arm as in the clip, relative to the root
-    * unit: length of one step in nodes and own; floor: height of the floor
-    * middle: height of the view's centre, None if it follows the root vertically (horizontally, it always does)
+    * unit: length represented by 1 in nodes and own; floor: height of the floor
+    * middle: height of the view's centre, None if the view follows the root's height; it always follows x and y
     * radius: largest distance of any point from the view's centre
     """
     clip, moves = item.clip, item.moves

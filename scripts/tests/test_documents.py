@@ -144,7 +144,7 @@ endmodule
 
 @VERILATOR
 def test_a_dependent_core(tmp_path, env):
-    """Check a core that depends on ours: its W reaches ik_axi, and with our waivers, lint finds only its fault."""
+    """Check a core that depends on ours: its W reaches ik_axi; with our waivers, lint finds only that core's fault."""
     (tmp_path / "dependent.core").write_text(DEPENDENT)
     (tmp_path / "top.v").write_text(TOP)
     command = "fusesoc", "--cores-root", ".", "run", "--target"

@@ -164,8 +164,8 @@ SHOWN = {
 @pytest.mark.cost(10)
 @pytest.mark.parametrize("datapath", ["lean", pytest.param("paper", marks=pytest.mark.slow)])
 def test_a_recording_of_the_rtl(command, tmp_path, datapath):
-    """Check that all nodes are recorded at their clocks, and no internals of delay lines and operators; that save files
-    name signals of the VCD and show words as numbers."""
+    """Check that all nodes are recorded at their clocks, that internals of delay lines and operators are not, and that
+    save files name signals of the VCD and show words as numbers."""
     words, vcd = random_reachable(3, 32, seed=3), tmp_path / "waves.vcd"
     nodes = nodes_of(words, datapath)
     (ran,) = simulate([words], simulator=simulator_of_tests(), datapath=datapath, width=32, waves=vcd)

@@ -11,7 +11,7 @@ from tb.formal.task import Outcome, Task
 
 @pytest.fixture
 def proofs(tmp_path, monkeypatch):
-    """Replace proofs with `good`, `bad`, `more`, and folders with tmp_path; return a dict: proof -> number of runs."""
+    """Replace proofs by `good`, `bad` and `more`, and folders by tmp_path; return a dict: proof -> number of runs."""
     runs = {"good": 0, "bad": 0, "more": 0}
 
     def task(name, failed):

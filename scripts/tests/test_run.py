@@ -291,7 +291,7 @@ def test_hands_of_a_clip(clip_cli, simulator):
 
 
 def test_options_of_a_clip(clip_cli, simulator):
-    """Test --joints with unusual names; --datapath, with which only wrists run; and --twist core."""
+    """Test --joints with unusual names, --twist core, and --datapath, which runs wrists without hands."""
     figure.write(Path("t.bvh").absolute(), "own", frames=9)
     words = "--arm", "right", "--joints", ",".join(figure.joints("own", "right")[1:])
     assert clip_cli(*words, "--datapath", "lean")[0] == 0

@@ -95,7 +95,7 @@ def test_an_unsuitable_urdf_file(cli):
 
 
 def test_a_nearly_exact_robot(cli):
-    """Check that the core solves the nearest exact arm, and that a warning has its distance from the given robot."""
+    """Check that the core solves the nearest exact arm, and that a warning gives its distance from the given robot."""
     arm = ROBOTS["rm75"]
     points, q = arm.forward(np.linspace((0.1, -0.5, 0.3, 1.2, 0.1, 0.8, 0), (0.9, -0.2, 0.1, 0.9, 0.3, 1.1, 0.5), 30))
     write_poses(points, q)

@@ -330,7 +330,7 @@ class Bench:
         self.compare(destination, first, count)
 
     def compare(self, destination: int, first: int, count: int) -> None:
-        """Compare ``count`` results in memory with the model's for the targets from index ``first`` of the pool."""
+        """Compare results in memory with the model's results for ``count`` targets from index ``first`` of the pool."""
         part = np.arange(first, first + count) % self.pool
         wanted = LAYOUT.written(self.results[part], self.flags[part], self.tags[part], self.width)
         got = self.memory.read(destination, count * BYTES)

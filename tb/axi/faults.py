@@ -77,7 +77,7 @@ async def no_records(bench):
 async def bus_errors(bench):
     """Results before a failing R beat or W burst are written; ERROR is the address of that beat or burst.
 
-    Read and write errors alternate, as do SLVERR and DECERR. A good job follows two of three errors.
+    Errors cycle through read and write, each with DECERR and SLVERR. A good job follows two of three errors.
     """
     numbers, beat_bytes = bench.random, bench.data_width // 8
     for k in range(4 * ROUNDS):

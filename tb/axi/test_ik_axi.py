@@ -183,9 +183,9 @@ async def counters(bench):
 @cocotb.parametrize(latency=[QUICKEST + more for more in (0, 16, 32, 64, 128)])
 @timed_test()
 async def rates(dut, latency):
-    """Check that without added latency, the read bus or, if folded, the core is busy at least 95 % of the time. Append
-    a row to the file named by IK_AXI_RATES. ``latency``: clocks from AR accepted to the first R beat; B is as late as
-    R."""
+    """Check that without added latency, the read bus (with a folded core: the core) is busy at least 95 % of the time.
+    Append a row to the file named by IK_AXI_RATES. ``latency`` is the number of clocks from AR accepted to the first R
+    beat; B has the same added latency."""
     words = None if ARM else to_words(make("reach"), 32)[0]
     bench = Bench(dut, latency=latency - QUICKEST, words=words)
     await bench.reset()

@@ -125,8 +125,8 @@ def examples(width: int, datapath: str) -> dict[Kind, tuple[int, ...]]:
 
 
 def every_kind(width: int, datapath: str = "lean", stall: str = "") -> np.ndarray:
-    """Return targets (N, words) of all kinds for ``datapath``; with a stall pattern, only of the kinds whose bin has no
-    sample."""
+    """Return targets (N, words) for ``datapath`` that cover all kinds or, given a stall pattern, the kinds whose bins
+    have no sample."""
     path = MODELS[datapath]
     name = path.name if path.side else path.rtl
     wanted = [

@@ -143,8 +143,8 @@ def pause(pattern: str, seed: int) -> Iterable[bool] | None:
 class Monitor:
     """Monitor of a core: compares each result with the driver's expectation, and lets the scoreboard compare nodes.
 
-    ``bench`` is a :class:`Pipeline`. ``results`` holds (words, tag, flags, clock) of every output beat
-    in order, ``latencies`` the clocks from admission to result, ``errors`` a message for each difference.
+    ``bench`` is a :class:`Pipeline`. ``results`` holds the (words, tag, flags, clock) of each output beat, in order.
+    ``latencies`` holds the clocks from admission to result. ``errors`` holds a message for each difference.
     """
 
     def __init__(self, bench, driver: Driver, scoreboard: Scoreboard) -> None:

@@ -142,8 +142,8 @@ def test_fifo_has_a_slot_for_each_clock_and_not_twice_as_many(tmp_path):
     """Check that the FIFO has at least T_OUT + 3 slots, but less than twice that, and check constants of ``ik_axi``.
 
     A slot is reserved for T_OUT + 3 clocks: T_OUT in the core, two in the FIFO, one in which the result leaves. Fewer
-    slots cause gaps. LATENCY and LOG2_PLACES of ``ik_axi`` must match the core; for a folded core, LATENCY must be the
-    model's.
+    slots cause gaps. LATENCY and LOG2_PLACES of ``ik_axi`` must match the core; for a folded core, LATENCY must match
+    the model.
     """
     lines, displays = ["module top;"], []
     for path in (path for path in MODELS.values() if path.period == 1 or not path.chooses):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test that every node of the whole core equals the bit-true model's, at several word lengths of every datapath.
+"""Test every node of the whole core against the bit-true model, at several word lengths of every datapath.
 
 The targets are the hardest found so far and random targets of every kind. Verilator also runs corners of the arithmetic
 and all combinations of 3-bit words.
@@ -58,7 +58,7 @@ def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) 
 
 
 def listed(datapath: str, width: int) -> np.ndarray:
-    """Return the listed hardest targets. An unlisted word length uses targets of the longest listed one, truncated."""
+    """Return the listed hardest targets. For an unlisted word length, truncate those of the longest listed length."""
     listed_as = "arm" if MODELS[datapath].side else datapath if datapath in DATAPATHS else "lean"
     longest = max(w for d, w in GROUPS if d == listed_as)
     source = width if (listed_as, width) in GROUPS else longest

@@ -109,7 +109,7 @@ def test_a_register_without_an_initial_value_is_detected(tmp_path):
     [pytest.param(*one.values[:2], id=one.id, marks=[pytest.mark.slow] if one.id in LONG else []) for one in TOPS],
 )
 def test_a_reset_of_one_clock_replaces_initial_values(top, parameters, tmp_path):
-    """Test RTL without initial values (IK_NO_INITIAL is in effect, tables are nets): registers are X until reset."""
+    """Test RTL built with IK_NO_INITIAL, stripped of initial values: tables are nets, registers are X until reset."""
     for path in (*sources(copy_rtl(tmp_path)), *headers(tmp_path)):
         text = nets(INITIAL.sub("", path.read_text()))
         assert not re.search(r"\n +initial (?!begin|for)", text), path

@@ -99,7 +99,7 @@ async def stalls(dut, idle, stall):
 @cocotb.parametrize(idle=[False, True], stall=[False, True])
 @timed_test()
 async def every_flag_in_every_region(dut, idle, stall):
-    """Send targets near each singular pose and far from all, with and without gaps and waiting results.
+    """Send targets near each singular pose and targets far from all; cross input gaps with output stalls.
 
     Pauses are random, so targets whose coverage bin is still empty are sent again, up to 9 times. An extra target goes
     first, since the first target always follows idle clocks.
@@ -138,8 +138,8 @@ async def full(dut):
 
 @timed_test()
 async def results_wait(dut):
-    """Check that in a folded core, a result that still waits when the first write of the next result is due delays the
-    next result by the rest of the wait; with branch choice, there is no delay. The other datapaths have a FIFO."""
+    """Check that a folded core delays a result's first write only until the previous result has left. With branch
+    choice, which buffers one more result, the tested waits cause no delay. The other datapaths have a FIFO."""
     async with started(dut) as bench:
         if bench.period == 1:
             return
@@ -211,7 +211,7 @@ async def reset_in_any_clock(dut):
 @timed_test()
 async def admitted_after_a_reset(dut):
     """Check that a target waiting at the end of a reset is admitted after a fixed number of clocks. The reset lasts one
-    or two clocks and may hit any clock of a lap."""
+    or two clocks and may start in any clock of a folded core's period."""
     async with started(dut) as bench:
         after = {}  # clocks from the end of a reset to the admission -> reset in which they were counted
         for clocks in range(2 * bench.period + 8):
@@ -294,7 +294,7 @@ in the fetch of steps, whose reset test_power_up covers."""
 
 
 def around(key: str) -> pytest.MarkDecorator:
-    """Return the ``bench`` mark: for the modules around the datapath and, because it can stall, for a folded datapath.
+    """Return the ``bench`` mark for the modules around the datapath and for a folded datapath, which can stall.
 
     test_every_node.py has the marks for the other datapaths.
     """
@@ -314,6 +314,6 @@ def cases() -> Iterator:
 
 @pytest.mark.parametrize(("simulation", "name"), list(cases()))
 def test_streams(request, simulation, name):
-    """Run a test. The sets in `BYTES` also check that random padding bits of targets have no effect and that results
-    are sign-extended."""
+    """Run a test. The parameter sets in `BYTES` also check that random padding bits of targets have no effect and that
+    results are sign-extended."""
     simulation.check(request, name)

@@ -71,9 +71,9 @@ def test_the_list_is_sorted_and_bounded():
 
 @pytest.mark.parametrize(("datapath", "width"), GROUPS)
 def test_errors_in_the_model(datapath, width):
-    """Check that recorded errors equal the model's, and that norms and, except in paper, hand errors are in tolerance.
+    """Check that the model reproduces the recorded errors, and that norms and hand errors are in tolerance.
 
-    Paper's listed targets are near two singular poses at once, where the predicted error is no bound.
+    Paper's hand errors are exempt: its targets are near two singular poses, where the predicted error is no bound.
     """
     rows = GROUPS[datapath, width]
     words = worst_targets.array(rows)

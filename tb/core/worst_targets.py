@@ -4,10 +4,10 @@
 Bits, flags and norms are checked for every target, hand errors where `model.bounds.tolerances` has a tolerance.
 
 ``tb/core/worst_targets.csv`` is the regression list of the hardest targets found so far. ``python -m scripts.soak
---keep`` writes it; tb/core/test_every_node.py runs it. A reachable target is hard if its hand error is large compared
-with its tolerance (paper: predicted error; hand poses: reach), or if its quaternions are far from unit length. A row
-holds the datapath, the word length, the input words, the bit-true model's hand error / reach, and where the target was
-found. In the row of a hand pose the last word is the branch, and the error is relative to the tolerance.
+--keep`` writes it; tb/core/test_every_node.py runs it. A reachable target is hard if its quaternions are far from unit
+length, or if its hand error is large relative to the tolerance (in paper to the predicted error, for hand poses to the
+reach). A row holds the datapath, the word length, the input words, the model's hand error / reach, and where the target
+was found. In the row of a hand pose, the last input word is the branch, and the error is relative to the tolerance.
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ def _hardest(targets: list[Hard]) -> list[Hard]:
 
 @dataclass(frozen=True)
 class Failure:
-    """Failed check: lines for the user, and rows of the failing targets, first to last, or worst first for errors."""
+    """Failed check: lines for the user, and indices of the failing targets, in order or (large errors) worst first."""
 
     lines: list[str]
     rows: list[int]
@@ -239,9 +239,9 @@ class Row:
 def errors(
     words: np.ndarray, results: np.ndarray, width: int, flags: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return hand error / reach (N,), nan if out of reach, and the larger abs(norm^2 - 1) of both quaternions (N,).
+    """Return two arrays (N,): hand error / reach (nan if out of reach), and the quaternions' larger abs(norm^2 - 1).
 
-    The whole arm needs ``flags``; the larger of :func:`tolerances.pose_errors` then replaces hand error / reach.
+    The whole arm needs ``flags``; the larger of its :func:`tolerances.pose_errors` replaces hand error / reach.
     """
     arm = words.shape[1] > len(FIELDS)
     quaternions = result_values(results[:, 7:13] if arm else results, width)
@@ -255,10 +255,10 @@ def errors(
 
 
 def arm_errors(words: np.ndarray, run: fixed.Answer, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return errors of poses and their tolerances, each (2, N): hand's point / reach, then hand's orientation (rad).
+    """Return errors of poses and their tolerances, each (2, N). Row 0: hand's point / reach; row 1: orientation (rad).
 
-    An error is set to 0 where :func:`tolerances.pose_errors` excludes the pose, and where the reach is below 1 in the
-    format: there, merely rounding the wrist to words causes an error that is large compared with the reach."""
+    An error is set to 0 where :func:`tolerances.pose_errors` excludes the pose, and where the reach is below 2^(W-2)
+    ulps: there, merely rounding the wrist to words causes an error that is large compared with the reach."""
     reach = words[:, 4] + words[:, 5] + np.abs(words[:, 6])
     permitted = np.array([np.broadcast_to(most, reach.shape) for most in tolerances.arm(words, width)])
     permitted[0] /= np.maximum(reach, 1)
@@ -334,9 +334,9 @@ def _written(error: float) -> str:
 
 
 def merge(rows: Iterable[Row]) -> list[Row]:
-    """Return the hardest rows of each datapath and word length: ``KEPT`` by hand error / tolerance (hand poses: by the
-    larger of :func:`arm_errors`), then ``KEPT`` others by norm error. The order of ``rows`` has no effect. Hand errors
-    are recomputed."""
+    """Return the hardest rows of each datapath and word length: ``KEPT`` by hand error / tolerance (for hand poses, by
+    the larger of the :func:`arm_errors`), and ``KEPT`` more by norm error. The order of ``rows`` has no effect. Hand
+    errors are recomputed."""
     kept = []
     for (datapath, width), group in groups(rows).items():
         # Keep one row of a target found more than once: the first by `found`.

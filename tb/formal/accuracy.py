@@ -38,7 +38,7 @@ def equations(names: str) -> tuple[str, ...]:
 
 
 def pair(name: str, cosine: str, sine: str, small: str, large: str, *facts: str) -> Lemma:
-    """Return the lemma on the two parts of a half angle. The sign of the cosine's word decides which part is large."""
+    """Return the lemma on a half angle's parts c and s. The sign of ``cosine``'s word decides which one is large."""
     parts = (f"({name}_{one} == {name}_sq and 2*{name}_{two} == {sine})" for one, two in (small + large, large + small))
     choice = " if {} else ".join(parts).format(f"neg_{cosine}")
     size = f"2*{name}_sq == 1 + (-{cosine} if {cosine} < 0 else {cosine})"

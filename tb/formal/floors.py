@@ -2,9 +2,9 @@
 """Proof by z3 over the integers that divider and root return the floor, given the properties in ik_div_digit.vh and
 ik_root_digit.vh.
 
-Q has the result's bits so far, R is the remainder, d the divisor. These files prove on bit vectors, for each row, that
-P + R (divider) or S + R (root) equals the operand's bits so far, modulo a power of two. The questions here prove that
-P = Q d and S = Q^2, so Q is the floor after the last row. The .vh files supply the row equations. Widths appear
+Q has the result's bits so far, R is the remainder, d the divisor. These files define P and S and prove, on bit vectors,
+that in each row P + R (divider) or S + R (root) equals the operand's bits so far, modulo a power of two. The questions
+here prove P = Q d and S = Q^2 from the files' row equations, so Q is the floor after the last row. Widths appear
 only in D = 2^(DW-1), X = 2^XW >= 2 D and B = 2^ROWS (at least 8 for roots), so the proof holds at all widths.
 """
 

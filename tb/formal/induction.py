@@ -94,7 +94,7 @@ class Proof:
 
 
 class Design:
-    """Copy of the RTL in the folder ``place``, with the properties of a proof and, if given, a bug."""
+    """Copy of the RTL, made in the folder ``place``, with the properties of a proof and, if given, a bug."""
 
     def __init__(self, proof: Proof, place: Path, bug: Bug | None = None) -> None:
         self.proof, self.place = proof, place
@@ -156,7 +156,7 @@ class Steps(Unrolled):
     """Questions about the formula of a design.
 
     A property may be in a slice (`g_slice[k]`). In a question about such a property, `name` stands for the properties
-    of this name in the same slice and its two neighbours, `name*` in all slices, `name$` in the last slice.
+    of this name in its slice and the two next to it, `name*` for those in all slices, `name$` for those in the last.
     """
 
     @staticmethod

@@ -9,8 +9,8 @@ node's format.
 In :class:`Exact`, each node is a real number that satisfies the formulas of its operation (``Operation.facts``).  A
 count e is stated as 2^e, so a shift is a product.  The datapath decides on rounded words; here, the sign of a rounded
 word and every other decision on a rounded word are free, so a proof holds for any outcome of rounding.  A node that
-takes operands' words as exact (``Dataflow.words``) uses ``n_w``, the word of operand n; it differs from n's exact value
-by at most n's error.
+takes operands' words as exact (``Dataflow.words``) uses ``n_w``, the word of operand n. The word differs from n's exact
+value by at most n's error.
 """
 
 import re
@@ -154,7 +154,7 @@ class Exact:
         return between(within.low, name, within.high, within.below)
 
     def known(self, name: str) -> str:
-        """Return the fact that a proved :meth:`claim` provides. For a count, an integer, it is >= 0 instead of > -1."""
+        """Return the fact that follows from a proved :meth:`claim`. A count is an integer: > -1 becomes >= 0."""
         return self.claim(name) if self.nodes[name].frac else between(1.0, name, 2.0 ** self.nodes[name].within.high)
 
     def places(self, name: str) -> str:
@@ -256,9 +256,9 @@ class Rules(Questions):
 class Rounded(Questions):
     """Questions that bound the errors of the words.
 
-    A node's word is its operation applied to the words of its operands, plus rounding (:meth:`rounding`). An
-    operand's exact value lies in its range (:class:`Rules`); its word differs from that value by at most its error. The
-    error that :mod:`model.bounds.ranges` states must follow. ``n_w`` is n's word, ``n_f`` n's unrounded word.
+    A node's word is the node's operation applied to its operands' words, plus rounding (:meth:`rounding`). From
+    each operand's range (:class:`Rules`) and the error of the operand's word, the node's error that
+    :mod:`model.bounds.ranges` states must follow. ``n_w`` is the word of node n, ``n_f`` the same before rounding.
     """
 
     def names(self) -> list[str]:

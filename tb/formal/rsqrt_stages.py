@@ -44,7 +44,7 @@ def _operator(name: str) -> Callable[["Term", object], "Term"]:
 
 @dataclass(frozen=True)
 class Term:
-    """Model integer as a z3 bit vector. ``<`` always returns ``lower``; ``*`` returns the next product register."""
+    """Model's integer, as a z3 bit vector. ``<`` always returns ``lower``; ``*`` returns the next product register."""
 
     text: str
     lower: bool = False
@@ -252,7 +252,7 @@ class Stages:
 
 
 def forms() -> list[tuple[int, int]]:
-    """Return (fraction bits, tile size): for every word length with TILE, for word lengths up to 24 also with 16."""
+    """Return pairs (fraction bits, tile size): TILE for every word length, and also 16 for word lengths up to 24."""
     full = {(root_frac(width), TILE) for width in WIDTHS}
     return sorted(full | {(root_frac(width), 16) for width in WIDTHS if width <= 24}, reverse=True)
 

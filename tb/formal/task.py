@@ -53,7 +53,7 @@ class Task:
 
 
 class Question(NamedTuple):
-    """Question to z3. ``ask`` returns "unsat" if the claim holds, ``meet`` "sat" if its assumptions are satisfiable."""
+    """Question to z3. ``ask`` returns "unsat" if a claim holds; ``meet`` returns "sat" if its assumptions can hold."""
 
     name: str
     says: str
@@ -71,7 +71,7 @@ def answer(question: Question) -> tuple[float, str]:
 
 
 def run(questions: Iterable[Question], wrong: Iterable[Question], pool: Executor, say: Say) -> Outcome:
-    """Ask all questions of a proof; at least one of ``wrong``, which have a seeded bug, must have a counterexample."""
+    """Ask all questions of a proof. At least one question of ``wrong`` (a seeded bug) must have a counterexample."""
     start, asked = time.monotonic(), list(questions)
     outcome = Outcome(f"{len(asked)} questions", table=[["question", "meaning", "seconds"]])
     for question, (seconds, problem) in zip(asked, pool.map(answer, asked), strict=True):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Calls of Yosys and z3, from the environment that `make formal` sets up; :func:`stop` ends all running calls.
 
-Yosys writes a module's formula as functions of a state; :class:`Unrolled` writes out these functions as constants for a
-number of clocks. In this form, z3 recognizes equal expressions without reasoning about products.
+Yosys writes a module's formula as functions of a state. :class:`Unrolled` turns each function into constants, one for
+each clock. In this form, z3 recognizes equal expressions without reasoning about products.
 """
 
 import re
@@ -83,7 +83,7 @@ class Answer(NamedTuple):
 
 @lru_cache(maxsize=4096)
 def ask_each(texts: tuple[str, ...], check: str = "(check-sat)", limit: int = LIMIT) -> list[Answer]:
-    """Append ``check`` to each text, run one z3 on all for at most ``limit`` seconds, and return its answers."""
+    """Append ``check`` to each text, run one z3 process on them for at most ``limit`` seconds; return the answers."""
     start = time.monotonic()
     status, said = call(["z3", "-in", f"-T:{limit}"], "(reset)\n".join(f"{text}\n{check}\n" for text in texts))
     lines = said.split("\n")[: len(texts)]

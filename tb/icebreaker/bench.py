@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of examples/icebreaker at its pins. Answers equal the bit-true model's, invalid frames get no answer, and a
+"""Tests of examples/icebreaker at its pins. Answers match the bit-true model, invalid frames get no answer, and a
 host program works with the board."""
 
 import binascii
@@ -79,7 +79,7 @@ class Board:
         await self.clocks(2)
 
     async def heard(self, count: int) -> list[tuple[int, int, list[int]]]:
-        """Wait for ``count`` answers, at most as long as one more takes; return the answers."""
+        """Wait for ``count`` answers, at most for the time of ``count`` + 1; return the answers received."""
         answers: list = []
         for _ in range((count + 1) * (ANSWER_BYTES + 3)):
             await self.clocks(BYTE)
@@ -293,7 +293,7 @@ async def program(dut):
     """A host program that uses the board through a pseudo-terminal exits with status 0.
 
     IK_PROGRAM is its command line as a JSON list, in which the word PORT stands for the terminal. IK_SAID is the file
-    for its output. IK_LOST is a JSON list of two lists: indices of bytes to drop, to the board and from the board.
+    for its output. IK_LOST is a JSON list of two lists: indices of bytes to drop on the way to the board, then from it.
     """
     ours, theirs = pty.openpty()
     tty.setraw(theirs)

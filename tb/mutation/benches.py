@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Benches that run with one mutant: every node of a core (`NodeBench`), jobs of ``ik_axi``, and the unit benches.
+"""Benches to run with a mutant: `NodeBench` for every node of a core, `Replaced` for ``ik_axi`` and the unit benches.
 
 A bench has ``run(mutant, netlist, place, seconds)``; `place` is an empty folder. ``run`` returns the fault ("" if the
 bench finds none) and the bench's measurements. If `mutant` is None, the unchanged netlist is run.
@@ -39,7 +39,7 @@ CORE = re.compile(r"^  (\S+  )\\(g_axis|g_arm)\.(\w+)(  \(\n.*?^  \);\n)", re.M 
 
 
 def _ends(th: np.ndarray, width: int, long: bool) -> tuple[int, int]:
-    """Return limits (low, high), two of the angles ``th``; with ``long``, the longest range below 15/16 turn."""
+    """Return limits (low, high), both taken from the angles ``th``; if ``long``, the longest range below 15/16 turn."""
     low = int(th[len(th) // 3])
     if not long:
         return low, int(th[2 * len(th) // 3])
@@ -49,10 +49,10 @@ def _ends(th: np.ndarray, width: int, long: bool) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class NodeBench:
-    """Verilog bench that compares every node of a netlist of ``ik_axis`` or ``ik_arm`` with the model's.
+    """Verilog bench that compares every node of a netlist of ``ik_axis`` or ``ik_arm`` with the model.
 
     It sends targets without stalls, with stalls, with a full FIFO, and after a reset, and stops at the first
-    difference. Under Icarus it takes a few seconds, as long as cocotb takes to start. A plusarg selects a mutant.
+    difference. Under Icarus it takes a few seconds, about as long as cocotb takes to start. A plusarg selects a mutant.
     `targets` is the number of mixed targets; `corners` adds corner targets.
     """
 
@@ -219,8 +219,8 @@ def unit_bench(mutant: Mutant) -> Replaced | None:
 def fault(bench: NodeBench | Replaced, mutant: Mutant, place: Path) -> str:
     """Return the fault by which a bench kills a mutant, "" if the mutant survives.
 
-    The unchanged netlist must pass first. A unit bench that fails on the unchanged netlist does not support its
-    parameters, and kills nothing. Raises SimulationError if another bench fails on the unchanged netlist.
+    The unchanged netlist must pass first. A unit bench that fails on it does not support the module's
+    parameters, and kills no mutant. Raises SimulationError if any other bench fails on the unchanged netlist.
     """
     netlist = mutant.netlist
     passed = netlist.folder / "passed" / f"{bench.name.replace(' ', '-')}.json"

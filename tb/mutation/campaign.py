@@ -50,7 +50,7 @@ def core(*benches: NodeBench) -> Design:
 
 
 def memory(log2_burst: int, data_w: int) -> Design:
-    """Return a design of ``ik_axi`` with two benches of jobs, faults and registers: the short tests, and all tests."""
+    """Return a design of ``ik_axi``. Both benches test jobs, faults and registers; the first has only short tests."""
     parameters = {"W": 18, "LOG2_BURST": log2_burst, "DATA_W": data_w}
     env = {"IK_AXI_CORE": "echo", "IK_AXI_JOBS": "16", "IK_AXI_FAULTS": "2"}
     options = {"toplevel": "ik_axi", "module": MODULES, "parameters": parameters, "env": env}
@@ -106,9 +106,9 @@ COLUMNS = ("nodes", "unit", "jobs", PROVED, SURVIVED)
 def order(seed: int, only: str) -> Iterator[tuple[int, int, Mutant]]:
     """Yield design number, seed and mutant for all files whose names contain `only`.
 
-    The files take turns and, within a file, the designs take turns. Mutants of a module that
-    several designs share are yielded only for the first design. All designs whose tops can contain such a file are
-    elaborated, even if the file belongs to another datapath.
+    The files take turns and, within a file, the designs take turns. If several designs share a module, its mutants are
+    yielded only for the first of these designs. Every design whose top can contain a matching file is elaborated, even
+    if the file belongs to another datapath.
     """
     files: dict[str, list[list]] = {}
     changes: set[tuple[int, str]] = set()
@@ -127,7 +127,7 @@ def order(seed: int, only: str) -> Iterator[tuple[int, int, Mutant]]:
 def proof(mutant: Mutant, place: Path, deep: bool) -> str:
     """Return the names of the modules in which a mutant is proved equivalent, "" if it is not proved within SECONDS.
 
-    The first proof is of the mutant's module. If it fails and `deep` is set, all modules that instantiate that module
+    The mutant's module is tried first. If this proof fails and `deep` is set, all modules that instantiate that module
     have to be proved, and so on.
     """
     if mutant.options["port"] in CLOCKS:

@@ -176,14 +176,14 @@ class Netlist:
 
 
 def unchanged(mutant: Mutant, modules: dict) -> bool:
-    """Return whether a mutant holds a bit at its value, or an undefined bit at any. `modules`: from Yosys' JSON."""
+    """Return whether a mutant ties a bit to its present constant, or ties an undefined bit. `modules`: Yosys' JSON."""
     o = mutant.options
     bits = modules[o["module"]]["cells"][o["cell"]]["connections"][o["port"]]
     return o["mode"] in ("const0", "const1") and bits[int(o["portbit"])] in (o["mode"][-1], "x")
 
 
 def described(modules: dict) -> dict[str, dict]:
-    """Return `Netlist.modules`, given the modules of Yosys' JSON."""
+    """Return the dict for `Netlist.modules`; `modules` come from Yosys' JSON."""
     tree = {}
     for name, module in modules.items():
         bits = module.get("parameter_default_values", {})

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Coverage counts of Verilator simulations, in the folder that the environment variable IK_COVERAGE names.
 
-If it is set, builds go to ``build/coverage``, and each simulation that passes writes a file of counts, summed over
-instances and parameters. Files that differ from the checkout's, such as the echo of tb/axi, are not counted.
+If the variable is set, builds go to ``build/coverage``, and each simulation that passes writes a file of counts, summed
+over instances and parameters. Sources that differ from the checkout, such as the echo of tb/axi, are not counted.
 """
 
 import json

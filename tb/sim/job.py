@@ -39,8 +39,8 @@ def usual_words(datapath: str, count: int, width: int, seed: int) -> np.ndarray:
 
 
 def arithmetic_corners(datapath: str, width: int) -> np.ndarray:
-    """Return targets of all magnitudes with few significant bits, and targets with angles for which the sum that
-    is rounded to the sine or cosine is one LSB below the rounding boundary."""
+    """Return targets of all magnitudes with few significant bits, and targets with an angle whose sine or cosine,
+    before it is rounded, is one LSB below the rounding boundary."""
     sizes = itertools.product(range(0, width - 6, 3), range(width - 11))
     shifted = [(29 << j, -26 << j, -25 << j, -10647, 0, 999 << k) for j, k in sizes]
     frac = min(inner_frac(width), SINE_FRACS[-1])
@@ -69,9 +69,9 @@ class Run:
     """Results of the RTL for a job.
 
     ``results`` (N, words) are signed; they and ``flags`` (N,) are in input order. ``latency_cycles`` counts the clocks
-    from first in to first out, ``total_cycles`` from first in to last out, both included. Hardware behind a link has
-    None for both. ``bit_mismatches`` counts differing bits of all visible named nodes; ``first_mismatch`` is a message.
-    ``branch`` (N,) is the chosen branch, if the core chooses.
+    from first in to first out, ``total_cycles`` from first in to last out, both ends included. Both counts are None
+    for hardware behind a link. ``bit_mismatches`` counts differing bits of all visible named nodes; ``first_mismatch``
+    is a message. ``branch`` (N,) is the chosen branch, if the core chooses.
     """
 
     results: np.ndarray

@@ -43,8 +43,8 @@ def nodes_of(datapath: str, width: int) -> list[Node]:
 def wrapper(datapath: str, width: int, digit: int, bounds: Limits | None = None) -> str:
     """Return the Verilog of a top around the core, or around the datapath alone for W < 16.
 
-    Each word of a target or result has a 32-bit lane. For the whole arm, the branch has the lane above these, and
-    ``bounds``, the joints' limits, are constants. The port ``nodes`` holds every node, aligned to 32 bits."""
+    Each word of a target or result has a 32-bit lane. For the whole arm, the lane above the target's words holds the
+    branch, and the joints' limits ``bounds`` are constants. The port ``nodes`` holds every node, aligned to 32 bits."""
     path = MODELS[datapath]
     core = f"u_axis.g_{path.rtl}.u_core" if width in WIDTHS else "u_core"
     parameters = {**path.parameters, **({"DIGIT": 1} if digit else {})}
@@ -111,7 +111,7 @@ def program(
 ) -> Path:
     """Build the program of a datapath if necessary; return its path.
 
-    Parameters as in :func:`tb.sim.simulate.simulate`, where ``kind`` is named ``cores``. Raises
+    The parameters are those of :func:`tb.sim.simulate.simulate`, where ``kind`` is named ``cores``. Raises
     :class:`SimulationError` with the compilers' messages.
     """
     digit = CORES.index(cores(kind)) if MODELS[datapath].rtl == "paper" else 0

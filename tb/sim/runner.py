@@ -58,10 +58,10 @@ def alone(folder: Path):
 
 @contextmanager
 def runtime(folder: Path, kind: str, header: bool = True):
-    """Share Verilator's runtime and parsed headers, 10 s of compilation, between all builds of a kind. Yield make's
-    arguments; without them make would rebuild the copied runtime, because it is older than the makefile.
+    """Share Verilator's runtime and parsed headers between all builds of a kind, to save 10 s of compilation. Yield
+    make's arguments; without them, make would rebuild the copied runtime, because it is older than the makefile.
 
-    header: False if Verilator itself precompiles a header, as for a model in several files; gcc accepts only one."""
+    header: False if Verilator precompiles its own header, as for a model in several files; gcc accepts only one."""
     store = BUILD / "verilator" / f"runtime-{version('verilator')}-{kind}"
     with alone(store):
         if not (store / "common.h").exists():

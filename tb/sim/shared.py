@@ -31,8 +31,8 @@ class Shared:
     """A simulation that several pytest cases share.
 
     ``label`` names the log. ``options(names)`` returns the arguments of :func:`tb.sim.runner.simulate` for the selected
-    cases, and ``case_of(test)`` the name of the case to which a cocotb test belongs. A pytest case has the parameters
-    ``simulation``, an object of this class, and ``name``.
+    cases; ``case_of(test)`` returns the name of the case to which a cocotb test belongs. A pytest case has the
+    parameters ``simulation``, an object of this class, and ``name``.
     """
 
     def __init__(self, label: str, options: Callable[[list[str]], dict], case_of: Callable[[str], str] = str) -> None:
@@ -40,9 +40,9 @@ class Shared:
         self.messages: dict[str, list[str]] = {}
 
     def check(self, request: pytest.FixtureRequest, name: str) -> None:
-        """Fail with the message of the case's first cocotb test that did not pass; skip if it was not run.
+        """Fail with the message of the case's first cocotb test that did not pass; skip if this test was not run.
 
-        The first case simulates.
+        The first case that is checked runs the simulation.
         """
         if not self.messages:
             chosen = [item.callspec.params for item in request.session.items if hasattr(item, "callspec")]
@@ -66,7 +66,7 @@ def passes(label: str, **options) -> None:
 
 
 def judge(messages: list[str], log: Path) -> None:
-    """Fail with the first message that is not empty; skip if, by this message, the test was not run."""
+    """Fail with the first message that is not empty; skip instead if this message reports a test that was not run."""
     if wrong := [message for message in messages if message]:
         others = sum(not message.startswith(NOT_RUN) for message in wrong[1:])
         more = f" ({others} more fail)" if others else ""
@@ -75,11 +75,11 @@ def judge(messages: list[str], log: Path) -> None:
 
 
 def failures(log: Path, **options) -> list[tuple[str, str]]:
-    """Simulate, and return the name of each cocotb test with its message, empty if it passed. ``log`` gets the output.
+    """Simulate, write the output to ``log``, and return (name, message) of each cocotb test; "" if the test passed.
 
     A broken bus rule ends the simulation: the test's message names the rule, and later tests are "not run".
     If IK_WAVES is set, the simulation is recorded, and each message names a GTKWave save file that marks the failure.
-    Raises :class:`SystemExit` with the first error of the log if there are no results, if no test was selected, or if
+    Raises :class:`SystemExit` if there are no results (with the first error of the log), if no test was selected, or if
     the simulator failed after all tests had passed.
     """
     from tb.sim.runner import simulate  # benches import this module inside the simulator as well
@@ -135,8 +135,8 @@ def recording(label: str) -> Path | None:
 
 
 def marked(vcd: Path | None, test: str, scope: str, time: float) -> str:
-    """Write a save file that marks the time (ns) at which a test failed. Return an ending
-    for the test's message, with the file's path; "" without ``vcd``."""
+    """Write a save file that marks the time (ns) at which a test failed. Return text with the file's path, to be
+    appended to the test's message; "" if ``vcd`` is None."""
     if not vcd:
         return ""
     save = vcd.with_name(f"{vcd.stem}-{test}.gtkw".replace("/", "-"))

@@ -38,11 +38,11 @@ def simulate(
 ) -> list[Run]:
     """Run all jobs (:mod:`tb.sim.job`) in one simulation and compare every node with the bit-true model.
 
-    ``waves`` is a VCD file to write. ``progress(done, total)`` is called about twice a second, or natively after each
-    frame. ``root`` and ``name`` select another copy of the RTL, ``cores`` the kind of dividers and roots (see
-    :func:`tb.sim.runner.simulate`). With ``native``, which is the default from :data:`LONG` targets on, Verilator runs
-    without Python in the loop (:mod:`tb.sim.native_run`), unless it writes waves; the results are the same. ``limits``
-    are the joints' limits of the whole arm, in words. Raises :class:`SimulationError`.
+    ``waves`` is a VCD file to write. ``progress(done, total)`` is called about twice a second, or after each frame of
+    a native run. ``root`` and ``name`` select another copy of the RTL; ``cores`` selects the kind of dividers and roots
+    (see :func:`tb.sim.runner.simulate`). With ``native``, which is the default from :data:`LONG` targets on, Verilator
+    runs without Python in the loop (:mod:`tb.sim.native_run`), unless it writes waves; the results are the same.
+    ``limits`` are the joints' limits of the whole arm, in words. Raises :class:`SimulationError`.
     """
     total = sum(map(len, jobs))
     if native is None:

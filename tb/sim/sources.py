@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Verilog that simulations compile: file lists (``rtl/ik_axis.f``, ``ik_axi.f``, ``ik_arm.f``), copies with AXI rules,
-a generated top; digests of files.
+and a generated top. Also digests of files.
 
 The lists use the simulators' format (``verilator -F``): one file per line, relative to the list's folder, or
 ``+incdir+`` and a header folder. Lists do not nest, because Icarus 11 cannot read nested lists. ``root`` is the
@@ -89,7 +89,8 @@ END = "\nendmodule\n"
 
 
 def with_rules(files: list[Path], folder: Path) -> list[Path]:
-    """Return the files, then ik_rules.v. Copies in ``folder``, kept if unchanged, replace the files with AXI rules."""
+    """Return the files, then ik_rules.v. Copies with AXI rules replace the files that have rules. The copies
+    are kept in ``folder`` and rewritten only if they change."""
     return [*(_bound(path, folder) for path in files), RULES / "ik_rules.v"]
 
 

@@ -73,7 +73,7 @@ if simulator() == "verilator":
             assert " of target 57 at clock " in run.first_mismatch
 
     def test_results_and_flags_at_the_port_count(program):
-        """Check that wrong results or flags after right nodes, as from a broken FIFO, are reported."""
+        """Check that wrong results or flags are reported even if all nodes are right, as with a broken FIFO."""
         changes = [lambda answer: np.bitwise_xor.at(answer.results, (3, 5), 1)]
         changes += [lambda answer: np.bitwise_xor.at(answer.flags, 3, 32)]
         for change in changes:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Test sums, products, ``ik_div`` and ``ik_root`` against Python integers and fractions.
 
-With SQUARE a product is the square of a, and b has no effect.
+With SQUARE, a product is the square of ``a``, and ``b`` has no effect.
 """
 
 import itertools
@@ -19,7 +19,7 @@ from tb.units.unit import BIT, Case, Tests, checks, corners, rounded, runs, sets
 
 
 def extreme_halves(width: int):
-    """Return all pairs of words with extreme halves: they cover every carry across the middle, and extreme tiles."""
+    """Return all pairs of words with extreme halves, for every carry across the middle and extreme values of tiles."""
     low = width // 2
     high, last = signed(width - low), (1 << low) - 1
     ends = {high[0], -1, 0, 1, high[-1]}
@@ -135,8 +135,8 @@ def mul(AW: int, BW: int, SH: int, OW: int, SQUARE: int = 0, **delays: int) -> T
 
 
 def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int = 0, **delays: int) -> Tests:
-    """Check a product that is a sum of tiles.  Each tile is truncated two bits below q's LSB.  The sum is rounded half
-    up and taken modulo 2^OW."""
+    """Check a product that is a sum of tiles. Each tile is truncated two bits below q's LSB. The sum is rounded half up
+    and taken modulo 2^OW."""
     A, B, Q = signed(AW), signed(BW), signed(OW)
     a_last, b_last = (1 << bits for bits in unseen(AW, BW, TILE))
     a_low, b_low = 1 << max(AW - TILE, 0), 1 << max(BW - min(TILE, 18), 0)
@@ -159,8 +159,7 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
         return [(a // a_low * a_low, b // b_low * b_low) for a in corners(A) for b in corners(B)]
 
     def halves_of_a_place():
-        """Return operands whose product is half an LSB, or as small as a product of two low parts, which is omitted or
-        estimated."""
+        """Return operands with a product of half an LSB, or as small as the lowest tile (omitted or estimated)."""
         a, b = 1 << SH // 2, 1 << SH - 1 - SH // 2
         pairs = [(a, b), (-a, b), (a - 1, b), (a_low, b_low // 2), (a_low // 2, -b_low), (a_low - 1, b_low - 1)]
         return [(a, b) for a, b in [*pairs, (-1, b_low - 1)] if a in A and b in B]
@@ -170,7 +169,7 @@ def of_tiles(AW: int, BW: int, SH: int, OW: int, TILE: int = TILE, SQUARE: int =
 
 
 def scale(COUNT: int, AW: int, BW: int, SH: int, OW: int, **delays: int) -> Tests:
-    """Check the product of b and each word of a against the model, which :func:`of_tiles` checks."""
+    """Check the product of ``b`` and each word of ``a`` against the model, which :func:`of_tiles` checks."""
 
     def reference(a, b):
         words = [wrap(np.array(a) >> AW * k, AW) for k in range(COUNT)]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Test shifts, counts of leading zeros, doubled angles, steps and limits of joints against their definitions. Test
-``ik_sincos``, ``ik_trig``, ``ik_rsqrt`` and ``ik_vector`` against their models, and all these models except
-``ik_vector``'s against the true values."""
+``ik_sincos``, ``ik_trig``, ``ik_rsqrt`` and ``ik_vector`` against their models, and the first three models
+against the true values."""
 
 import itertools
 import random
@@ -43,7 +43,7 @@ def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
         return [(d, count) for d in corners(words) for count in COUNTS]
 
     def single_bits():
-        """Return bits that each count shifts to or next to an end of the result; also bit - 1, -bit, ~bit."""
+        """Return (d, count): d is a bit that count shifts to or near an end of the result, or bit - 1, -bit, ~bit."""
         places = (0, DROP - 1, DROP, DROP + 1, top - 2, top - 1, top)
         bits = [(1 << place - count, count) for place in places for count in COUNTS if place >= count]
         return [(d, count) for bit, count in bits for d in (bit, bit - 1, -bit, -bit - 1) if d in words]
@@ -190,7 +190,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
         return ([(root << double) % (2 << F) for root, double in zip(y, twice, strict=True)],)
 
     def segments():
-        """Return words at and next to the ends and middles (u changes sign) of many segments, in random order."""
+        """Return words at and next to the ends and middles of many segments, in random order; u is 0 at a middle."""
         segment = one >> 11
         near = (0, 1, segment // 4, segment // 2 - 1, segment // 2, segment // 2 + 1, segment - 2, segment - 1)
         return shuffled((start + place, 0) for start in range(0, one, 7 * segment) for place in near)
@@ -213,7 +213,7 @@ def reciprocal(F: int, TILE: int = TILE) -> Tests:
 
 
 def of_datapath(*widths: int, **tile: int) -> list[dict[str, int]]:
-    """Return, for each width, the parameters W and F of ``ik_trig`` in that datapath, and those in ``tile``."""
+    """Return, for each width, ``ik_trig``'s parameters W and F for the lean datapath; all sets include ``tile``."""
     return sets_of("W F", *((w, min(inner_frac(w), SINE_FRACS[-1])) for w in widths), **tile)
 
 
@@ -273,7 +273,7 @@ def fold_limit(W: int) -> Tests:
 
 
 def step(W: int, STEP: int, NEGATED: int) -> Tests:
-    """Check both steps. The RTL assumes static limits: the next vector's limits decide whether the joint is limited."""
+    """Check both steps. The next vector's limits decide if a joint is limited, as the RTL assumes static limits."""
     turn, angle, most = 1 << W, unsigned(W), (2 << STEP) - 1
 
     def size(at: int, ref_at: int, span: int, whole: bool) -> int:

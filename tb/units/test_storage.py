@@ -201,7 +201,7 @@ def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
         return {"word": mantissa, "zero": int(t == 0), "pairs": pairs}
 
     def sums() -> Iterable[Ports]:
-        """Yield the ports for random sums of random lengths. For the kind "inverse", nine in ten sums are inverted."""
+        """Yield ports with a random sum t of random length. For the kind "inverse", 9 of 10 sums are complemented."""
         for _ in range(2000):
             kind = random.randrange(len(kinds))
             t = random.getrandbits(random.randint(0, XW))
@@ -212,10 +212,10 @@ def norm(W: int, D: int, XW: int, LAST: int, DROP: int) -> Tests:
 
 
 def fold_angle(W: int) -> Tests:
-    """Check ``th`` by running a ball joint's program on random quaternions, some with (w, k) or (i, j) on an axis.
+    """Run a ball joint's program on random quaternions and check ``th``; some points (w, k) or (i, j) are on an axis.
 
-    The program stores the angle d of (i, j) in h and shows s + d and s - d, where s is the angle of (w, k). Then it
-    shows twice the angle of (|(w, k)|, |(i, j)|) and twice the angle of (i, -w). Signs and half turns are random."""
+    The program stores the angle d of (i, j) in h and outputs s + d and s - d, where s is the angle of (w, k). Then it
+    outputs twice the angle of (|(w, k)|, |(i, j)|) and twice the angle of (i, -w). Signs and half turns are random."""
     head, last = angles.iterations(W)
     loaded, done = head + 3, last - head + 1  # clocks from a load of x to `over`, from there to the angle
     again = 2 * loaded + 1

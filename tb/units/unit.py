@@ -3,7 +3,7 @@
 
 A bench is a function that maps a module's parameters to the checks of an instance; most are one call of
 :func:`checks`. All benches of a file share a simulation (:func:`runs`). Most references share no arithmetic with RTL
-and model: they use Python integers and fractions. The others are functions of the model.
+and model: they use Python integers and fractions. The other references are functions of the model.
 """
 
 import inspect
@@ -62,7 +62,7 @@ def simulation(pairs: Iterable[tuple[Case, Parameters]]) -> dict:
 
 
 def module_of(name: str) -> str:
-    """Return the module's name from that of an instance or its test: the parameters, in capitals, are cut off."""
+    """Return the module's name, given an instance's or test's name: cut off the parameters, which are in capitals."""
     return re.search(r"ik(_[a-z0-9]+)+", name)[0]
 
 
@@ -144,7 +144,7 @@ def checks(
     - *named*: each (vector, outputs) of ``corners`` whose words all fit their ports, between ``good`` vectors.
     - *every_vector* if there are at most :data:`EVERY` vectors; otherwise *extremes*, all combinations of the
       :func:`corners` of the inputs, and *random_vectors*.
-    - one test for each function or partial in ``streams``, named after it, that drives the vectors it returns.
+    - one test for each function or partial in ``streams``: it has the function's name and drives the vectors returned.
 
     Vectors that do not satisfy ``fits`` are skipped.
     """
@@ -216,7 +216,7 @@ async def stream(dut, inputs, outputs, expected, vectors: list[Vector], latency:
 async def with_go(
     dut, vectors: Callable[[], Iterable[Ports]], clocks: int, expected: Callable[[list[Ports], Ports], Ports]
 ) -> None:
-    """Drive the vectors in order, with ``go`` = 1. In 3 of 10 clocks, a random one with ``go`` = 0 must have no effect.
+    """Drive the vectors in order with ``go`` = 1. In 3 of 10 clocks, ``go`` is 0; a random vector must have no effect.
 
     ``expected(taken, now)`` returns the outputs that are defined. ``taken`` has the inputs of all clocks with ``go``,
     newest last; ``now`` has the present inputs. Outputs are compared once ``taken`` has ``clocks`` entries.
@@ -310,7 +310,7 @@ def _one(words: range) -> int:
 
 
 def pairs(width: int, count: int = 1000) -> list[Vector]:
-    """Return pairs of signed words in random order: all if width <= 6, else ``count`` pairs, a quarter with a 0."""
+    """Return pairs of signed words in random order: all if width <= 6, else ``count``, of which a quarter have a 0."""
     word = signed(width)
     if width <= 6:
         return shuffled(itertools.product(word, word))

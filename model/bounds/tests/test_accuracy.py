@@ -44,8 +44,8 @@ def length(vectors):
 
 @pytest.mark.parametrize("width, datapath", CORES)
 def test_wrists(width, datapath):
-    """Check the limits of wrist errors: from targets in reach, and for others (some at the shoulder) from the nearest
-    pose."""
+    """Check the limits of the wrist's distance from targets in reach and, for all other targets (some are at the
+    shoulder), from the nearest point in reach."""
     a, b, c = (float(accuracy(width, datapath)[name]) for name in "abc")
     out = unreachable(COUNT, width, 5)
     for words, clamped in ((poses(width, 1), False), (out[(out[:, 4:] > 0).all(axis=1)], True)):
@@ -91,7 +91,7 @@ def test_hands(width):
 
 
 def displaced(nodes, members):
-    """Yield, eight times, the values (N,) of all nodes if only the nodes ``members`` have errors, each at a random end
+    """Yield, eight times, the values (N,) of all nodes when only ``members`` have errors, each at a random end
     of its range. For nodes of tables, the stated error is halved, because any table may have errors of that size."""
     random = np.random.default_rng(3)
     for _ in range(8):

@@ -6,8 +6,8 @@ here depends on the names of inputs and results, and of the node ``bend_swap``.
 
 Each memory word, of B = ``bits`` bits, is aligned as far to the left as its largest value permits, so products of all
 formats are cut at the same bits.  The first bit of a word of ``weight`` w weighs -2^w.  The product of two words, with
-weights w and w', has 2 B bits; bit 2 B - 2 weighs 2^(w + w').  The sum's window :data:`PLAIN` or :data:`DOUBLE` is
-written back.
+weights w and w', has 2 B bits; bit 2 B - 2 weighs 2^(w + w').  The window :data:`PLAIN` or :data:`DOUBLE` of a
+step's sum T is written to memory.
 """
 
 from collections import defaultdict
@@ -120,11 +120,11 @@ class Lowering:
     # ---- sums and products ---------------------------------------------------------------------------------------
 
     def _weight(self, node: Node) -> int:
-        """Return the weight of a node whose LSB is at the same bit of a memory word as the LSB of an inner word."""
+        """Return the weight of a node whose LSB, in a memory word, is aligned with the LSB of an inner word."""
         return self.inner - 1 - node.format.frac
 
     def sum(self, node: Node, terms: tuple[tuple[int, Any], ...]) -> None:
-        """Add the steps of a sum: one step for two terms; a chain for more terms, for 1/2 + .., or if the sum wraps."""
+        """Add a sum's steps: one step for two terms; a chain for more, if the first is 1/2, or if the sum wraps."""
         (_, first), (sign, second), *others = terms
         if not (others or isinstance(first, Constant) or node.ends):
             self.plus(node, first, second, sign < 0)
@@ -246,7 +246,7 @@ class Lowering:
         self.terms[raw] = replace(step, minus=minus, result=node.name, write=write, addend=addend)
 
     def _result_addend(self, node: Node, half: str) -> str:
-        """Return a result's addend: ``half`` (half an ulp of an inner word), for HALF_UP plus half a result's ulp."""
+        """Return a result's addend: ``half`` (half an ulp of an inner word), plus half a result's ulp for HALF_UP."""
         self.rounded.add(node.name)
         return half.replace("half", "result") if node.rounding == HALF_UP else half
 
@@ -348,10 +348,10 @@ HALF_ROW = "1/2 of r_z"  # step that supplies the constant 1/2 of the node r_z
 
 
 class ArmLowering(Lowering):
-    """Whole arm as steps, including the lean dataflow's, and as vectors of the angle unit.
+    """Whole arm as steps, including the steps of the lean dataflow, and as vectors of the angle unit.
 
     The hand's words have weight 1, as results do, so that their products have the weight of inner words' products.  The
-    sums of their squares wrap at 8.  The steps sum half of each wrist coordinate.
+    sums of their squares wrap at 8.  The sum for a wrist coordinate is half the coordinate.
     """
 
     FLOW = staticmethod(arm.arm)

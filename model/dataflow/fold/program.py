@@ -274,7 +274,7 @@ SCHEDULES = {name: Path(__file__).with_name(f"{name.replace('fold', 'schedule')}
 
 @cache
 def schedules(name: str) -> dict[int, Schedule]:
-    """Return the schedules on file: longest word length that a schedule is for -> schedule, shortest first."""
+    """Return the schedules on file: longest word length that a schedule supports -> schedule, in ascending order."""
     found = json.loads(SCHEDULES[name].read_text(encoding="utf-8"))
     return {int(longest): Schedule(**of) for longest, of in found.items()}
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Location and clock of each node of the dataflow in the fold datapath, for testbenches and waves.
 
-A node can be found in a written word, T, a product, a mantissa, a count, a flag or a result.  ``ik_fold_nodes.vh``
+A node can be found in T, a product, a written word, a mantissa, a count, a flag or a result.  ``ik_fold_nodes.vh``
 copies the node from there to a register with the node's name; no logic reads this register.
 """
 
@@ -17,7 +17,7 @@ from .steps import DOUBLE, ELBOW, PLAIN, Pick, Placed, Selector, Step
 
 @dataclass(frozen=True)
 class Shown:
-    """Location of a node: the Verilog expression ``text`` in the clocks ``clocks`` of its target if ``when`` holds."""
+    """Location of a node: Verilog expression ``text``, valid in clocks ``clocks`` of a target while ``when`` holds."""
 
     node: Node
     clocks: tuple[int, ...]
@@ -26,7 +26,7 @@ class Shown:
 
     @property
     def time(self) -> int:
-        """First clock of its target in which the register holds the node."""
+        """First clock, counted as ``clocks`` are, in which the register of the node holds its word."""
         return max(self.clocks) + 1
 
 
@@ -129,7 +129,7 @@ class _Finder:
             self.add(name, clock + timing.COMPARED, "over")
 
     def angles(self) -> None:
-        """Add the angles, the joints and the lengths; a length is shown in the clock in which it is handed over."""
+        """Add the angles, the joints and the lengths; a length is read when its vector is handed over."""
         joints = {joint.angle: 8 if joint.other else 4 for joint in self.lowering.joints.values()}
         for angle, turn in self.program.turns.items():
             self.add(turn.vector.length or "", turn.over, "length")
@@ -140,7 +140,7 @@ class _Finder:
 
 
 def shown(lowering: Lowering, program: Program) -> dict[str, Shown]:
-    """Return where each node's word is stored, in dataflow order.  Raises LookupError if one is nowhere."""
+    """Return the location of each node, in dataflow order.  Raises LookupError if a node has no location."""
     finder = _Finder(lowering, program)
     for name, clock in program.loads.items():
         finder.add(name, clock, "in")

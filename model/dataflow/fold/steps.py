@@ -3,10 +3,10 @@
 
 A step reads two words, multiplies them, adds the product to the addend S or subtracts it from S, and writes the sum T.
 Steps cover the whole dataflow, because a product with a power of two is a copy or a shift.  The steps of a group are a
-fixed number of clocks apart, because the addend of each is the T of an earlier one.
+fixed number of clocks apart, because the addend of each step after the first is the T of an earlier step.
 
-A program repeats every lap, and around the end of a lap two targets are in flight.  In a program, clocks count from
-the start of the lap in which the target is loaded; modulo the lap's period they are addresses.
+A program is repeated in every lap, and around the end of a lap two targets are in flight.  The clocks of a program are
+counted from the start of the lap that loads the target; a clock modulo the lap's period addresses a program word.
 """
 
 from dataclasses import dataclass
@@ -36,8 +36,8 @@ pairs.  count: by the step's count.  unit: by pairs, without the bits below an i
 
 @dataclass(frozen=True)
 class Selector:
-    """Condition that selects an operand, an addend or a sign: the mask ``node``, or the sign of the word ``node`` if
-    ``negative``.  The condition is negated if ``inverted``, and 0 while the mask ``unless`` is 1."""
+    """Condition that selects an operand, an addend or a sign: the mask ``node`` or, if ``negative``, the sign of the
+    word ``node``.  If ``inverted``, the condition is negated.  It is 0 while the mask ``unless`` is 1."""
 
     node: str = ""
     negative: bool = False
@@ -62,10 +62,10 @@ NEVER, ALWAYS, NO_COUNT = Selector(), Selector("always"), Selector("n_0")
 
 @dataclass(frozen=True)
 class Pick:
-    """One of two memory words: the word ``pair`` or, if ``second``, its partner; a set ``flag`` swaps the two.
+    """One of two memory words: the word ``pair`` or, if ``second``, its partner; a ``flag`` of 1 swaps the two.
 
-    The words are the larger and the smaller part of a rotation, in adjacent places.  If there is a ``constant``, it is
-    the partner instead: it is a fixed word, :data:`.program.PLACES` addresses after the word ``pair``."""
+    The two are the larger and the smaller part of a rotation, in adjacent places.  With a ``constant``, the partner is
+    instead that constant, a fixed word :data:`.program.PLACES` addresses after the word ``pair``."""
 
     pair: str
     flag: Selector
@@ -90,7 +90,7 @@ class Write:
 
 @dataclass(frozen=True)
 class Normal:
-    """Normalization: normalized T is written to the memory word ``to``, the shift count to the register ``count``."""
+    """Normalization: write normalized T to the memory word ``to`` and the shift count to the register ``count``."""
 
     kind: str
     to: str
@@ -99,7 +99,7 @@ class Normal:
 
 @dataclass(frozen=True)
 class Row:
-    """Row of a function's table, addressed by the word ``of``.  ``value``: read c0, else c1 and c2."""
+    """Row of a function's table, addressed by the word ``of``.  Read c0 if ``value``, otherwise c1 and c2."""
 
     function: str  # root, sine or cosine
     of: str
@@ -108,7 +108,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Counted:
-    """Shift count of a step: ``base`` plus ``terms`` (factor, register); equal to the node ``node`` plus ``offset``."""
+    """Shift count of a step: ``base`` + factor * register for each of ``terms``; it equals ``node`` + ``offset``."""
 
     base: int
     terms: tuple[tuple[int, str], ...]
@@ -170,7 +170,7 @@ COMPARED = 2  # clocks from a joint's angle until its comparison with the limits
 
 
 class Vector(NamedTuple):
-    """Vector (x, y), or (x, -y) if ``opposite``, of results or, if ``lengths``, of the last two vectors' lengths."""
+    """Vector (x, y) of two results or, if ``lengths``, of the last two vectors' lengths; (x, -y) if ``opposite``."""
 
     angle: str
     length: str | None
@@ -191,7 +191,7 @@ class Joint(NamedTuple):
 
     @property
     def late(self) -> bool:
-        """True if the joint is written in the second of its vector angle's two clocks, False if in the first."""
+        """True if the joint is written one clock after its vector angle is ready, False if in the same clock."""
         return self.minus or not self.other
 
     @property
@@ -226,7 +226,7 @@ def row_reads(placed: Placed) -> list[int]:
 
 
 def word_reads(placed: Placed) -> list[Use]:
-    """Return the words that the step reads, without constants, and their clocks."""
+    """Return the words that the step reads, except for constants, and the clocks of these reads."""
     step, at = placed.step, placed.at
     operands = [word_of(o) for o in (step.a, step.b) if o is not None]
     uses = [Use(name, at + READ) for name in operands if name not in ("0", "1", "1/2", POWER)]

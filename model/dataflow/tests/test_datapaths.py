@@ -64,7 +64,7 @@ class Run:
         self.norms = [np.abs((q**2).sum(axis=1) - 1) / ulp(width) for q in (values[:, :4], values[:, 4:])]
 
     def off(self, poses: np.ndarray) -> list[np.ndarray]:
-        """Return the errors of elbow and wrist for result values (N, 6): distance from the correct point / reach."""
+        """Return (distance from the correct point) / reach of elbow and wrist for result values (N, 6)."""
         at, reached = self.at, self.answer.flags & UNREACHABLE == 0
         exact, found = (forward(q[:, :4], q[:, 4:], at.d1, at.d2) for q in (self.exact, poses))
         aims = exact[0], np.where(reached[:, None], at.position, exact[1])
@@ -221,7 +221,7 @@ SECTIONS = [(name, of) for name in ("choose", "paper") for of in MODELS[name].se
 
 @pytest.mark.parametrize(("datapath", "section"), SECTIONS)
 def test_the_verilog_has_the_equation_of_each_operator(datapath, section):
-    """Check that each operator has a comment with its equation and the paper's number; all must be the model's."""
+    """Check that each operator has a comment with the paper's number and the equation, both as in the model."""
     path = MODELS[datapath]
     (file,) = (Path(__file__).parents[3] / "rtl").glob(f"**/{path.module(section)}.v")
     text = file.read_text(encoding="utf-8")
@@ -328,7 +328,7 @@ def test_every_input_has_an_answer(width):
 
 @every_width
 def test_poses_with_exact_angles(width):
-    """Check angles: 0 (th2, th4, th6 of straight arms), half a turn (th4 of a closed arm, th6 of a reversed hand)."""
+    """Check angles 0 (th2, th4, th6 of straight arms) and half a turn (th4 of a closed arm, th6 of a reversed hand)."""
     one, half = 1 << width - 2, 1 << width - 1
     arm = 0, one // 2, one // 2, 0  # phi, d1, d2, tool
     hands = np.array([(one, 0, 0, 0), (-one, 0, 0, 0), (0, 0, 0, one), (one, 0, 0, 0), (0, one, 0, 0)])
@@ -372,7 +372,7 @@ def test_over_limit_is_exact(width):
 
 
 def searched(joints, references, limits, width):
-    """Return all branches' steps (8, N) and joints (8, N, 7), and the mask (N,) of singular poses."""
+    """Return each branch's largest joint step (8, N) and joints (8, N, 7), and the mask (N,) of singular poses."""
     turn, half, joints = 1 << width, 1 << width - 1, joints.copy()
     singular = np.zeros(len(joints), dtype=bool)
     for first, middle, last in ((0, 1, 2), (4, 5, 6)):

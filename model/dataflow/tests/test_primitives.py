@@ -129,8 +129,8 @@ SHORT = (8, 9, 10)  # word lengths whose vectors are all tested
 
 
 def vectors(width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return vectors no longer than LONGEST: all at a SHORT word length, else up to 400000 random ones, of any length
-    and often near an axis."""
+    """Return vectors no longer than LONGEST: all such vectors for a word length in SHORT, else up to 400000 random ones
+    of any length, often near an axis."""
     half = 1 << width - 1
     if width in SHORT:
         x, y = np.mgrid[-half:half, -half:half].reshape(2, -1)
@@ -145,8 +145,8 @@ def vectors(width: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def turned_exactly(x, y, width):
-    """Return the vectors as complex numbers in the right half plane, in LSBs of X; the nearby vectors that M iterations
-    without rounding turn to the same result; and the sum of the angle words (rad)."""
+    """Return the vectors as complex numbers in the right half plane, in LSBs of X; nearby vectors that give the same X
+    and Y after M iterations without rounding (:mod:`model.dataflow.angles`); and the sums of the angle words (rad)."""
     x, y, real = x << angles.GUARD, y << angles.GUARD, np.longdouble
     given = np.where(x < 0, -1, 1) * (x.astype(real) + 1j * y.astype(real))
     x, y, head = np.where(x < 0, ~x, x), np.where(x < 0, -y, y), angles.iterations(width)[0]
@@ -188,7 +188,7 @@ def test_angle_and_length_are_within_their_bounds(width):
 
 @pytest.mark.parametrize("width", (*SHORT, 18, 24, 32))
 def test_longest_vector_keeps_every_bit(width):
-    """Check that vectors of length LONGEST, too long for words, lose no bit, and that twice that length does."""
+    """Check that vectors of length LONGEST lose no bit, although not all fit words, and that twice as long ones do."""
     turn = np.linspace(-np.pi, np.pi, 20001)
 
     def off(length):

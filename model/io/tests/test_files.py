@@ -70,7 +70,7 @@ def test_other_columns_are_kept(read):
 
 
 def test_roll_pitch_and_yaw(read):
-    """Check orientations of hands against scipy's, and that they survive writing the targets and reading them."""
+    """Check hand orientations against scipy, and check that writing and reading the targets preserves them."""
     angles = np.random.default_rng(1).uniform(-3, 3, (20, 3))
     result = read("x,y,z,Roll,pitch,YAW\n" + "".join(f"1,2,3,{','.join(map(repr, row))}\n" for row in angles.tolist()))
     np.testing.assert_allclose(matrix(result.hand), Rotation.from_euler("xyz", angles).as_matrix(), atol=1e-15)
@@ -144,7 +144,7 @@ def test_files_keep_every_bit(read):
 
 
 def test_far_targets_lower_the_exponent_until_the_headroom_ends():
-    """Check the exponent: for a reach of 1, coordinates below 2 use no headroom; below 32, up to all four bits."""
+    """Check the exponent for a reach of 1: coordinates below 2 use no headroom, those below 32 use up to four bits."""
     arm = {"d1": 0.5, "d2": 0.5}
     ends = (0.0, 0), (math.nextafter(2, 0), 0), (2.0, -1), (-2.0, 0), (math.nextafter(-2, -3), -1)
     for x, exponent in (*ends, (math.nextafter(32, 0), -4), (-32, -4)):
@@ -194,7 +194,7 @@ def test_words_come_back_from_their_targets(width, exponent):
 
 @pytest.mark.parametrize("name", [*trajectories.TRAJECTORIES, *trajectories.HANDS])
 def test_trajectory(name):
-    """Check reach and smooth motion: each step is below 5 cm (8 % of the reach) and within 2 cm of the step before."""
+    """Check reach and smooth motion: steps are below 5 cm (8 % of the reach), and successive steps differ by < 2 cm."""
     targets = trajectories.make(name)
     assert targets.name == name and len(targets) == 100
     for width in (16, 32) if targets.hand is None else ():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test scores: compare each figure with a known error; check each reason to fail, and the files."""
+"""Test scoring: compare each number of a score with a known error; check each reason to fail and the result files."""
 
 import csv
 import dataclasses

@@ -45,7 +45,7 @@ def joints(names: str, side: str) -> tuple[str, ...]:
 def write(path, names="cmu", up="y", order="ZYX", frames=60, sides=("left", "right"), rich=False, two_legs=False):
     """Write a figure whose body sways and whose arms swing, smoothly and at random.
 
-    rich: each joint also has position channels, which move it near its OFFSET, and a joint halves each upper arm.
+    rich: each joint also has position channels, which move it near its OFFSET; an extra joint halves each upper arm.
     """
     random = np.random.default_rng(1)
 
@@ -112,7 +112,7 @@ def kinematics(clip):
 
 def compare(path, again, free=(), tolerance=1e-6):
     """Check that the clip `again` has the nodes of `path` and, except for nodes whose numbers are in `free`, the same
-    positions and orientations. tolerance: for positions relative to the body's size, for orientations in rad."""
+    positions and orientations. tolerance: relative to the body's size for positions, in rad for orientations."""
     clip, clip_again = read(Path(path)), read(Path(again))
     (places, turns), (places_again, turns_again) = kinematics(clip), kinematics(clip_again)
     assert clip.nodes == clip_again.nodes and clip.table.shape == clip_again.table.shape

@@ -136,7 +136,7 @@ def test_files_with_more_than_the_arm(tmp_path):
 
 
 def test_orientations_in_other_forms():
-    """Check that Rotations and matrices (3, 3) or (4, 4) give the same joints as quaternions; refuse other matrices."""
+    """Check that Rotations and matrices (3, 3) or (4, 4) act like quaternions, and that other matrices are refused."""
     points, q = IIWA14.forward(np.random.default_rng(8).uniform(-1.5, 1.5, (20, 7)))
     whole = np.tile(np.eye(4), (20, 1, 1))
     whole[:, :3, :3] = matrix(q)
@@ -173,7 +173,7 @@ def test_nearly_exact_arms(chain, warned, tmp_path, recwarn):
 
 
 def test_corrections_at_limits(tmp_path):
-    """Solve almost straight arms with the elbow at its limit; check that each row of a path is at its pose or nan."""
+    """Solve almost straight arms with the elbow at its limit; check that path rows reach their poses or are nan."""
     limits = [(-2.9, 2.9)] * 3 + [(0.0, 1.5)] + [(-0.8, 0.8)] * 3
     arm = Arm.from_urdf(urdf(tmp_path / "arm.urdf", ANGLE, limits=limits))
     th = np.random.default_rng(1).uniform(*arm.limits.T, (1000, 7)) * (1, 1, 1, 0.02, 1, 1, 1)
@@ -232,7 +232,7 @@ def test_straight_arms(arm):
 
 @pytest.fixture(params=["iiwa14", *(path.stem for path in sorted(ROBOTS.folder.glob("*.urdf")))])
 def robot(request, tmp_path):
-    """Return a robot's file, its arm, and tips: points (200, 3), orientations (200, 4); the first 100 are feasible."""
+    """Return a robot's file, its arm, and tip points (200, 3) and orientations (200, 4); the first 100 are feasible."""
     path = ROBOTS.folder / f"{request.param}.urdf"
     if request.param == "iiwa14":
         path = urdf(tmp_path / "iiwa14.urdf", IIWA14_CHAIN, FLANGE, IIWA14.limits.tolist())

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test motion-capture clips: read and write files, find the arms, follow them, write the clip back and as an animated
-file."""
+"""Test motion-capture clips: read files, find the arms and follow them, write clips and animated files."""
 
 import re
 from dataclasses import replace
@@ -43,7 +42,7 @@ def test_typical_angle_is_that_of_a_bent_arm(tmp_path):
 
 
 def written(path, clip, *options):
-    """Write the clip with followed arms next to `path`; return the path of the new file."""
+    """Solve the arms of a clip, write the clip with the solutions next to `path`, and return the new file's path."""
     again = path.with_name("again.bvh")
     again.write_bytes(turned(clip, followed(clip), *options).content())
     return again
@@ -56,7 +55,7 @@ def test_the_clip_written_again_has_the_same_joints(tmp_path, way):
 
 
 def test_angles_stay_near_the_original_ones(tmp_path):
-    """Test angles beyond a turn, the second solution of three angles, and gimbal lock."""
+    """Test Euler angles beyond a turn, in their second solution, and at gimbal lock."""
     clip = read(figure.write(tmp_path / "clip.bvh"))
     for arm in arms(clip):
         columns = [channel.column for channel in clip.nodes[arm.upper].channels]
@@ -83,7 +82,7 @@ def test_twist_of_the_core(tmp_path):
 
 
 def saved(clip):
-    """Write a clip whose table has changed to its file; return the clip as read again."""
+    """Write a clip with a changed table back to the clip's file; read the file again and return the clip."""
     clip.path.write_bytes(clip.content())
     return read(clip.path)
 
@@ -98,7 +97,7 @@ def saved(clip):
     ],
 )
 def test_up(tmp_path, up, rows, head, foot):
-    """Test the up and torso axes of a figure that lies in one frame, or lies at rest but stands in all frames."""
+    """Test the up and torso axes of a figure that lies in one frame, or that lies at rest but stands in all frames."""
     path = figure.write(tmp_path / "clip.bvh", frames=3, up=up)
     text = path.read_text().replace("Head", head).replace("Leg", foot).replace("-0.5", "1.5")
     path.write_text(re.sub(r"(Shoulder\n{\nOFFSET) (-?)0.5", r"\1 \g<2>2.5", text))
@@ -214,7 +213,7 @@ def test_a_file_without_usable_arms(tmp_path, change, message):
 
 
 def walk(path):
-    """Write a clip, y up, that holds the arms out in the first frame, along x as at rest, then walks; return it."""
+    """Write and return a clip, y up: the arms are out along x in the first frame, as at rest; then the figure walks."""
     clip = read(figure.write(path, order="XZY"))
     clip.table[:, 6:] *= 0.1
     swing = np.sin(np.linspace(0, 12, len(clip.table)))

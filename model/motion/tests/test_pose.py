@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test poses from Python, in any frame, in double precision and in the core's words: wrist targets, and hand poses with
-their seven joints. Test the reference axis. Forward kinematics of the joints is a product of matrices."""
+"""Test solving wrist targets and hand poses from Python, in any frame, in double precision and in the core's words.
+Test the reference axis. Forward kinematics of the seven joints is independent: it uses scipy's rotations."""
 
 import re
 import warnings
@@ -107,7 +107,7 @@ def test_a_width_gives_the_words_of_the_core(datapath, width):
 
 @pytest.mark.parametrize("axis", NAMED_AXES)
 def test_a_named_axis_loses_no_bit(axis):
-    """Check that words are only permuted, and that components of Qs, each half a sum of four words, are exact."""
+    """Check that words are only permuted, and that Qs, whose components are half sums of four words, is exact."""
     r = to_z(axis)
     ours, core = solve(POINTS, PHI, axis=axis, width=32), solve((matrix(r) @ POINTS.T).T, PHI, width=32)
     assert (multiply(r, ours.qs) == core.qs).all() and (ours.qe == core.qe).all()
@@ -176,7 +176,7 @@ def test_angles_of_degrees_warn():
 
 
 def test_elbow_points_at_the_pole(axis=(0.3, 1.0, 0.0)):
-    """Check that with other swivel angles the elbow is farther from the pole."""
+    """Check that changing the angle from ``swivel_toward`` moves the elbow away from the pole."""
     pole = np.random.default_rng(4).normal(size=POINTS.shape)
     phi = swivel_toward(POINTS, pole, axis)
     best, *others = (np.linalg.norm(solve(POINTS, phi + by, axis=axis).elbow - pole, axis=1) for by in (0, 1e-3, -1e-3))
@@ -295,7 +295,7 @@ def test_joints_lead_to_the_hand(axis, tool):
 
 @pytest.mark.parametrize("shoulder", (0.0, np.pi, 0.7))
 def test_singular_poses(shoulder):
-    """Check the hands but no flags: rounding moves some targets of straight or closed arms out of reach."""
+    """Check hands, but flags only of bent arms: rounding moves some targets of straight or closed arms out of reach."""
     elbow, wrist = np.array([*product((0.0, np.pi, 0.7), repeat=2)]).repeat(12, axis=0).T
     v = np.tile(np.linspace(-3, 3, 12), 9)
     th = np.array([v, 0 * v + shoulder, v[::-1], 0 * v + elbow, v**2, 0 * v + wrist, v]).T

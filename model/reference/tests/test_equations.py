@@ -2,9 +2,9 @@
 """Test the reference: equations against forward kinematics, the printed text and each other; section 3 as geometry;
 blades, quaternions and half angles of section 2.
 
-Largest errors of `solve`, measured over 10^5 targets of `random_targets`: hand 2e-14 of the reach and shoulder 3e-14
-rad (against the rotation matrix) if theta_3 is 0.05 rad or more from 0 and pi; 1e-11 and 3e-11 for any theta_3; about
-1e-8 for theta_3 = 0 or pi. The errors of `solve_lean` are 1.4e-15 over the whole workspace. Next to singular poses,
+Over 10^5 targets of `random_targets`, the errors of `solve` are at most 2e-14 of the reach (hand) and 3e-14 rad
+(shoulder, against the rotation matrix) if theta_3 is 0.05 rad or more from 0 and pi, 1e-11 and 3e-11 for any theta_3,
+and about 1e-8 at 0 or pi. The errors of `solve_lean` are 1.4e-15 over the whole workspace. Next to singular poses,
 `solve_lean` is within 1e-15 rad of the printed equations in 80 digits, `solve` within 3e-8 rad. `solve` and geometry
 differ by 3e-12 rad at the shoulder (3e-14 rad if theta_3 is not near 0 or pi), 8e-14 rad at the elbow, 2e-14 in p_e.
 """
@@ -135,8 +135,8 @@ def solve_print(*target):
 
 @pytest.mark.parametrize("region", sorted(set(REGIONS) - {"most unequal lengths"}))
 def test_agrees_with_the_print_next_to_singular_poses(region):
-    """Evaluate the printed equations with 80 digits, since double precision is insufficient here. Where they are 0/0,
-    on the z axis and at the limits of the reach, compare only flags."""
+    """Evaluate the printed equations with 80 digits, since double precision is insufficient here. Compare only flags
+    where the equations are 0/0: on the z axis and at the limits of the reach."""
     words = stimuli.region(region, 150, 32, seed=2)
     asked = from_words(words, 0, 32, region)
     lean = solve_lean(*(getattr(asked, field) for field in FIELDS))
@@ -156,8 +156,8 @@ def test_agrees_with_the_print_next_to_singular_poses(region):
 
 
 def test_every_target_of_small_integers():
-    """Check poses of all singularities, at both limits of the reach, on the z axis, at the shoulder, out of reach, and
-    with lengths that are not positive. Swivel angles are in eighths of a turn."""
+    """Check all targets with coordinates -3 .. 3, lengths -1 .. 3 and swivel angles in eighths of a turn. They include
+    both limits of the reach, the z axis, the shoulder, targets out of reach, and lengths that are not positive."""
     axes = *[range(-3, 4)] * 3, range(-4, 4), *[range(-1, 4)] * 2
     words = np.array(np.meshgrid(*axes)).reshape(6, -1)
     flags, (x, y, z, eighths, d1, d2) = expected_flags(words.T, 32), words
@@ -237,14 +237,14 @@ def test_lean_roots_are_exact_next_to_the_limits():
 
 
 def test_flags_are_exact_at_the_limits():
-    """Check targets exactly at a limit, 2^2 + 3^2 + 6^2 = 7^2, scaled by 50-bit integers: squares need two doubles."""
+    """Check targets exactly at a limit, 50-bit multiples of 2^2 + 3^2 + 6^2 = 7^2, whose squares need two doubles."""
     unit = np.random.default_rng(11).integers(2**49, 2**50, 500).astype(float)
     for d1, d2 in ((3, 4), (4, 3), (1, 8), (8, 1)):
         assert (direct(2 * unit, -3 * unit, 6 * unit, 0.3, d1 * unit, d2 * unit)["flags"] == 0).all()
 
 
 def test_words_of_the_core():
-    """Compare flags with the integer rule, and both lean solvers, for random words, extreme words and corners."""
+    """Compare flags with the integer rule, and both solvers with each other, for random words, extremes and corners."""
     words = np.concatenate([stimuli.mixed(2500, 32, seed=5), stimuli.extremes(500, 32, seed=5)])
     asked = from_words(words, 0, 32, "words")
     targets = [getattr(asked, field) for field in FIELDS]
@@ -319,7 +319,7 @@ def test_angles():
 
 
 def test_geometry_gives_the_equations():
-    """Compare results, including signs, and scalars; the derivation proves the coefficients of (11), (12) and (15)."""
+    """Compare results with their signs, and scalars. The derivation proves the coefficients of (11), (12) and (15)."""
     solved = geometry.solve(*TARGETS)
     for bound, names in ((1e-9, "qs_w qs_i qs_j qs_k qe_w qe_i"), (1e-11, "l_sw p_e_x p_e_y p_e_z c4 c3 sign")):
         for name in names.split():

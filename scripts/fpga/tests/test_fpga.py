@@ -85,7 +85,7 @@ def test_wrapper_connects_every_port(module):
 
 
 def test_a_hand_pose_is_shifted_in_and_held():
-    """Check that held poses are in the shift register: limits, pose, branch and tag, in the order of the ports."""
+    """Check that, while ``hold`` is high, the shift register holds the pose above the 11 bits of branch and tag."""
     ports = simulation.Ports(closure("ik_arm")[0].read_text())
     assert "if (!in[4]) in_q" in ports.wrapper({"W": 18}, "fpga_top") and ports.single["input"][3] == "hold"
     pins = ports.stimuli(3000, 18)
@@ -201,7 +201,7 @@ def test_a_netlist_equals_the_rtl(figures, family):
     ("family", "factor"), [("xc7", "{a[17], a[17:0]}"), pytest.param("up5k", "a", marks=pytest.mark.release)]
 )
 def test_a_wrong_netlist_is_refused(figures, family, factor):
-    """Use two bugs of Yosys 0.70 (docs/integration.md): products are wrong on xc7 if an operand is sign-extended, on
-    iCE40 if two registers follow."""
+    """Use two bugs of Yosys 0.70 (docs/integration.md): products are wrong on xc7 if an operand is sign-extended,
+    and on iCE40 if a product is followed by two registers."""
     with pytest.raises(netlist.LeftOutError, match="clocks differ from the RTL"):
         figures(family, factor)

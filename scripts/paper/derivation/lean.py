@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Derivation of the lean dataflow from the paper's equations (10)-(18).
 
-The dataflow is that of model/dataflow/lean.py, evaluated on symbols (:func:`evaluate`). The paper's equations are as
+The dataflow in model/dataflow/lean.py is evaluated on symbols (:func:`evaluate`). The paper's equations are used as
 printed, with misprints corrected. Steps and their statements appear in docs/generated/lean.md.
 """
 
@@ -46,7 +46,7 @@ REACHABLE = dict.fromkeys(("clamp", "closed", "away", "at_shoulder", "minus", "l
 
 
 def symbolic(node: Node) -> bool:
-    """Return True if computing a node takes no root, normalization for a root, sine or comparison."""
+    """Return True if a node is computed without roots, sines, comparisons or normalizations for roots."""
     return node.kind in ("choose", "mul3") and not _compares(node.op)
 
 

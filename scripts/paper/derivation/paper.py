@@ -62,7 +62,7 @@ def point_pair(step: Step) -> None:
 
 def elbow(step: Step) -> tuple[sp.Matrix, sp.Expr]:
     """Return the elbow point of a point pair whose nine coefficients are symbols, and the radicand of the point's only
-    root, which ``step`` names tmp_sqr."""
+    root. In ``step.roots``, that root is named tmp_sqr."""
     keys = tuple(cga.ALGEBRA.canon2bin[blade] for blade in BLADES)
     pair = cga.ALGEBRA.multivector(keys=keys, values=[s * symbol(n) for s, n in zip(SIGNS, PAIR, strict=True)])
     point = cga.euclidean_coordinates(geometry.elbow_point(-cga.dual(pair)))  # a second dual gives back -X

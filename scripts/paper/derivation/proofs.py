@@ -130,8 +130,8 @@ class ProofError(Exception):
 class Step:
     """Section of a derivation: values of names, relations, recognized roots, and checked statements.
 
-    A relation is "a*v**k = expression" with a nonzero factor a and a symbol v that occurs in neither a, the expression
-    nor an earlier relation. `roots` maps a nonnegative quantity to its square.
+    A relation is "a*v**k = expression". The factor a is nonzero. The symbol v does not occur in a, in the expression or
+    in an earlier relation. `roots` maps a nonnegative quantity to its square.
     """
 
     def __init__(self) -> None:
@@ -150,8 +150,8 @@ class Step:
             self.relations[text] = (v, k, parse(left) / v**k, sp.expand(parse(right, self.values)))
 
     def reduce(self, part: sp.Expr) -> sp.Expr:
-        """Multiply a polynomial by powers of the relations' factors a, and replace each v**k by its relation. The
-        returned form is unique: it is 0 if and only if the polynomial is 0 by the relations."""
+        """Multiply a polynomial by powers of each relation's factor a, then eliminate v**k with that relation. The
+        result is unique: it is 0 if and only if the polynomial is 0 by the relations."""
         part = sp.expand(part)
         for v, k, factor, right in reversed(self.relations.values()):
             with contextlib.suppress(sp.PolynomialError):  # v in an unrecognized root
@@ -174,7 +174,7 @@ class Step:
         return sp.sqrt(square)
 
     def named(self, expression: Any) -> Any:
-        """Replace roots and absolute values in an expression from the algebra by quantities in `roots`."""
+        """Return an expression of the algebra with its roots and absolute values replaced by quantities in `roots`."""
         expression = sp.nsimplify(expression, rational=True).xreplace(HALF_PHI)
         for _ in range(2):  # replacing a root can leave another absolute value
             expression = expression.replace(sp.Abs, self.absolute)
@@ -193,7 +193,7 @@ class Step:
         return parse(text, {"sqrt": self.root, "Abs": self.absolute} | self.values | more).xreplace(HALF_PHI)
 
     def prove(self, *statements: str, label: str = "", **values: Any) -> None:
-        """Prove statements "left = right", or chains of equations, by expansion. label: LaTeX to show for them."""
+        """Prove statements "left = right", or chains of equations, by expansion. label: LaTeX shown instead."""
         for text in statements:
             first, *others = [self.value(side, **values) for side in text.split(" = ")]
             rests = [rest for other in others for part in parts(first, other) if (rest := self.rest(part)) != 0]

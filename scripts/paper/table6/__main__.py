@@ -141,7 +141,7 @@ PATHS = {STREAMS: stream_to_stream, f"memory to memory, {BUS} bits, latency {LAT
 
 
 def random_error(words: np.ndarray) -> float:
-    """Return the largest hand error / reach for input words (N, 6), by the bit-true model, which equals the RTL."""
+    """Return the bit-true model's largest hand error / reach for input words (N, 6). The RTL equals the model."""
     parts = np.array_split(words, -(-len(words) // CHUNK))
     answers = (result_values(fixed.run(part, WIDTH, DATAPATH).results, WIDTH) for part in parts)
     errors = (hand_errors(a, from_words(p, 0, WIDTH, "random")) for a, p in zip(answers, parts, strict=True))

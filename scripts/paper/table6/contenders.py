@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Software in table 6: C, numpy, JAX and EAIK. Each solves its targets repeatedly.
 
-The lean equations for arrays are those of equations.c, without flags, and need targets in reach. Unlike the model's
-functions, they round every sum.
+For numpy and JAX, the lean equations of equations.c are written for arrays, without flags; targets must be in reach.
+Unlike the model's functions, these equations round every sum.
 
 C, numpy and JAX find one pose from the hand's position and the swivel angle. EAIK solves another problem: in closed
 form, it finds all sets of joint angles of this arm from the full pose of the hand. EAIK's input is the forearm's frame
-in the model's answer, which contains the swivel angle. Among EAIK's solutions, the smallest hand error counts.
+in the model's answer; this frame depends on the swivel angle. Among EAIK's solutions, the smallest hand error counts.
 """
 
 import contextlib
@@ -98,8 +98,8 @@ the hand errors / reach (N,), nan for a target without an answer."""
 
 
 class Contender(NamedTuple):
-    """Software in the comparison. ``bind`` binds the software to targets. ``lacks`` names what is missing on this
-    computer; the software is then not measured. ``most`` limits the number of random targets."""
+    """Software in the comparison. ``bind`` binds the software to targets. If ``lacks`` is not empty, it names what is
+    missing on this computer, and the software is not measured. ``most`` limits the number of random targets."""
 
     key: str
     group: str
@@ -180,8 +180,8 @@ def joints(library: Any, x: Any, y: Any, z: Any, phi: Any, d1: Any, d2: Any, too
 
 
 def poses(targets: Targets) -> list[np.ndarray]:
-    """Return the columns, (N,) each, of hand poses with the targets' wrists, random orientations, and tools as long as
-    the forearms."""
+    """Return the columns of hand poses, (N,) each. Each pose has the wrist of a target, a random orientation,
+    and a tool as long as the forearm."""
     hand = np.random.default_rng(1).standard_normal((4, len(targets)))
     w, i, j, k = hand = hand / np.linalg.norm(hand, axis=0)
     tool = targets.d2

@@ -80,7 +80,7 @@ def walk(page, steps, script=AT):
 
 
 def assert_plots_move_to_the_pointer(page, plots, last, script=AT):
-    """Assert that a click on a plot, whose axis is targets 0 to `last`, selects the target at the pointer."""
+    """Assert that a click on a plot of targets 0 to `last` selects the target at the pointer."""
     for plot in plots:
         page.press("Home")
         page.click(plot)
@@ -93,7 +93,7 @@ def assert_fits(page, what=None):
 
 
 def assert_figure_is_whole(page, what):
-    """Assert that the paper's figure is inside its canvas and that its labels do not overlap; return their number."""
+    """Assert that the paper's figure is inside its canvas and that no labels overlap; return the number of labels."""
     assert page.run(f"{PIXELS}('paper', [null])")[0][1] >= 2, what
     boxes = []
     for name, x, y, width, align, font in page.run(f"{CALLS}('paper', 'fillText')"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test the report without a browser: its data agree with scores, clips and geometry; its files and command line.
+"""Test the report without a browser: its data against scores, clips and geometry, and its files and command line.
 
 The bit-true model replaces the simulator. browser_test_report.py tests the opened page.
 """
@@ -56,7 +56,7 @@ def shown(cli):
 
 
 def test_data_agree_with_the_score(cli, command, simulator):
-    """Plots have score.json's maxima. Elbow and wrist follow from the quaternions and lie in the swivel plane."""
+    """Plots have the maxima in score.json. Elbow and wrist follow from the quaternions and lie in the swivel plane."""
     assert cli("--trajectory", "all") == (0, [f"wrote {PAGE}"], [])
     assert len(simulator.calls) == 1 and PAGE.stat().st_size < 2_000_000
     command(run.main, "--trajectory", "all", "--datapath", "lean")
@@ -103,8 +103,8 @@ def test_several_datapaths(cli, command, simulator):
 
 
 def test_hands_of_a_robot(shown):
-    """Points, orientations, joints and limits are right. A swivel angle is in an arc if and only if no joint exceeds
-    its limits."""
+    """Points, orientations, joints and limits are right. The arcs contain exactly the swivel angles at which no joint
+    exceeds its limits."""
     poses = trajectories.make("pick_and_place")
     poses = replace(poses, phi=np.linspace(-3, 3, 100), others=poses.others | {"branch": ["0"] * 100})
     Path("t.csv").write_text(format_csv(poses))
@@ -139,7 +139,7 @@ def test_hands_of_a_robot(shown):
 
 @pytest.mark.parametrize(("datapaths", "names"), [("lean", ["arm"]), ("lean,fold", ["arm", "fold_arm"])])
 def test_hands_on_the_datapaths(shown, simulator, datapaths, names):
-    """Hand poses run on the whole arm of each datapath, with the same joints."""
+    """Hand poses run on the whole arm of each datapath. Joints have the robot's names and are within its limits."""
     data = shown("--trajectory", "pick_and_place", "--datapath", datapaths, "--rate", "10")
     runs = [data, *data["beside"]]
     assert [run["datapath"] for run in runs] == names
@@ -226,7 +226,7 @@ def test_the_figure_is_that_of_the_turned_clip(shown, up, phi, still):
 
 @pytest.mark.parametrize("axis", ["torso", "0.3,1,0"])
 def test_joint_angles(shown, axis):
-    """Compare with the bones: azimuth and elevation of the upper arm in the torso's frame, and the elbow's flexion."""
+    """Compare azimuth and elevation of the upper arm in the torso's frame, and the elbow's flexion, with the bones."""
     mine = clips.read(figure.write(Path("t.bvh").absolute(), up="z", frames=40))
     data = shown("--trajectory", "t.bvh", f"--axis={axis}")
     elbow, wrist, angles = (np.array(data[key]) for key in ("elbow", "wrist", "angles"))
@@ -245,7 +245,7 @@ TURNS = ("folded", "rest", "half", "middle", "yz2", "theta4", "theta3")
 
 
 def numbers(entities):
-    """Return a dict: name of an entity on the page -> vectors (N, 3), angles or lengths (N,). nan: undefined."""
+    """Return a dict: name of an entity on the page -> vectors (N, 3), or angles or lengths (N,); nan if undefined."""
     return {name: np.array(values, dtype=float) for named in entities for name, values in named.items()}
 
 
@@ -264,7 +264,7 @@ def assert_near(a, b, what):
     [("reach", "z"), ("out_of_reach", "z"), ("two_arms", "-z"), ("circle", "0.3,1,0"), ("t.bvh", "torso")],
 )
 def test_each_figure_leads_to_the_next(shown, name, axis):
-    """Each entity, rotated by the drawn angle, gives the next entity; the elbow equals the core's."""
+    """Each entity, rotated by the drawn angle, gives the next entity; the drawn elbow equals the core's result."""
     figure.write(Path("t.bvh"), frames=40)
     data = shown("--trajectory", name, f"--axis={axis}")
     e, lengths = numbers(data["paper"]), np.array(data["lengths"])

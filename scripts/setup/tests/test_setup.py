@@ -87,7 +87,7 @@ def test_an_extra_is_added_once_and_again_after_its_lock_has_changed(pip):
 
 
 def test_an_extra_that_does_not_install(pip, capsys):
-    """Failure to install fpga is an error; for table6, which is optional, it prints a line. Other needs stay ready."""
+    """Set-up fails without fpga; without table6, which is optional, it only prints a line. Other needs stay ready."""
     pip.append("bad")
     assert "no hash" in refused(capsys, bootstrap.set_up, ["fpga"])
     bootstrap.set_up(["table6"])

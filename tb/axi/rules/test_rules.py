@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the AXI monitors: traces that break each rule, their connections, and seeded bugs in the RTL.
+"""Tests of the AXI monitors: traces that break each rule, the monitors' connections, and seeded bugs in the RTL.
 
-A bug must fail the bench: by the named rule at the named port or, if no rule is named, by the bench's own checks.
+A bug must make the named rule fail at the named port or, if no rule is named, one of the bench's own checks.
 """
 
 import re
@@ -29,7 +29,7 @@ KIND = "m_axi_arprot} = {1'b0, SIZE, 2'b01, 4'b0011, 3'b000}"
 
 
 def ar(size: str = "SIZE", burst: str = "2'b01", cache: str = "4'b0011") -> tuple[str, str]:
-    """Return the Verilog of the read address channel's constants, and its replacement with wrong constants."""
+    """Return the Verilog text of the read address channel's constants, and a replacement with wrong constants."""
     return KIND, f"m_axi_arprot}} = {{1'b0, {size}, {burst}, {cache}, 3'b000}}"
 
 
@@ -70,7 +70,7 @@ QUICK = "m_axi.aw VALID_STAYS"
 
 
 def case(finding: str, *others: str):
-    """Return a test case. QUICK always runs; others are slow if they name a rule, or for releases if not."""
+    """Return a test case, marked slow if ``finding`` names a rule, else for releases. ``QUICK`` has no mark."""
     slow = [pytest.mark.slow, pytest.mark.cost(4)]
     marks = [] if finding == QUICK else slow if " " in finding else pytest.mark.release
     return pytest.param(finding, *others, id=finding.replace(" ", "_"), marks=marks)

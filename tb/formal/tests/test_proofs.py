@@ -46,7 +46,7 @@ def test_definitions():
 
 
 def test_assumptions_are_on_inputs():
-    """Check that proofs, unlike covers, have only the assumptions listed here, which are about inputs."""
+    """Check that proofs have only the assumptions listed here, all about inputs. Covers may have others."""
     labels = {}
     for path in FORMAL.glob("*.v*"):
         proved = re.sub(r"`ifdef IK_COVER.*?`(else|endif)", "", path.read_text(), flags=re.S)
