@@ -56,7 +56,7 @@ OPTIONS = [
 
 def run_chunk(core: Core, seed: int | None, end: int, number: int) -> tuple[Found, list[str]]:
     """Run chunk `number` up to target `end` - 1; return totals and messages of failures. If `core` has no
-    simulation program, as on a farm, it is built first."""
+    simulation program (on a worker of a farm), build it first."""
     start = number * CHUNK
     words = chunk(number, core.width, seed)[: end - start]
     if MODELS[core.datapath].side:
@@ -124,7 +124,7 @@ def _worst_of(words: np.ndarray, width: int, datapath: str, unit: int) -> np.nda
 
 
 def _start(width: int, random: np.random.Generator) -> np.ndarray:
-    """Search for targets whose neighbours (other low bits) have the largest mean error; return these neighbours."""
+    """Return neighbours, which differ in low bits, of the targets whose neighbours have the largest mean error."""
 
     def neighbours(words: np.ndarray, copies: int) -> tuple[np.ndarray, np.ndarray]:
         rows, bits = np.repeat(words, copies, axis=0), width // 3

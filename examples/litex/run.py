@@ -38,7 +38,7 @@ def hands(count: int) -> tuple[np.ndarray, list]:
 
 
 def header(count: int, width: int, arm: bool = False) -> str:
-    """Return the text of targets.h: targets in double and as records, and the result records of the model."""
+    """Return the text of targets.h: the targets, as doubles and as records, and the records of the model's results."""
     words, values = (hands if arm else wrists)(count)
     layout, branch = (ARM_RECORDS, np.arange(count) % 8) if arm else (RECORDS, np.zeros(count, int))
     tags = np.arange(count) + 0xA50000

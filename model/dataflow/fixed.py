@@ -2,7 +2,7 @@
 """Layer 4 of the model: every node of the RTL in integers, bit for bit.  Layers 1 to 3 are :mod:`model.reference`.
 
 A node's value is an int64 array over targets (an object array of Python integers where it exceeds 64 bits).  No result
-depends on floating point: products and sums are exact and rounded once, division and root are rounded down.
+depends on floating point: a product or sum is computed exactly, then rounded once; division and root are rounded down.
 """
 
 from dataclasses import dataclass, replace

@@ -77,7 +77,8 @@ class Even(Operation):
         return node.format.ulp
 
     def facts(self, node, domain):
-        """Return formulas: m = value 4^e 2^(frac - width), in [1/4, 1); value = 0 gives m = 0 and the largest e."""
+        """Return the formulas of m = value * 4^e * 2^(frac - width), in [1/4, 1). For value = 0, m is 0 and e is
+        largest."""
         m, value, count = node.name, self.value.formula(domain), self.count.name
         scale = number(2.0 ** (self.value.frac - self.width))
         most = number(2.0 ** (self.width // 2 - 1))

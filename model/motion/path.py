@@ -140,7 +140,8 @@ class Planner:
         return best, self._closer(np.clip(at, *self.limits.T[..., None]), near), regular & (costs.min(axis=0) < np.inf)
 
     def _cost(self, at: Floats, near: Floats | None) -> Floats:
-        """Return costs (M,) of positions (7, M): steps from ``near`` or, without it, minus the distance to a limit."""
+        """Return costs (M,) of positions (7, M). They grow with steps from ``near`` or, if it is None, toward
+        limits."""
         if near is not None:
             return self.edges(near, at)
         return -np.minimum(at - self.limits[:, :1], self.limits[:, 1:] - at).min(axis=0)

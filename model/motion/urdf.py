@@ -2,7 +2,8 @@
 """Chain of seven joints in a URDF file: reader, forward kinematics, and the nearest arm that can be solved exactly.
 
 An arm can be solved exactly if its first three axes meet at right angles, its last three do too, and shoulder, elbow
-and wrist are in a plane perpendicular to axis 4. Files with rounded numbers and a few real arms need `nearest`.
+and wrist are in a plane perpendicular to axis 4. `nearest` is for files whose numbers are rounded, and for a few real
+arms.
 """
 
 import warnings

@@ -71,7 +71,7 @@ SEEDS = range(1, 5)
 
 
 def commands() -> dict[str, str]:
-    """Return a dict: family (for synthesis) or "tool for family" (for placement) -> command without file names."""
+    """Return commands without file names. Keys: a family, for synthesis; "TOOL for FAMILY", for placement."""
     values = {"top": "TOP", "flatten": " -flatten"}
     synthesis = {family: text.format(family=family, **values) for family, text in SYNTHESIZE.items()}
     place = {f"{text.split()[0]} for {family}": f"{text} --seed SEED" for family, text in PLACE.items()}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write the generated Verilog headers: formats and clocks of nodes, tables, programs of the fold datapath.
+"""Write the generated Verilog headers: the nodes' formats and clocks, tables, and programs of the fold datapath.
 
     python -m scripts.generate.headers [--nets FOLDER]
 

@@ -59,7 +59,8 @@ def derivation() -> dict[Path, str]:
 
 
 def by_section(datapath: str) -> dict[str, Counter]:
-    """Return a dict: section of a datapath -> operations by kind, counted as instances and operators in the RTL.
+    """Return a dict: section of a datapath -> numbers of operations by kind; each is an instance or an operator in the
+    RTL.
 
     Each + or - of a rounded or exact sum counts as an addition. Additions inside another unit, such as the rounding of
     a product, do not count. Sine and cosine of an angle come from one unit and count as two operations."""

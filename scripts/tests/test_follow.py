@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Test `make follow`, recordings, aligned VCDs and save files, with the fake simulator and with the RTL."""
+"""Test `make follow` and its files (VCDs, aligned VCDs, save files) with the fake simulator and with the RTL."""
 
 import re
 from pathlib import Path

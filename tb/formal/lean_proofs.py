@@ -158,7 +158,8 @@ class Exact:
         return self.claim(name) if self.nodes[name].frac else between(1.0, name, 2.0 ** self.nodes[name].within.high)
 
     def places(self, name: str) -> str:
-        """Return the fact that |word| is 0, one ulp, or at least two. Raises LookupError if the word is rounded."""
+        """Return the formula "|word| is 0 ulp, 1 ulp, or at least 2 ulps". Raises LookupError if the word is
+        rounded."""
         if self.errors[name]:
             raise LookupError(f"{name} is rounded")
         ulp = self.nodes[name].format.ulp
@@ -256,9 +257,9 @@ class Rules(Questions):
 class Rounded(Questions):
     """Questions that bound the errors of the words.
 
-    A node's word is the node's operation applied to its operands' words, plus rounding (:meth:`rounding`). From
-    each operand's range (:class:`Rules`) and the error of the operand's word, the node's error that
-    :mod:`model.bounds.ranges` states must follow. ``n_w`` is the word of node n, ``n_f`` the same before rounding.
+    A node's word is the node's operation applied to its operands' words, plus rounding (:meth:`rounding`). The
+    error that :mod:`model.bounds.ranges` states for the node must follow from each operand's range (:class:`Rules`)
+    and from the error of the operand's word. ``n_w`` is the word of node n, ``n_f`` the same before rounding.
     """
 
     def names(self) -> list[str]:

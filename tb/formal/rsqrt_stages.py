@@ -252,7 +252,7 @@ class Stages:
 
 
 def forms() -> list[tuple[int, int]]:
-    """Return pairs (fraction bits, tile size): TILE for every word length, and also 16 for word lengths up to 24."""
+    """Return pairs (fraction bits, tile size), for all word lengths with TILE, for those up to 24 also with 16."""
     full = {(root_frac(width), TILE) for width in WIDTHS}
     return sorted(full | {(root_frac(width), 16) for width in WIDTHS if width <= 24}, reverse=True)
 

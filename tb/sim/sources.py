@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Verilog that simulations compile: file lists (``rtl/ik_axis.f``, ``ik_axi.f``, ``ik_arm.f``), copies with AXI rules,
-and a generated top. Also digests of files.
+"""Verilog that simulations compile: files of the lists ``rtl/ik_axis.f``, ``ik_axi.f`` and ``ik_arm.f``, copies of them
+with AXI rules added, and a generated top. Also digests of files.
 
 The lists use the simulators' format (``verilator -F``): one file per line, relative to the list's folder, or
 ``+incdir+`` and a header folder. Lists do not nest, because Icarus 11 cannot read nested lists. ``root`` is the
-checkout, or a copy of its ``rtl/`` with the same layout.
+checkout, or a folder with a copy of its ``rtl/``.
 """
 
 import hashlib

@@ -141,7 +141,7 @@ def checks(
     ``inputs`` and ``outputs`` map ports to the range of their words. ``reference`` takes the words of one vector, or
     with ``columns`` the words of all vectors, one sequence per input. A vector of one word may be written as the word.
 
-    - *named*: each (vector, outputs) of ``corners`` whose words all fit their ports, between ``good`` vectors.
+    - *named* drives each (vector, outputs) of ``corners`` whose words fit the ports, with ``good`` vectors around it.
     - *every_vector* if there are at most :data:`EVERY` vectors; otherwise *extremes*, all combinations of the
       :func:`corners` of the inputs, and *random_vectors*.
     - one test for each function or partial in ``streams``: it has the function's name and drives the vectors returned.

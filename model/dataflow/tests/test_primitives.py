@@ -145,8 +145,8 @@ def vectors(width: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def turned_exactly(x, y, width):
-    """Return the vectors as complex numbers in the right half plane, in LSBs of X; nearby vectors that give the same X
-    and Y after M iterations without rounding (:mod:`model.dataflow.angles`); and the sums of the angle words (rad)."""
+    """Return (1) the vectors as complex numbers in the right half plane, in LSBs of X; (2) nearby vectors for which M
+    iterations without rounding (:mod:`model.dataflow.angles`) give their X and Y; (3) sums of the angle words (rad)."""
     x, y, real = x << angles.GUARD, y << angles.GUARD, np.longdouble
     given = np.where(x < 0, -1, 1) * (x.astype(real) + 1j * y.astype(real))
     x, y, head = np.where(x < 0, ~x, x), np.where(x < 0, -y, y), angles.iterations(width)[0]

@@ -58,7 +58,7 @@ def tips(chain, th, tip=TIP):
 
 
 def assert_same(one, other, atol):
-    """Compare two pairs of points (N, 3) and matrices (N, 3, 3); the first pair may have quaternions (N, 4)."""
+    """Compare two pairs (points, matrices), (N, 3) and (N, 3, 3). ``one`` may have quaternions (N, 4) instead."""
     np.testing.assert_allclose(one[0], other[0], rtol=0, atol=atol)
     np.testing.assert_allclose(matrix(one[1]) if one[1].shape[1] == 4 else one[1], other[1], rtol=0, atol=atol)
 

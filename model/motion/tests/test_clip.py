@@ -241,7 +241,7 @@ def test_motion_capture(path, tmp_path):
 
 
 def values(file, accessor):
-    """Return the numbers of an accessor, (count, components)."""
+    """Return the numbers of an accessor as an array (count, components)."""
     about = file.accessors[accessor]
     view = file.bufferViews[about.bufferView]
     kind = {pygltflib.FLOAT: np.float32, pygltflib.UNSIGNED_SHORT: np.uint16}.get(about.componentType, np.uint32)

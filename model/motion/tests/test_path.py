@@ -199,7 +199,7 @@ def test_track(name):
 
 @pytest.mark.parametrize("name", ["iiwa14", "human"])
 def test_track_takes_the_nearest_branch(name):
-    """Check from distant joints that, with the elbow in place, no branch within limits has a smaller largest step."""
+    """Step from distant joints; check that, with this elbow, no branch within limits has a smaller maximum step."""
     arm, random, found = ARMS[name], np.random.default_rng(3), 0
     far, present = random.uniform(*arm.limits.T, (2, 200, 7))
     for point, hand, now in zip(*arm.forward(far), present, strict=True):

@@ -237,7 +237,8 @@ def test_lean_roots_are_exact_next_to_the_limits():
 
 
 def test_flags_are_exact_at_the_limits():
-    """Check targets exactly at a limit, 50-bit multiples of 2^2 + 3^2 + 6^2 = 7^2, whose squares need two doubles."""
+    """Check targets exactly at a limit: (2, 3, 6), of length 7, times 50-bit integers; their squares need two
+    doubles."""
     unit = np.random.default_rng(11).integers(2**49, 2**50, 500).astype(float)
     for d1, d2 in ((3, 4), (4, 3), (1, 8), (8, 1)):
         assert (direct(2 * unit, -3 * unit, 6 * unit, 0.3, d1 * unit, d2 * unit)["flags"] == 0).all()

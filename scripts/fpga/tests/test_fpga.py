@@ -20,7 +20,7 @@ TOP = {"LUT2": 3, "INV": 1, "MUXCY": 4, "FDRE": 2, DELAY: 2, "$paramod$0a1b\\ik_
 
 
 def stat(modules):
-    """Return Yosys' `stat -json` for a dict: module -> number of cells by type."""
+    """Imitate the output of Yosys' `stat -json`. ``modules``: module -> number of cells by type."""
     return {"modules": {name: {"num_cells_by_type": cells} for name, cells in modules.items()}}
 
 

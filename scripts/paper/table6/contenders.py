@@ -5,8 +5,9 @@ For numpy and JAX, the lean equations of equations.c are written for arrays, wit
 Unlike the model's functions, these equations round every sum.
 
 C, numpy and JAX find one pose from the hand's position and the swivel angle. EAIK solves another problem: in closed
-form, it finds all sets of joint angles of this arm from the full pose of the hand. EAIK's input is the forearm's frame
-in the model's answer; this frame depends on the swivel angle. Among EAIK's solutions, the smallest hand error counts.
+form, it finds all sets of joint angles of this arm from the full pose of the last link. Here this is the forearm's
+frame in the model's answer; this frame depends on the swivel angle. Among EAIK's solutions, the smallest hand error
+counts.
 """
 
 import contextlib

@@ -82,7 +82,7 @@ def test_the_page_shows_its_figures():
 
 
 def test_clocks_on_the_page_are_those_of_the_present_core():
-    """Check that each path adds the same number of clocks to the datapath's latency in all rows: 0 for streams."""
+    """Check for each path that it adds the same clocks to the datapath's latency in all rows, and none for streams."""
     around = {}
     for row in figures()["hardware"]:
         around.setdefault(row["path"], set()).add(row["first"] - fixed.latency(row["datapath"], row["width"]))

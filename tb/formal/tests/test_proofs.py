@@ -139,7 +139,7 @@ def test_digest_depends_on_sources_and_questions(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("width", [16, 17, 32])
 def test_every_range_is_asked_for(width):
-    """Check that every claimed range and every error has a question, except for CORDICs and unlimited words."""
+    """Check that z3 is asked for every range and every error, except those of CORDICs and unlimited words."""
     exact = Exact(width)
     asked, rounded, nodes = Rules(exact).names(), set(Rounded(exact).names()), exact.nodes
     fractions = {name for name, node in nodes.items() if node.frac and node.kind != "input"}
@@ -173,7 +173,7 @@ def test_circle_is_named(monkeypatch):
 
 
 def test_power_of_two_and_word():
-    """Check the only lemma about integers: if 1/e_far >= 1 ulp, it is not strictly between d1 and the next word."""
+    """Check the only lemma about integers: if 1/e_far >= 1 ulp, 1/e_far is not between d1 and the next word."""
     (claim, _), ulp = Exact(FULL).flow.lemmas["e_far of d1"], 2.0**-6
     for e_far in (2.0**k for k in range(8)):
         for d1 in (j * ulp for j in range(1, 128)):
