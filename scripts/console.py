@@ -191,8 +191,8 @@ def installed(need: str) -> bool:
 
 
 def choose_simulator(options: Options, targets: int) -> None:
-    """For `LONG` targets or more, choose and print the simulator: Verilator, if it can be installed and neither --sim
-    nor --waves is given."""
+    """Use Verilator for `LONG` targets or more, if it can be installed and neither --waves nor another --sim is given;
+    print which simulator is used."""
     chosen = "sim" in options.given
     if targets < LONG or getattr(options, "waves", None) or (chosen and options.sim != "verilator"):
         return
