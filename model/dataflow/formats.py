@@ -16,7 +16,7 @@ GUARD = 8  # extra fraction bits of a product that feeds a sum
 WIDTHS = range(16, 33)  # word lengths supported by the datapaths
 
 INNER_FRAC = 33
-"""Maximum fraction bits of the lean datapath's inner words: with the two bits above, a word fits two tiles of 18 bits."""
+"""Maximum fraction bits of the lean datapath's inner words: with two bits above, a word fits two tiles of 18 bits."""
 
 ROOT_FRACS = 22, 31
 """Fraction bits of the lean datapath's roots: up to W = 18, where the table's short form suffices; most for W > 18."""
