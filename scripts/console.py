@@ -302,15 +302,15 @@ def trajectory_options(
     scale = "clip: unit of length; clip.glb is in metres  [default: auto, from the arm lengths]"
     row = "for rows of a CSV file without that column"
     phi = (
-        "swivel angle; CSV file: for rows without that column (default: the elbow hangs down); clip: clip, its own "
-        "angles (default), constant, the mean of each arm, or one number"
+        "swivel angle; CSV file: for rows without that column (default: the elbow hangs down); clip: 'clip' for its "
+        "own angles (default), 'constant' for the mean of each arm, or one number"
     )
     pole = "point the elbow at X,Y,Z (CSV file: from the shoulder; clip: world) or at a clip's joint; overrides phi"
     soft = "outer fraction of the reach, 0 to 1, in which CSV or clip targets are pulled in smoothly"
     robot = "arm with its lengths, tool and joint limits; hand poses are poses of its tip in its base frame"
     plan = "choose branch and swivel angle of hand poses along the whole path, or of each row alone  [default: path]"
     limits = "rows with a joint outside the limits of ROBOT: fail the run, or report them  [default: fail]"
-    rate = "rows per second of a ROBOT's path, for the speeds of its joints; without it: by a column t (seconds)"
+    rate = "rows per second of a ROBOT's path, for its joint speeds  [default: times (s) in column t, if present]"
     link = "of a URDF file, if its chain is not the only one"
     tolerance = (
         "largest permitted hand error / reach (default: the table in model/bounds/tolerances.py, which has none for "

@@ -35,8 +35,8 @@ PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile", "-
         option("--cores", "dividers and roots", click.Choice(CORES), default=CORES[0]),
         option(
             "--only",
-            "quick and slow tests of this file or whose names match; or all benches with this Verilog module inside, "
-            "up to the first failure",
+            "quick and slow tests in FILE, or whose names match PATTERN; or all benches that contain a Verilog "
+            "MODULE, up to the first failure",
             metavar="FILE|MODULE|PATTERN",
         ),
         switch("--waves", "record simulations; keep a VCD and a GTKWave save file of each that fails, in build/waves"),
@@ -64,8 +64,8 @@ def selection(only: str) -> list[str]:
     if only in modules:
         return ["tb", f"--module={only}", "--exitfirst", "-n0"]  # in order, the module's own bench first
     if only.startswith("ik_") and only.isidentifier() and not any(only in module for module in modules):
-        near = ", ".join(difflib.get_close_matches(only, modules))
-        raise InputError(f"argument --only: no module {only}; near: {near}")
+        near = ", ".join(difflib.get_close_matches(only, modules)) or "none"
+        raise InputError(f"argument --only: no module {only}; similar names: {near}")
     return ["-k", only]
 
 

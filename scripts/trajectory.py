@@ -180,8 +180,8 @@ def _of_hands(arguments: Options, poses: Targets, robot: arms.Arm | None, notes:
     if robot:
         if robot.chain:
             robot, distance, turn = robot.nearest()
-            text = "the core solves the nearest exact arm and nothing corrects its joints"
-            notes = (*notes, f"{text}: the tip differs by up to {distance:.3g} and {turn:.3g} rad")
+            text = "the core solves the nearest exact arm, and its joints are not corrected"
+            notes = (*notes, f"{text}: the tip is off by up to {distance:.3g} and {turn:.3g} rad")
         seconds = times(poses, arguments.rate)
         try:
             with progress(f"planning {len(poses)} rows", len(poses)) as meter:
@@ -199,7 +199,7 @@ def _of_hands(arguments: Options, poses: Targets, robot: arms.Arm | None, notes:
     limits = core.limit_words(robot.bounds if robot else None, arguments.width)
     for name, (low, high) in zip(robot.names if robot else (), limits, strict=False):
         if low > high:
-            raise InputError(f"argument --robot: no word of {arguments.width} bits is within the limits of {name}")
+            raise InputError(f"argument --robot: the limits of {name} contain no {arguments.width}-bit angle")
     targets = _guided(targets, arguments.pole, None)
     words = to_words(targets, arguments.width)
     return Prepared(targets, *words, notes=notes, limits=limits, **of_robot)
@@ -261,7 +261,7 @@ def doubts(targets: Targets, free: bool) -> Iterator[str]:
     out = int(np.count_nonzero((distance > STRAIGHT * targets.reach) | (distance < np.abs(targets.d1 - targets.d2))))
     if 2 * out > len(targets):
         arms = f"an arm of {targets.d1[0]:g} + {targets.d2[0]:g}{targets.arm_note}"
-        units = "x, y, z, d1 and d2; D1= and D2= set another arm" if free else "x, y, z as the robot has"
+        units = "x, y, z, d1 and d2; D1= and D2= set another arm" if free else "x, y, z and the robot"
         yield f"{out} of {len(targets)} targets are out of reach of {arms}; use one unit of length for {units}"
     turns = {name: np.array(targets.others[name], dtype=float) for name in EULER if name in targets.others}
     yield from filter(None, (angle_doubt(angles, name) for name, angles in {"phi": targets.phi, **turns}.items()))
@@ -308,7 +308,7 @@ def score_runs(
         more |= {"strict": item.robot is not None and arguments.limits != "report"}
         result = score(item.targets, item.words, item.exponent, run, **core, **more)
         if result.passed and item.path and (item.path.jumps or result.over_limit):  # not a pass without a word
-            text = f"{len(item.path.jumps)} targets jump or have no joints, {result.over_limit} are outside the limits"
+            text = f"targets that jump or have no joints: {len(item.path.jumps)}; outside limits: {result.over_limit}"
             result = replace(result, outcome=f"warn: {text}; {result.outcome[6:]}")
         scored.append((run, result))
     return scored
@@ -419,14 +419,13 @@ def write_results(files: Place, out: Path, folders: Iterable[Path], prepared: Se
                 at = positions(item, result)
                 more = dict(zip(item.robot.names, at.T, strict=True))
                 apart = np.flatnonzero(np.abs(at - item.path.joints).max(axis=1) > APART)
-                notes = []
+                notes, of = [], f"{len(targets)} targets"
                 if ran.branch is not None:
                     targets = replace(targets, others=targets.others | {"branch": [*map(str, ran.branch.tolist())]})
                     if count := np.count_nonzero(ran.branch != targets.branch):
-                        of = f"{count} of {len(targets)} targets"
-                        notes.append(f"the core chooses another branch than the planner for {of}")
+                        notes.append(f"the core chooses another branch than the planner for {count} of {of}")
                 if count := len(apart):
-                    notes.append(f"joints of {count} targets differ from the planned ones; first: target {apart[0]}")
+                    notes.append(f"joints differ from the planned ones in {count} of {of}; first: target {apart[0]}")
                 for note in filter(None, (*notes, speeds_of(item, result).doubt())):
                     print(f"warning: {targets.name}: {note}", file=sys.stderr)
             for suffix, content in tables(targets, ran, result, more).items():

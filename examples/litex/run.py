@@ -72,7 +72,7 @@ def run(out: Path) -> bool:
                 print(line, end="", flush=True)
                 printed.append(line.strip())
     if process.returncode:
-        raise SimulationError("the program does not end within the clocks of LATEST in examples/litex/soc.py")
+        raise SimulationError("the program did not end within LATEST clocks (see examples/litex/soc.py)")
     return printed[-1:] == ["passed"]
 
 

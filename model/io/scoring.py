@@ -340,14 +340,15 @@ def _over_limits(over: np.ndarray) -> Iterator[str]:
     """If any of ``over`` (N, 7) is True, yield a message with the number of such rows and the first of them."""
     if len(rows := np.flatnonzero(over.any(axis=1))):
         which = ", ".join(JOINTS[joint] for joint in np.flatnonzero(over[rows[0]]))
-        yield f"{len(rows)} targets with a joint outside its limits; first: target {rows[0]}, {which}"
+        yield f"joints outside their limits in {len(rows)} of {len(over)} targets; first: target {rows[0]}, {which}"
 
 
 def _flag_failures(flags: np.ndarray, expected: np.ndarray) -> Iterator[str]:
     """If any flags are wrong, yield a message that names the first such target."""
     if len(wrong := np.flatnonzero(flags != expected)):
         actual, owed = (flag_bits.names(int(words[wrong[0]])) for words in (flags, expected))
-        yield f"{len(wrong)} targets with wrong flags; first: target {wrong[0]} has {actual} instead of {owed}"
+        count = f"{len(wrong)} of {len(flags)} targets"
+        yield f"wrong flags in {count}; first: target {wrong[0]} has {actual} instead of {owed}"
 
 
 def _large_errors(
@@ -359,7 +360,8 @@ def _large_errors(
     if above.any():
         n = int(np.argmax(np.where(above, error, 0.0)))
         times = f"{error[n] / tolerance[n]:.3g} times its tolerance {tolerance[n]:.3g}"
-        yield f"{what} {error[n]:.3g} at target {n} is {times} ({np.count_nonzero(above)} targets above)"
+        count = f"{np.count_nonzero(above)} of {len(error)} targets"
+        yield f"{what} {error[n]:.3g} at target {n} is {times} ({count} above)"
 
 
 def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray] | None = None) -> dict[str, bytes]:

@@ -201,13 +201,14 @@ def scale_exponent(targets: Targets, width: int) -> int:
     else:
         size = np.where(outside[:, None], np.abs(targets.position), 0)
         n, axis = np.unravel_index(np.argmax(size), size.shape)
-        reason = f"is too far out: for {arm}, the format ends at {math.ldexp(2.0, -exponent):.6g}"
+        edge = f"{math.ldexp(2.0, -exponent):.6g}"
+        reason = f"is too far out: for {arm}, the core's number format ranges from -{edge} to {edge}"
         raise targets.error(int(n), FIELDS[axis], reason)
 
     for column in ARMS:
         words = _quantise(np.ldexp(getattr(targets, column), exponent), width)
         if not words.all():
-            reason = f"is too short: compared with {arm}, its word of {width} bits is 0"
+            reason = f"is too short: at the scale of {arm}, it rounds to 0 in {width} bits"
             raise targets.error(int(np.argmin(words != 0)), column, reason)
     tools = np.zeros(1) if targets.hand is None else np.abs(targets.tool[:, 2])
     most = int(np.argmax(tools))

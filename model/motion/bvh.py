@@ -188,7 +188,7 @@ def parse(content: bytes, path: Path) -> Clip:
     except UnicodeDecodeError:
         text, encoding = content.decode("latin-1"), "latin-1"
     if "\0" in text:
-        raise ClipError(f"{path}: no BVH clip: not text")
+        raise ClipError(f"{path}: not a BVH clip: the file is not text")
     return _Parser(path, text, encoding).clip()
 
 
@@ -275,7 +275,7 @@ class _Parser:
     def clip(self) -> Clip:
         self.hierarchy()
         if not self.nodes or self.table is None:
-            raise ClipError(f"{self.path}: no BVH clip: no {'MOTION' if self.nodes else 'ROOT'}")
+            raise ClipError(f"{self.path}: not a BVH clip: {'MOTION' if self.nodes else 'ROOT'} is missing")
         stated = []
         for n in (1, 2):
             self.line, self.joint = self.plain.count("\n", 0, self.table.end(n)) + 1, ""
@@ -285,9 +285,9 @@ class _Parser:
         if not rows:
             raise ClipError(f"{self.path}: {' '.join(notes) or 'the clip has no frames'}")
         if count != len(rows):
-            notes.append(f"{len(rows)} frames are read; 'Frames: {self.table[1]}' is another number")
+            notes.append(f"'Frames: {self.table[1]}' is wrong; number of frames in the file: {len(rows)}")
         if period <= 0:
-            notes.append(f"'Frame Time: {self.table[2]}': {1 / PERIOD:g} frames per second are shown")
+            notes.append(f"'Frame Time: {self.table[2]}' is not positive: {1 / PERIOD:g} frames per second are assumed")
         start, end = self.table.span(1)
         head = self.text[:start], self.text[end : self.table.end()]
         return Clip(self.path, self.encoding, head, tuple(self.nodes), np.array(rows), period, tuple(notes))
@@ -308,11 +308,12 @@ class _Parser:
             began = began if row else self.line
             if len(row) + len(words) > channels:
                 self.line, self.joint = began, ""
-                raise self.error(f"{len(row) or len(words)} numbers, not {channels}")
+                raise self.error(f"expected {channels} numbers, one per channel, got {len(row) or len(words)}")
             for word in words:
                 self.joint = self.joint_of_column[len(row)]
                 row.append(self.number(word))
             if len(row) == channels:
                 rows.append(row)
                 row = []
-        return rows, [f"line {began}: {len(row)} numbers, not {channels}: the frame is left out"] if row else []
+        note = f"line {began}: expected {channels} numbers, one per channel, got {len(row)}: the frame is ignored"
+        return rows, [note] if row else []

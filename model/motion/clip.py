@@ -145,7 +145,7 @@ def _chosen(clip: Clip, joints: Sequence[str], others: list[tuple[int, int, int]
     for upper, fore, hand in product(*(named(clip, name) for name in joints)):
         if upper in clip.ancestors(fore) and fore in clip.ancestors(hand) and (upper, fore, hand) not in others:
             return upper, fore, hand
-    raise ClipError(f"{clip.path}: joints {','.join(joints)}: not one below the other, upper arm first")
+    raise ClipError(f"{clip.path}: joints {','.join(joints)}: expected a chain in the order upper arm, forearm, hand")
 
 
 def _known(clip: Clip, side: str, table: Sequence[tuple[str, str, str]]) -> tuple[int, int, int] | None:
@@ -249,7 +249,8 @@ def outward_and_up(clip: Clip, limb: Limb) -> np.ndarray:
     out = clip.rest[limb.upper] - clip.rest[limb.opposite]
     out = out - (out @ up) * up
     if not np.linalg.norm(out) > 0:
-        raise ClipError(f"{clip.path}: joint {clip.names[limb.upper]} is above the torso; AXIS= gives another axis")
+        line = f"joint {clip.names[limb.upper]} is straight above or below {clip.names[limb.opposite]}"
+        raise ClipError(f"{clip.path}: {line}, so no direction is outward; set the reference axis with AXIS=")
     return out / np.linalg.norm(out) + up
 
 

@@ -427,7 +427,7 @@ class Planner:
         for n in np.flatnonzero(step[path.row] > goal).tolist():
             jumps[int(path.row[n])] = self._why(path, moves[:, n], n)
         for n in np.flatnonzero(errors > joints.ROUNDING).tolist():
-            jumps[int(path.row[n])] = f"the tip misses its pose by {errors[n]:.3g} of the size or rad"
+            jumps[int(path.row[n])] = f"the tip misses its pose by {errors[n]:.3g} (arm sizes or rad)"
         return JointPath(place, phi, branch, step, jumps)
 
     def _why(self, path: Candidates, move: Floats, n: int) -> str:
@@ -438,7 +438,7 @@ class Planner:
         if n and path.row[n] - path.row[n - 1] > 1:
             return f"{text}: the rows before have no candidate"
         if abs(joints.wrap(move[joint])) < 0.5 * abs(move[joint]):
-            return f"{text}: other winding"
+            return f"{text}: it unwinds by a full turn"
         if tilts.min() < 0.05:
             return f"{text}: singular {('shoulder', 'wrist')[int(tilts.argmin())]}"
         return f"{text}: no smaller step within the limits was found"

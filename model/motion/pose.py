@@ -409,7 +409,7 @@ def quaternions(hand: Any, order: str) -> Floats:
         return np.atleast_2d(values)
     turns = values[..., :3, :3].reshape(-1, 3, 3)
     off = np.abs(turns @ turns.swapaxes(1, 2) - np.eye(3)).max(axis=(1, 2))
-    refuse("hand", ~(off < LENGTH_TOLERANCE) | ~(np.linalg.det(np.nan_to_num(turns)) > 0), "no rotation")
+    refuse("hand", ~(off < LENGTH_TOLERANCE) | ~(np.linalg.det(np.nan_to_num(turns)) > 0), "not a rotation matrix")
     return np.roll(quaternion(turns), -int(order == "xyzw"), axis=1)
 
 

@@ -70,7 +70,7 @@ class Swivels:
         middle is returned.  Raises ValueError for a negative margin and for numbers that are not finite.
         """
         if not 0 <= margin < np.inf:
-            raise ValueError(f"margin {margin!r} is not a distance")
+            raise ValueError(f"margin {margin!r} must be a finite angle in rad, 0 or more")
         refuse("near", ~np.isfinite(np.atleast_1d(0.0 if near is None else near)), "not finite")
         first, last = np.moveaxis(self.intervals, 2, 0)
         inset = np.minimum(margin, (last - first) / 2)

@@ -117,11 +117,11 @@ def arguments(path: str | Path, base: str | None, tip: str | None) -> dict[str, 
     except ValueError as error:
         fitted, misfit, turn = nearest(chain)
         if misfit > MISFIT * chain.size or turn > TURN_MISFIT:
-            text = f"the nearest arm that can be solved differs by {misfit:.3g} at the tip and {turn:.3g} rad"
+            text = f"even the nearest solvable arm has its tip off by {misfit:.3g} and {turn:.3g} rad"
             raise ValueError(f"{error}; {text}; docs/related.md names solvers for such arms") from None
         if misfit > DOUBTFUL * chain.size:
-            text = f"{error}; answers are corrected, but swivel angles and reach belong to an arm that differs by"
-            warnings.warn(f"{path}: {text} {misfit:.3g} at the tip", stacklevel=4)
+            text = f"{error}; joints are corrected, but swivel angles and reach are those of the nearest solvable arm"
+            warnings.warn(f"{path}: {text}, off by {misfit:.3g} at the tip", stacklevel=4)
         return exact(fitted) | {"chain": chain, "misfit": (misfit, turn)}
 
 
@@ -192,7 +192,7 @@ def read(robot: ElementTree.Element, base: str | None, tip: str | None) -> Chain
         velocity = _numbers(joint, "limit", "velocity", "inf")[0]
         rows.append((axis / np.linalg.norm(axis), frame[:3, 3], name, limits, velocity))
     if len(rows) != 7:
-        raise ValueError(f"{len(rows)} joints between {base} and {tip}; an arm has 7")
+        raise ValueError(f"expected 7 moving joints between {base} and {tip}, got {len(rows)}")
     axes, points, names, *ranges = zip(*rows, strict=True)
     return Chain(np.array(axes), np.array(points), frame, names, *map(np.array, ranges))
 
@@ -243,7 +243,8 @@ def exact(chain: Chain, straight: float = TOLERANCE) -> dict[str, Any]:
         centre = np.linalg.solve(across.sum(axis=0), (across @ points[three, :, None]).sum(axis=0)[:, 0])
         away = np.linalg.norm(np.cross(centre - points[three], axes[three]), axis=1)
         if away.max() > TOLERANCE * size:
-            raise ValueError(f"the axes of the {name} do not meet: they miss by {away.max():.6g}")
+            group = f"axes {first + 1} to {first + 3}, of the {name},"
+            raise ValueError(f"{group} do not meet in one point: they miss it by up to {away.max():.6g}")
         centres.append(centre)
     shoulder, wrist = centres
     elbow = points[3] + axes[3] * ((shoulder - points[3]) @ axes[3])

@@ -162,7 +162,7 @@ BAD_INPUT = [
     ("formal --only nothing", "--only 'nothing'"),
     ("playground --width 17", "lean-W32,"),
     ("table6 --only fortran", "c-lean-double-chain"),
-    ("test quick --only ik_mull", "no module ik_mull; near: ik_mul,"),
+    ("test quick --only ik_mull", "no module ik_mull; similar names: ik_mul,"),
 ]
 """Rows: command line, words of its error message, and optionally content of the input file `in.*`."""
 

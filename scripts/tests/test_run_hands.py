@@ -77,7 +77,7 @@ def test_poses_of_a_robot(cli, simulator, robot):
         np.testing.assert_array_equal(table("branch")[:, 0][over == 0], path.branch[over == 0])
         np.testing.assert_allclose(table("step")[over == 0, 0], path.step[over == 0])
         status, _, err = cli(*words)
-        assert status == bool(phi) and (not phi or re.search(r"fails: \d+ targets with a joint outside", err[-1]))
+        assert status == bool(phi) and (not phi or re.search(r"fails: joints outside their limits in \d+ of", err[-1]))
         expected = arm.solve(points, q, table("phi")[:, 0])
         np.testing.assert_allclose(table("elbow_x", "elbow_y", "elbow_z"), expected.elbow, atol=1e-7)
         np.testing.assert_allclose(np.load("o/results.npz")[arm.names[0]], joints[:, 0])
@@ -100,8 +100,8 @@ def test_a_nearly_exact_robot(cli):
     points, q = arm.forward(np.linspace((0.1, -0.5, 0.3, 1.2, 0.1, 0.8, 0), (0.9, -0.2, 0.1, 0.9, 0.3, 1.1, 0.5), 30))
     write_poses(points, q)
     status, _, err = cli("--trajectory", "t.csv", "--robot", "rm75", "--out", "o")
-    assert (status, len(err)) == (0, 1) and "the core solves the nearest exact arm and nothing corrects" in err[0]
-    distance = float(re.search(r"differs by up to (\S+) and", err[0])[1])
+    assert (status, len(err)) == (0, 1) and "the core solves the nearest exact arm, and its joints are not" in err[0]
+    distance = float(re.search(r"is off by up to (\S+) and", err[0])[1])
     tips, _ = arm.forward(table(*arm.names))
     assert 1e-7 < np.linalg.norm(tips - points, axis=1).max() <= distance < 5e-6
     with pytest.raises(ValueError, match="only arms whose axes meet exactly"):
@@ -129,7 +129,7 @@ def test_the_core_chooses_the_planned_branch(cli, simulator):
     simulator.spoil = spoil
     _, _, err = cli(*words)
     assert "warning: t: the core chooses another branch than the planner for 2 of 31 targets" in err
-    assert "warning: t: joints of 1 targets differ from the planned ones; first: target 15" in err
+    assert "warning: t: joints differ from the planned ones in 1 of 31 targets; first: target 15" in err
     write_poses(points, q, phi=still, branch=path.branch)
     cli(*words)
     assert simulator.calls[-1]["datapath"] == "arm"
@@ -179,7 +179,7 @@ def test_wrong_angles_and_flags_fail(cli, simulator):
 
     simulator.spoil = spoil
     status, _, err = cli("--trajectory", "pick_and_place")
-    messages = "hand error .* at target 0 ", "orientation error .* at target 1 ", "1 targets .* target 3 has over_2 "
+    messages = "hand error .* at target 0 ", "orientation error .* at target 1 ", "wrong flags in 1 .* 3 has over_2 "
     assert status == 1 and len(err) == 3
     for message in messages:
         assert any(re.match(f"run: pick_and_place fails: {message}", line) for line in err), err
@@ -235,7 +235,7 @@ def test_rows_alone_name_their_jumps(cli):
     assert table("step").max() <= 0.2
     assert scores("o/score.json")[0]["outcome"].startswith("pass: ")
     status, _, err = cli(*words, "--plan", "rows")
-    warning = f"warn: {np.count_nonzero(table('step') > 0.2)} targets jump or have no joints, 0 are"
+    warning = f"warn: targets that jump or have no joints: {np.count_nonzero(table('step') > 0.2)}; outside limits: 0; "
     assert scores("o/score.json")[0]["outcome"].startswith(warning)
     at = table(*arm.names)
     moved = np.abs(np.diff(at, axis=0)).max(axis=1)

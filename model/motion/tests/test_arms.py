@@ -97,14 +97,14 @@ TWO_ENDS = ("</robot>", '<joint name="j9" type="fixed"><parent link="l7"/><child
 @pytest.mark.parametrize(
     ("chain", "given", "message"),
     [
-        (moved(6, (0.088, 0, 0)), {}, "axes of the wrist do not meet: they miss by 0.0"),
-        (moved(1, (0.03, 0, 0)), {}, "axes of the shoulder do not meet: they miss by 0.0"),
+        (moved(6, (0.088, 0, 0)), {}, "axes 5 to 7, of the wrist, do not meet in one point: they miss it"),
+        (moved(1, (0.03, 0, 0)), {}, "axes 1 to 3, of the shoulder, do not meet in one point: they miss it"),
         (moved(1, axis=(0, 1, 1)), {}, "axes 1 and 2 are 45 degrees apart, not 90"),
         (moved(3, O), {}, "axis 4 passes through the shoulder"),
         (moved(4, (0, 0.01, 0.4)), {}, "0.01 apart along axis 4"),
         (moved(2, axis=O), {}, "joint j3 has the axis 0 0 0"),
         (moved(2, axis=(1, 2)), {}, "joint j3: axis xyz '1 2'"),
-        (IIWA, {"tip": "l6"}, "6 joints between base and l6; an arm has 7"),
+        (IIWA, {"tip": "l6"}, "expected 7 moving joints between base and l6, got 6"),
         (IIWA, {"kind": "prismatic"}, "joint j1 is prismatic"),
         (IIWA, {"limits": [(1, 2), (3, 2), *[(1, 2)] * 5]}, "limits of joint 2: 3 to 2"),
         (IIWA, {"replaced": ("</robot>", "")}, "not a URDF"),
@@ -112,7 +112,7 @@ TWO_ENDS = ("</robot>", '<joint name="j9" type="fixed"><parent link="l7"/><child
         (IIWA, {"replaced": ('"l7"', '"tip"')}, "no chain of joints"),  # a joint is its own parent
         (IIWA, {"replaced": ("<axis", '<mimic joint="j2"/><axis')}, "joint j1 mimics j2"),
         (IIWA, {"replaced": ("0 0 0.42", "0 0 ${d1}")}, r"joint j4: origin xyz '0 0 \$\{d1\}' is not 3 numbers"),
-        (IIWA, {"replaced": FLOATING, "base": None}, "6 joints between l1 and tip"),
+        (IIWA, {"replaced": FLOATING, "base": None}, "expected 7 moving joints between l1 and tip, got 6"),
         (IIWA, {"replaced": TWO_ENDS, "tip": None}, "no unique link for tip: end, tip; choose with TIP="),
     ],
 )
@@ -146,7 +146,7 @@ def test_orientations_in_other_forms():
     for hand in (matrix(q)[0], q[0]):
         np.testing.assert_allclose(IIWA14.solve(points[0], hand, 0.3, 0).joints, expected[:1], atol=1e-12)
     for wrong in (matrix(q) * 1.1, -matrix(q), matrix(q) + np.nan):
-        with pytest.raises(ValueError, match="hand: no rotation in rows 0, 1, 2 and 17 more"):
+        with pytest.raises(ValueError, match="hand: not a rotation matrix in rows 0, 1, 2 and 17 more"):
             IIWA14.solve(points, wrong)
 
 

@@ -149,7 +149,7 @@ def test_a_lone_arm(tmp_path):
         ("left", ("LeftArm", "LeftElbow", "LeftHand"), "no joint 'LeftElbow' among Hips, Spine"),
         ("left", ("LeftArm", "LeftForeArm", "LeftHand") * 2, "expected upper arm, forearm and hand"),
         ("left", ("LeftArm", "Hips end", "LeftHand"), "no joint 'Hips end'"),
-        ("left", ("LeftForeArm", "LeftArm", "LeftHand"), "not one below the other"),
+        ("left", ("LeftForeArm", "LeftArm", "LeftHand"), "expected a chain in the order upper arm, forearm, hand"),
     ],
 )
 def test_named_joints_that_are_no_arm(tmp_path, which, joints, message):
@@ -180,15 +180,15 @@ def spoil(text, line, column, word):
     ("change", "message"),
     [
         (lambda text: "x,y,z\n1,2,3\n", "line 1: 'x,y,z' is not ROOT"),
-        (lambda text: "HIERARCHY\n", "no BVH clip: no ROOT"),
-        (lambda text: text.partition("MOTION")[0], "no BVH clip: no MOTION"),
+        (lambda text: "HIERARCHY\n", "not a BVH clip: ROOT is missing"),
+        (lambda text: text.partition("MOTION")[0], "not a BVH clip: MOTION is missing"),
         (lambda text: text.replace("Frames", "Pictures"), r"line \d+: MOTION without 'Frames:' and 'Frame Time:'"),
         (lambda text: text[:300].rpartition("C")[0], r"line 12, joint Head: the hierarchy ends where .* is expected"),
         (lambda text: text.partition("Time: 0.008")[0] + "Time: 0.008", "the clip has no frames"),
         (lambda text: spoil(text, 5, 3, "abc"), r"line \d\d, joint Hips: 'abc' is not a finite number"),
-        (lambda text: spoil(text, 5, 3, ""), r"line \d\d: 38 numbers, not 39"),
-        (lambda text: spoil(text, 5, 3, "1 2"), r"line \d\d: 40 numbers, not 39"),
-        (lambda text: re.sub(r"(?m)^(-?\d.*)$", r"\1 0", text), r"line \d\d: 40 numbers, not 39"),
+        (lambda text: spoil(text, 5, 3, ""), r"line \d\d: expected 39 numbers, one per channel, got 38"),
+        (lambda text: spoil(text, 5, 3, "1 2"), r"line \d\d: expected 39 numbers, one per channel, got 40"),
+        (lambda text: re.sub(r"(?m)^(-?\d.*)$", r"\1 0", text), r"line \d\d: expected 39 numbers, .* got 40"),
         (lambda text: spoil(text, 5, 3, "nan"), r"line \d\d, joint Hips: 'nan' is not a finite number"),
         (lambda text: spoil(text, 5, 3, "1_0"), r"line \d\d, joint Hips: '1_0' is not a finite number"),
         (lambda text: spoil(text, 1, 1, "many"), r"line \d\d: 'many' is not a finite number"),
@@ -197,7 +197,7 @@ def spoil(text, line, column, word):
         (lambda text: text.replace("JOINT Spine", "ROOT Spine"), "line 6, joint Hips: 'ROOT' is not OFFSET, CHANNELS"),
         (lambda text: text.replace("ROOT", "JOINT"), "line 2: 'JOINT' is not ROOT"),
         (lambda text: text.replace("{", "", 1), "line 4: 'OFFSET' is not {"),
-        (lambda text: "\0", "no BVH clip: not text"),
+        (lambda text: "\0", "not a BVH clip: the file is not text"),
         (lambda text: text.replace("Left", "Other"), "no left arm recognized; ARM=right runs the other, or choose"),
         (
             lambda text: re.sub(r"(LeftForeArm\n.*\n.*\n.* 3 )Z", r"\1X", text),
@@ -346,10 +346,10 @@ def test_a_position_channel_replaces_a_coordinate_of_offset(text):
 @pytest.mark.parametrize(
     ("change", "rows", "note"),
     [
-        (lambda t: t.replace("Frames: 4", "Frames: 5"), 4, "4 frames are read; 'Frames: 5' is another number"),
-        (lambda t: t.replace("Frames: 4", "Frames: 3"), 4, "4 frames are read; 'Frames: 3' is another number"),
-        (lambda t: t[:-20], 3, r"line \d+: \d+ numbers, not \d+: the frame is left out"),
-        (lambda t: t.replace("0.0083333", "0"), 4, "'Frame Time: 0': 30 frames per second are shown"),
+        (lambda t: t.replace("Frames: 4", "Frames: 5"), 4, "'Frames: 5' is wrong; number of frames in the file: 4"),
+        (lambda t: t.replace("Frames: 4", "Frames: 3"), 4, "'Frames: 3' is wrong; number of frames in the file: 4"),
+        (lambda t: t[:-20], 3, r"line \d+: expected \d+ numbers, .* got \d+: the frame is ignored"),
+        (lambda t: t.replace("0.0083333", "0"), 4, "'Frame Time: 0' is not positive: 30 frames per second are assumed"),
     ],
 )
 def test_doubts(text, change, rows, note):
