@@ -372,11 +372,9 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
     value = dict(zip(MODELS[result.datapath].results, result_values(run.results, result.width).T, strict=True))
     qs = targets.from_core(np.column_stack([value[name] for name in RESULT_FIELDS[:4]]))
     value |= dict(zip(RESULT_FIELDS[:4], qs.T, strict=True))
-    hand, hand_error = result.per_target.hand, result.per_target.hand_error
-    origin = 0.0 if targets.origin is None else targets.origin
-    elbow, wrist = (
-        np.ldexp(at, -result.scale_exponent) + origin for at in (result.per_target.elbow, result.per_target.wrist)
-    )
+    scores, exponent = result.per_target, result.scale_exponent
+    hand, hand_error = scores.hand, scores.hand_error
+    elbow, wrist = (np.ldexp(points, -exponent) + targets.origin for points in (scores.elbow, scores.wrist))
     flags = np.asarray(run.flags) & (1 << flag_bits.OVER_BIT) - 1
     columns = {"n": np.arange(len(targets))} | {field: getattr(targets, field) for field in FIELDS}
     columns |= {name: value[name] for name in (*RESULT_FIELDS, *(WRIST_FIELDS if hand else ()))}
