@@ -145,9 +145,8 @@ def answered(
 
 def columns(node: Node) -> Iterator[np.ndarray]:
     """Yield the words of a node as columns of 64 bits, lowest bits first."""
-    value = node.value
     for low in range(0, node.format.width, 64):
-        limb = value >> low if low else value
+        limb = node.value >> low
         if limb.dtype == object:
             limb = (limb & ((1 << 64) - 1)).astype(np.uint64)
         yield limb.astype("<i8")

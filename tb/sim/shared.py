@@ -5,7 +5,7 @@ import logging
 import os
 import re
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from unittest.mock import patch
 from xml.etree import ElementTree
@@ -155,11 +155,7 @@ def moment(message: str, start: float, stop: float) -> float:
 def logged(path: Path) -> Iterator[None]:
     """Write the output of simulations to a file instead of pytest's report."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    logger, handler = logging.getLogger("cocotb"), logging.FileHandler(path, mode="w")
-    logger.addHandler(handler)
-    with patch.object(logger, "propagate", False):
-        try:
+    logger = logging.getLogger("cocotb")
+    with closing(logging.FileHandler(path, mode="w")) as handler:
+        with patch.multiple(logger, propagate=False, handlers=[*logger.handlers, handler]):
             yield
-        finally:
-            logger.removeHandler(handler)
-            handler.close()

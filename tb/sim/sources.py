@@ -91,21 +91,17 @@ END = "\nendmodule\n"
 def with_rules(files: list[Path], folder: Path) -> list[Path]:
     """Return the files, then ik_rules.v. Copies with AXI rules replace the files that have rules. The copies
     are kept in ``folder`` and rewritten only if they change."""
-    return [*(_bound(path, folder) for path in files), RULES / "ik_rules.v"]
-
-
-def _bound(path: Path, folder: Path) -> Path:
-    added = RULES / f"{path.stem}.vh"
-    if not added.exists():
-        return path
-    text = path.read_text(encoding="utf-8")
-    if text.count(END) != 1:
-        raise LookupError(f"{path} does not contain exactly one endmodule")
-    text = text.replace(END, f"\n/* verilator coverage_off */\n{added.read_text(encoding='utf-8')}{END}")
-    copy = folder / f"{path.stem}_rules.v"
-    if not (copy.exists() and copy.read_text(encoding="utf-8") == text):
-        copy.write_text(text, encoding="utf-8")
-    return copy
+    copies = {}
+    for path in files:
+        if (added := RULES / f"{path.stem}.vh").exists():
+            text = path.read_text(encoding="utf-8")
+            if text.count(END) != 1:
+                raise LookupError(f"{path} does not contain exactly one endmodule")
+            text = text.replace(END, f"\n/* verilator coverage_off */\n{added.read_text(encoding='utf-8')}{END}")
+            copies[path] = copy = folder / f"{path.stem}_rules.v"
+            if not (copy.exists() and copy.read_text(encoding="utf-8") == text):
+                copy.write_text(text, encoding="utf-8")
+    return [*(copies.get(path, path) for path in files), RULES / "ik_rules.v"]
 
 
 TOP = "ik_wrapper_top"
