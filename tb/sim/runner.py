@@ -108,8 +108,8 @@ def simulate(
     built: bool = False,
     build: Path | None = None,
     seconds: float | None = None,
-) -> Path:
-    """Run the cocotb tests of ``module`` on ``toplevel``; return the results file.
+) -> None:
+    """Run the cocotb tests of ``module`` on ``toplevel``.
 
     ``sim`` is icarus or verilator (default: variable ``SIM``, else icarus). ``env`` has environment variables for the
     tests. ``waves`` is a VCD file to write. ``root`` holds another copy of ``rtl/``; ``name`` distinguishes its build.
@@ -164,10 +164,10 @@ def simulate(
     if sim == "icarus" and built_as.exists():
         options["force_compile"] = max(path.stat().st_mtime for path in headers(root)) > built_as.stat().st_mtime
 
-    def run(kind, **others) -> Path:
+    def run(kind, **others) -> None:
         simulator = kind(**options, **others)
         simulator.seconds = seconds
-        return Path(simulator.run())
+        simulator.run()
 
     with _signals():
         if not built and sim == "icarus":
@@ -180,11 +180,9 @@ def simulate(
         elif not built:
             with alone(folder), runtime(folder, "waves" if waves else "plain") as shared:
                 run(Verilator, compile_only=True, make_args=[*shared, *UNOPTIMIZED])
-        if sim == "icarus":
-            return run(Icarus)
-        with coverage.counting(root) as counts:
+        with coverage.counting(root) as counts:  # Icarus ignores them
             options["plus_args"] += counts
-            return run(Built)
+            run(Icarus if sim == "icarus" else Built)
 
 
 class Limited(cocotb_test.simulator.Simulator):
