@@ -101,9 +101,8 @@ def failures(log: Path, **options) -> list[tuple[str, str]]:
     messages, stopped = [], ""
     for case in ElementTree.parse(results).iter("testcase"):
         name, failure, message = case.get("name"), case.find("failure"), ""
-        start, stop = (
-            float(case.find(f"properties/property[@name='sim_time_{end}']").get("value")) for end in ("start", "stop")
-        )
+        properties = {item.get("name"): item.get("value") for item in case.iter("property")}
+        start, stop = float(properties["sim_time_start"]), float(properties["sim_time_stop"])
         if failure is not None and stopped:
             message = f"{NOT_RUN}{stopped}"
         elif failure is not None:

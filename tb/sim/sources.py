@@ -59,8 +59,8 @@ def nets(text: str) -> str:
 def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = (), without: Iterable[str] = ()) -> list[Path]:
     """Return the file of module ``top``, then the files of everything that it instantiates or includes. A file in
     ``instead`` replaces the listed file of the same name; modules named in ``without`` are left out."""
-    known = {path.name: path for path in [*sources(root), *headers(root), *instead]}
-    known = {name: path for name, path in known.items() if path.stem not in without}
+    listed = [*sources(root), *headers(root), *instead]
+    known = {path.name: path for path in listed if path.stem not in without}
     wanted, files = [f"{top}.v"], {}
     while wanted:
         name = wanted.pop(0)
@@ -144,8 +144,11 @@ def _by_name(names: Iterable[str], values: Iterable) -> str:
 C_LIKE = re.compile(r'("(?:\\.|[^"\\\n])*")|//[^\n]*|/\*.*?\*/|\s+', re.S)
 
 
-def _python(text: str) -> str:
-    """Return a Python text without comments, docstrings and empty lines; indentation stays."""
+@cache
+def _code(text: str, python: bool) -> str:
+    """Return a text without comments and blanks. A Python text loses docstrings as well; its indentation stays."""
+    if not python:
+        return C_LIKE.sub(lambda found: found[1] or "", text)
     lines = text.splitlines(keepends=True)
     cut, statement = [], True
     tokens = list(tokenize.generate_tokens(io.StringIO(text).readline))
@@ -158,11 +161,6 @@ def _python(text: str) -> str:
     for (row, column), (last, end) in reversed(cut):
         lines[row - 1 : last] = [lines[row - 1][:column] + lines[last - 1][end:]]
     return "\n".join(line.rstrip() for line in "".join(lines).splitlines() if line.strip())
-
-
-@cache
-def _code(text: str, python: bool) -> str:
-    return _python(text) if python else C_LIKE.sub(lambda found: found[1] or "", text)
 
 
 def code(path: Path) -> str:
