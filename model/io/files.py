@@ -24,8 +24,6 @@ QUATERNION = ("qw", "qx", "qy", "qz")
 EULER = ("roll", "pitch", "yaw")  # rad, about the fixed axes x, y, z in turn, as in URDF files
 OF_HANDS = (*QUATERNION, *EULER, "tool", "branch")  # columns of hand poses; the last two are optional
 
-SEPARATORS = (",", ";", "\t")
-
 Place = Callable[[Path], Path]  # path -> temporary path to write to
 
 # Other forms that float() accepts (underscores, non-ASCII digits) are errors in a target file.
@@ -42,12 +40,11 @@ def read_csv(
     bad file and for a bad d1, d2 or phi.
     """
     path = os.fspath(path)
-    asked = {"phi": phi, "d1": d1, "d2": d2}
-    for column, default in asked.items():
-        if default is not None and (reason := _value_reason(column, default)):
-            raise TargetError(f"default of {column}: '{default!r}' {reason}")
-    usual = {"phi": math.nan, "d1": DEFAULT_D1, "d2": DEFAULT_D2}
-    defaults = {column: usual[column] if default is None else default for column, default in asked.items()}
+    asked = {column: value for column, value in (("phi", phi), ("d1", d1), ("d2", d2)) if value is not None}
+    for column, value in asked.items():
+        if reason := _value_reason(column, value):
+            raise TargetError(f"default of {column}: '{value!r}' {reason}")
+    defaults = {"phi": math.nan, "d1": DEFAULT_D1, "d2": DEFAULT_D2} | asked
 
     rows, separator = _read_rows(path)
     if not rows:
@@ -58,7 +55,7 @@ def read_csv(
         raise TargetError(f"{path}: row {header_row}: a header but no targets below it")
 
     values = {column: np.full(len(rows) - 1, default) for column, default in defaults.items()}
-    of_hands = OF_HANDS if set(columns) & {*QUATERNION, *EULER} else ()
+    of_hands = [name for name in OF_HANDS if name in columns] if {*columns} & {*QUATERNION, *EULER} else []
     values |= {column: np.empty(len(rows) - 1) for column in columns if column in (*FIELDS, *of_hands)}
     others: dict[str, list[str]] = {column: [] for column in columns if column not in values}
     for n, (row, cells) in enumerate(rows[1:]):
@@ -73,11 +70,11 @@ def read_csv(
                 others[column].append(cell)
             else:
                 values[column][n] = _parse(path, row, column, cell, separator)
-    default_arm = tuple(name for name, d in (("d1", d1), ("d2", d2)) if d is None and name not in columns)
+    default_arm = tuple(name for name in ("d1", "d2") if name not in (*asked, *columns))
     lines = np.array([row for row, _ in rows[1:]])
     arm = next((np.array(cells) for name, cells in others.items() if name.lower() == "arm"), None)
-    others |= {column: [repr(v) for v in values[column].tolist()] for column in of_hands if column in values}
-    hands = _hands(path, lines, {column: values.pop(column) for column in of_hands if column in values})
+    others |= {column: [repr(v) for v in values[column].tolist()] for column in of_hands}
+    hands = _hands(path, lines, {column: values.pop(column) for column in of_hands})
     name = Path(path).stem
     return Targets(name, path=path, rows=lines, default_arm=default_arm, others=others, arm=arm, **hands, **values)
 
@@ -119,7 +116,7 @@ def _read_rows(path: str) -> tuple[list[tuple[int, list[str]]], str]:
         raise TargetError(f"{path}: row {row}: not UTF-8 text (byte 0x{data[exc.start]:02x})") from None
 
     head = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
-    separator = max(SEPARATORS, key=head.count)
+    separator = max(",;\t", key=head.count)
     rows: list[tuple[int, list[str]]] = []
     reader = csv.reader(io.StringIO(text, newline=""), strict=True, delimiter=separator)
     first_line = 1

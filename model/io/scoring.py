@@ -234,8 +234,7 @@ def score(
     elbow_error = np.linalg.norm(elbow - pose_elbow, axis=1) / reach
     shoulder_angle = angle_between(qs, pose_qs)
     elbow_angle = angle_between(_whole(qe), _whole(pose_qe))
-    qs_norm = np.abs((qs**2).sum(axis=1) - 1)
-    qe_norm = np.abs((qe**2).sum(axis=1) - 1)
+    qs_norm, qe_norm = (np.abs((q**2).sum(axis=1) - 1) for q in (qs, qe))
 
     expected = expected | flag_bits.expected_flags(core, width)
     clamped = (expected & (flag_bits.UNREACHABLE | flag_bits.SATURATED)) != 0
@@ -249,7 +248,6 @@ def score(
     nearest_singular = "" if worst is None else min(distances, key=lambda what: distances[what][worst])
     norm_tolerance = tolerances.norm(width, datapath)
 
-    clocks = None if run.total_cycles is None else run.total_cycles - (run.latency_cycles or 0)
     mismatch = f"{run.bit_mismatches} bits differ from the bit-true model", run.first_mismatch
     failures = [
         *(["; ".join(filter(None, mismatch))] if run.bit_mismatches else []),
@@ -266,9 +264,6 @@ def score(
     judged, at = np.where(clamped, clamped_error, hand_error), targets.points_from_core
     if of_hand:
         of_hand = dataclasses.replace(of_hand, point=at(of_hand.point))
-    per_target = PerTarget(
-        at(elbow), at(wrist), clamped, hand_error, judged, predicted, shoulder_angle, elbow_angle, of_hand
-    )
     return Score(
         trajectory=targets.name,
         datapath=datapath,
@@ -296,14 +291,16 @@ def score(
         latency_cycles=run.latency_cycles,
         total_cycles=run.total_cycles,
         # Throughput from the first result to the last, both counted.
-        results_per_cycle=None if clocks is None else count / clocks,
+        results_per_cycle=None if run.total_cycles is None else count / (run.total_cycles - run.latency_cycles),
         flagged=int(np.count_nonzero(run.flags & (1 << flag_bits.OVER_BIT) - 1)),
         over_limit=int(of_hand.over_limit.any(axis=1).sum()) if of_hand else None,
         scale_exponent=int(exponent),
         passed=not failures + over,
         outcome=f"FAIL: {over[0]}" if over and not failures else _outcome(not failures, permitted, judged, missed),
         failures=(*failures, *over),
-        per_target=per_target,
+        per_target=PerTarget(
+            at(elbow), at(wrist), clamped, hand_error, judged, predicted, shoulder_angle, elbow_angle, of_hand
+        ),
     )
 
 
@@ -374,11 +371,9 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
     value = dict(zip(MODELS[result.datapath].results, result_values(run.results, result.width).T, strict=True))
     qs = targets.from_core(np.column_stack([value[name] for name in RESULT_FIELDS[:4]]))
     value |= dict(zip(RESULT_FIELDS[:4], qs.T, strict=True))
-    hand, hand_error = result.per_target.hand, result.per_target.hand_error
-    origin = 0.0 if targets.origin is None else targets.origin
-    elbow, wrist = (
-        np.ldexp(at, -result.scale_exponent) + origin for at in (result.per_target.elbow, result.per_target.wrist)
-    )
+    scores, exponent = result.per_target, result.scale_exponent
+    hand, hand_error = scores.hand, scores.hand_error
+    elbow, wrist = (np.ldexp(points, -exponent) + targets.origin for points in (scores.elbow, scores.wrist))
     flags = np.asarray(run.flags) & (1 << flag_bits.OVER_BIT) - 1
     columns = {"n": np.arange(len(targets))} | {field: getattr(targets, field) for field in FIELDS}
     columns |= {name: value[name] for name in (*RESULT_FIELDS, *(WRIST_FIELDS if hand else ()))}
@@ -390,9 +385,7 @@ def tables(targets: Targets, run: Any, result: Score, more: dict[str, np.ndarray
     cells |= {name: column for name, column in targets.others.items() if name not in cells}
     cells |= {name: column.tolist() for name, column in (more or {}).items()}
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(cells)
-    writer.writerows(zip(*cells.values(), strict=True))
+    csv.writer(text, lineterminator="\n").writerows([cells, *zip(*cells.values(), strict=True)])
     arrays: dict[str, Any] = {name: getattr(targets, name) for name in ("phi", "d1", "d2")} | (more or {})
     arrays |= {"points": targets.position, "elbow": elbow, "wrist": wrist, "flags": flags, "hand_error": hand_error}
     quaternions = [RESULT_FIELDS[:4], RESULT_FIELDS[4:], *([WRIST_FIELDS] if hand else [])]

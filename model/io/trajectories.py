@@ -22,16 +22,20 @@ STEPS = 100  # targets per trajectory: the paper's test scenario has 100 steps
 
 DEFAULT = "reach"
 
-TRAJECTORIES: dict[str, Callable[[], Targets]] = {}
+TRAJECTORIES: dict[str, Callable[[], tuple]] = {}
 """Built-in trajectories of wrist targets by name, in the order in which commands list and run them."""
 
-HANDS: dict[str, Callable[[], Targets]] = {}  # built-in trajectories of hand poses by name
+HANDS: dict[str, Callable[[], tuple]] = {}  # built-in trajectories of hand poses by name
 ROBOTS = {"pick_and_place": "iiwa14"}  # trajectory in a robot's base frame -> robot
 
 
 def make(name: str) -> Targets:
     """Return the targets of a built-in trajectory.  Raises KeyError for an unknown name."""
-    return {**TRAJECTORIES, **HANDS}[name]()
+    motion = {**TRAJECTORIES, **HANDS}[name]()
+    position, phi, d1, d2, *hand = motion if motion[2:] else (*motion, DEFAULT_D1, DEFAULT_D2)
+    # Rounded to nm and nrad, so that machines whose sines differ in the last place give equal targets.
+    x, y, z = np.round(position.T, 9)
+    return Targets(name, x, y, z, np.round(phi, 9), d1, d2, **(_hand(*hand) if hand else {}))
 
 
 def describe(name: str) -> str:
@@ -39,22 +43,13 @@ def describe(name: str) -> str:
     return {**TRAJECTORIES, **HANDS}[name].__doc__ or ""
 
 
-def _registered(place: dict[str, Callable[[], Targets]], function: Callable[[], tuple]) -> Callable[[], tuple]:
+def _registered(place: dict[str, Callable[[], tuple]], function: Callable[[], tuple]) -> Callable[[], tuple]:
     """Register a trajectory in ``place`` under the name of its function.
 
     The function returns positions (N, 3) in m and swivel angles (rad). Unless the arm is the default, d1 and d2 (m)
     follow; for hand poses, d1, d2, orientations (N, 4) and the tool's length (m) follow.
     """
-
-    def made() -> Targets:
-        position, phi, *lengths = function()
-        d1, d2, *hand = lengths + [DEFAULT_D1, DEFAULT_D2] * (not lengths)
-        # Rounded to nm and nrad, so that machines whose sines differ in the last place give equal targets.
-        x, y, z = np.round(position.T, 9)
-        return Targets(function.__name__, x, y, z, np.round(phi, 9), d1, d2, **(_hand(*hand) if hand else {}))
-
-    made.__doc__ = function.__doc__
-    place[function.__name__] = made
+    place[function.__name__] = function
     return function
 
 

@@ -66,7 +66,7 @@ class Targets:
     * hand (N, 4): unit quaternions in the user's frame; x, y, z is then the hand's point. None: wrist targets
     * tool (N, 3): vector from the wrist to the hand's point in the hand's frame; a number is a length along z
     * branch (N,): bits of :class:`Branch`, for hand poses
-    * origin (3,): the shoulder in the user's frame; None: the shoulder is the frame's origin
+    * origin (3,): the shoulder in the user's frame; 0: the shoulder is the frame's origin
     """
 
     name: str
@@ -85,7 +85,7 @@ class Targets:
     hand: Any = None
     tool: Any = 0.0
     branch: Any = 0
-    origin: np.ndarray | None = None
+    origin: np.ndarray | float = 0.0
 
     def __post_init__(self) -> None:
         """Broadcast the columns, hand, tool and branch to N targets. Raises ValueError for shapes that do not match."""
@@ -123,7 +123,7 @@ class Targets:
     @property
     def core_position(self) -> np.ndarray:
         """Positions relative to the shoulder, shape (N, 3), in the core's frame; exact if R only exchanges axes."""
-        return self.points_to_core(self.position if self.origin is None else self.position - self.origin)
+        return self.points_to_core(self.position - self.origin)
 
     @property
     def core_hand(self) -> np.ndarray:
@@ -278,10 +278,9 @@ def pack(fields: np.ndarray, width: int) -> list[int]:
 
 def unpack(data: list[int], width: int, count: int = len(FIELDS)) -> np.ndarray:
     """Return the signed words (N, `count`) int64 of tdata; the inverse of `pack`."""
-    half = 2 ** (width - 1)
     mask = 2**width - 1
-    rows = [[((value >> (width * i) & mask) ^ half) - half for i in range(count)] for value in data]
-    return np.array(rows, dtype=np.int64).reshape(len(rows), count)
+    rows = [[value >> (width * i) & mask for i in range(count)] for value in data]
+    return np.array(rows, dtype=np.int64).reshape(len(rows), count) << 64 - width >> 64 - width
 
 
 def result_values(words: np.ndarray, width: int) -> np.ndarray:

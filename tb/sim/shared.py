@@ -5,7 +5,7 @@ import logging
 import os
 import re
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from unittest.mock import patch
 from xml.etree import ElementTree
@@ -101,9 +101,8 @@ def failures(log: Path, **options) -> list[tuple[str, str]]:
     messages, stopped = [], ""
     for case in ElementTree.parse(results).iter("testcase"):
         name, failure, message = case.get("name"), case.find("failure"), ""
-        start, stop = (
-            float(case.find(f"properties/property[@name='sim_time_{end}']").get("value")) for end in ("start", "stop")
-        )
+        properties = {item.get("name"): item.get("value") for item in case.iter("property")}
+        start, stop = float(properties["sim_time_start"]), float(properties["sim_time_stop"])
         if failure is not None and stopped:
             message = f"{NOT_RUN}{stopped}"
         elif failure is not None:
@@ -155,11 +154,7 @@ def moment(message: str, start: float, stop: float) -> float:
 def logged(path: Path) -> Iterator[None]:
     """Write the output of simulations to a file instead of pytest's report."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    logger, handler = logging.getLogger("cocotb"), logging.FileHandler(path, mode="w")
-    logger.addHandler(handler)
-    with patch.object(logger, "propagate", False):
-        try:
+    logger = logging.getLogger("cocotb")
+    with closing(logging.FileHandler(path, mode="w")) as handler:
+        with patch.multiple(logger, propagate=False, handlers=[*logger.handlers, handler]):
             yield
-        finally:
-            logger.removeHandler(handler)
-            handler.close()

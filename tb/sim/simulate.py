@@ -29,7 +29,7 @@ def simulate(
     datapath: str,
     width: int,
     waves: Path | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
     root: Path = ROOT,
     name: str = "",
     cores: str | None = None,
@@ -44,33 +44,33 @@ def simulate(
     runs without Python in the loop (:mod:`tb.sim.native_run`), unless it writes waves; the results are the same.
     ``limits`` are the joints' limits of the whole arm, in words. Raises :class:`SimulationError`.
     """
-    total = sum(map(len, jobs))
+    done, total = 0, sum(map(len, jobs))
     if native is None:
         native = total >= LONG
     if native and simulator == "verilator" and not waves:
         program = native_run.program(datapath, width, root, name, cores, limits)
-        runs, before = [], 0
-        for job in jobs:
-            told = (lambda done, since=before: progress(since + done, total)) if progress else None
-            frames = native_run.answered(job, width, datapath, limits)
-            runs.append(native_run.compare(program, frames, width, datapath, told, root))
-            before += len(job)
-        return runs
+
+        def frames(job):
+            nonlocal done
+            for words, answer in native_run.answered(job, width, datapath, limits):
+                yield words, answer
+                progress(done := done + len(words), total)
+
+        return [native_run.compare(program, frames(job), width, datapath, root) for job in jobs]
     with tempfile.TemporaryDirectory(prefix="ik_") as folder:
         place = Path(folder)
         (place / "jobs").write_bytes(pickle.dumps((jobs, limits)))
         log = place / "log"
         core = {"parameters": {"W": width, **MODELS[datapath].parameters}, "core": cores, "root": root, "name": name}
-        command = runner.command(
-            MODELS[datapath].top, "tb.core.pipeline", sim=simulator, waves=waves, env={"IK_FOLDER": folder}, **core
-        )
+        core |= {"sim": simulator, "waves": waves, "env": {"IK_FOLDER": folder}}
+        command = runner.command(MODELS[datapath].top, "tb.core.pipeline", **core)
         with open(log, "w") as out, started(command, folder, stdout=out, stderr=subprocess.STDOUT) as process:
             while process.poll() is None:
                 with contextlib.suppress(subprocess.TimeoutExpired):
                     process.wait(timeout=0.5)
-                if progress and (place / "progress").exists():
+                if (place / "progress").exists():
                     progress(int((place / "progress").read_text() or 0), total)
-        if progress and process.returncode == 0:
+        if process.returncode == 0:
             progress(total, total)
         lacking = full(*([waves.parent] if waves else []))  # a simulator may truncate a waveform silently
         if process.returncode or lacking or not (place / "runs").exists():

@@ -59,8 +59,8 @@ def nets(text: str) -> str:
 def closure(top: str, root: Path = ROOT, instead: Iterable[Path] = (), without: Iterable[str] = ()) -> list[Path]:
     """Return the file of module ``top``, then the files of everything that it instantiates or includes. A file in
     ``instead`` replaces the listed file of the same name; modules named in ``without`` are left out."""
-    known = {path.name: path for path in [*sources(root), *headers(root), *instead]}
-    known = {name: path for name, path in known.items() if path.stem not in without}
+    listed = [*sources(root), *headers(root), *instead]
+    known = {path.name: path for path in listed if path.stem not in without}
     wanted, files = [f"{top}.v"], {}
     while wanted:
         name = wanted.pop(0)
@@ -91,21 +91,17 @@ END = "\nendmodule\n"
 def with_rules(files: list[Path], folder: Path) -> list[Path]:
     """Return the files, then ik_rules.v. Copies with AXI rules replace the files that have rules. The copies
     are kept in ``folder`` and rewritten only if they change."""
-    return [*(_bound(path, folder) for path in files), RULES / "ik_rules.v"]
-
-
-def _bound(path: Path, folder: Path) -> Path:
-    added = RULES / f"{path.stem}.vh"
-    if not added.exists():
-        return path
-    text = path.read_text(encoding="utf-8")
-    if text.count(END) != 1:
-        raise LookupError(f"{path} does not contain exactly one endmodule")
-    text = text.replace(END, f"\n/* verilator coverage_off */\n{added.read_text(encoding='utf-8')}{END}")
-    copy = folder / f"{path.stem}_rules.v"
-    if not (copy.exists() and copy.read_text(encoding="utf-8") == text):
-        copy.write_text(text, encoding="utf-8")
-    return copy
+    copies = {}
+    for path in files:
+        if (added := RULES / f"{path.stem}.vh").exists():
+            text = path.read_text(encoding="utf-8")
+            if text.count(END) != 1:
+                raise LookupError(f"{path} does not contain exactly one endmodule")
+            text = text.replace(END, f"\n/* verilator coverage_off */\n{added.read_text(encoding='utf-8')}{END}")
+            copies[path] = copy = folder / f"{path.stem}_rules.v"
+            if not (copy.exists() and copy.read_text(encoding="utf-8") == text):
+                copy.write_text(text, encoding="utf-8")
+    return [*(copies.get(path, path) for path in files), RULES / "ik_rules.v"]
 
 
 TOP = "ik_wrapper_top"
@@ -148,8 +144,11 @@ def _by_name(names: Iterable[str], values: Iterable) -> str:
 C_LIKE = re.compile(r'("(?:\\.|[^"\\\n])*")|//[^\n]*|/\*.*?\*/|\s+', re.S)
 
 
-def _python(text: str) -> str:
-    """Return a Python text without comments, docstrings and empty lines; indentation stays."""
+@cache
+def _code(text: str, python: bool) -> str:
+    """Return a text without comments and blanks. A Python text loses docstrings as well; its indentation stays."""
+    if not python:
+        return C_LIKE.sub(lambda found: found[1] or "", text)
     lines = text.splitlines(keepends=True)
     cut, statement = [], True
     tokens = list(tokenize.generate_tokens(io.StringIO(text).readline))
@@ -162,11 +161,6 @@ def _python(text: str) -> str:
     for (row, column), (last, end) in reversed(cut):
         lines[row - 1 : last] = [lines[row - 1][:column] + lines[last - 1][end:]]
     return "\n".join(line.rstrip() for line in "".join(lines).splitlines() if line.strip())
-
-
-@cache
-def _code(text: str, python: bool) -> str:
-    return _python(text) if python else C_LIKE.sub(lambda found: found[1] or "", text)
 
 
 def code(path: Path) -> str:

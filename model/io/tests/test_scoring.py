@@ -67,7 +67,6 @@ def arm(x, y=0.0, z=0.0, phi=3.0, d1=0.33, d2=0.27):
         ({"x": 0.3, "z": 0.3, "phi": np.pi, **SIDE}, np.pi / 4, None),
         # The same pose turned to azimuth 90 - 34.4 degrees: theta_3 / 2 is 0.3 rad from pi/2.
         ({"x": 0.3 * math.sin(0.6), "y": 0.3 * math.cos(0.6), "z": 0.3, "phi": np.pi, **SIDE}, 0.3, "theta_3 = pi"),
-        ({"x": 0.4 * math.sin(0.1), "z": 0.4 * math.cos(0.1)}, 0.1, "wrist on the z axis"),
         ({"x": 0.4 * math.sin(0.1), "z": -0.4 * math.cos(0.1)}, 0.1, "wrist on the z axis"),
         # Elbow angles of pi - 0.2 and 0.2.
         ({"x": math.sqrt(2 * 0.3**2 * (1 + math.cos(0.2))), "phi": np.pi, **SIDE}, 0.1, "straight arm"),
