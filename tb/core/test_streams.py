@@ -10,6 +10,7 @@ import os
 import re
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
+from functools import partial
 
 import cocotb
 import numpy as np
@@ -29,13 +30,14 @@ from tb.sim.timeout import timed_test
 
 @asynccontextmanager
 async def started(dut, nodes: bool = False) -> AsyncIterator[Pipeline]:
-    """Yield the bench after reset; at the end, check it. With ``nodes`` the bench compares every node, not only the
-    results."""
+    """Yield the bench after reset; at the end, wait for all results and check the bench. With ``nodes`` the bench
+    compares every node, not only the results."""
     bench = Pipeline(dut, nodes)
     if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator has no X
         cocotb.start_soon(bench.driver.unknown_while_idle())
     await bench.reset(clocks=int(os.environ.get("IK_RESET", "4")))
     yield bench
+    await bench.drain()
     bench.check()
 
 
@@ -64,7 +66,7 @@ async def one_result_per_clock(dut):
     latency. Check that DIGIT selects the kind of each divider and root."""
     async with started(dut, nodes=True) as bench:
         bench.driver.send(bench.mixed(200 if bench.period == 1 else 20, seed=1))
-        await bench.finish()
+        await bench.drain()
         clocks = [row[3] for row in bench.monitor.results]
         assert (np.diff(clocks) == bench.period).all(), f"results come {sorted(set(np.diff(clocks)))} clocks apart"
         expected = fixed.latency(bench.datapath, bench.width)
@@ -93,7 +95,6 @@ async def stalls(dut, idle, stall):
         if (idle, stall) == ("none", "long"):
             count = max(count, places(bench) + 60)
         bench.driver.send(bench.mixed(count, seed=3))
-        await bench.finish()
 
 
 @cocotb.parametrize(idle=[False, True], stall=[False, True])
@@ -111,10 +112,12 @@ async def every_flag_in_every_region(dut, idle, stall):
                 port.set_pause_generator(bool(number) for number in iter(lambda: random.integers(8), None))
         targets = every_kind(bench.width, bench.datapath)
         if bench.path.side and not bench.path.chooses:
-            targets = np.concatenate([bench.around(every_kind(bench.width)), targets])
+            wrists = every_kind(bench.width)
+            hands = [(0, 1 << bench.width - 2, 0, 0, 0, n % 8) for n in range(len(wrists))]  # tool, Qh, branch
+            targets = np.concatenate([np.column_stack([wrists, hands]), targets])
         for _ in range(10):
             bench.driver.send(np.concatenate([targets[-1:], targets]))
-            await bench.finish()
+            await bench.drain()
             targets = every_kind(bench.width, bench.datapath, STALLS[idle + 2 * stall])
             if not len(targets):
                 break
@@ -133,7 +136,6 @@ async def full(dut):
         assert dut.s_axis_tready.value == 0, "tready is high without a place"
         assert dut.m_axis_tvalid.value == 1, "tvalid waits for tready"
         bench.sink.pause = False
-        await bench.finish()
 
 
 @timed_test()
@@ -164,7 +166,6 @@ async def results_wait(dut):
         assert {spare, spare + 1} <= {*waited}, f"results waited for {waited} clocks"
         delays = [clocks - bench.period for clocks in np.diff(offered).tolist()]
         assert delays == late[:-1], f"after waits of {waited} clocks results are {delays} late, expected {late[:-1]}"
-        await bench.finish()
 
 
 @cocotb.parametrize(after=["few", "many", "out", "full"])
@@ -185,7 +186,6 @@ async def reset_in_traffic(dut, after):
         await ClockCycles(dut.clk, latency + 20, FallingEdge)
         assert len(bench.monitor.results) == before, "a target from before the reset was answered"
         bench.driver.send(bench.mixed(50 if bench.period == 1 else 5, seed=6))
-        await bench.finish()
 
 
 @timed_test()
@@ -205,7 +205,7 @@ async def reset_in_any_clock(dut):
                 port.clear_pause_generator()
                 port.pause = False
             bench.driver.send(bench.mixed(2, seed=clocks))
-            await bench.finish()
+            await bench.drain()
 
 
 @timed_test()
@@ -224,7 +224,6 @@ async def admitted_after_a_reset(dut):
                 await FallingEdge(dut.clk)
             after.setdefault(bench.monitor.clock - ended, f"{1 + clocks % 2} clocks after {1 + clocks // 2}")
         assert len(after) == 1, f"clocks from a reset to an admission: {after}"
-        await bench.finish()
 
 
 @timed_test()
@@ -232,14 +231,12 @@ async def not_ready_under_reset(dut):
     """Check that tready falls as soon as reset is asserted, so that no target is admitted under reset."""
     async with started(dut) as bench:
         bench.driver.send(bench.mixed(2, seed=8))
-        for _ in range(1000):
+        while dut.s_axis_tready.value != 1:
             await FallingEdge(dut.clk)
-            if dut.s_axis_tready.value == 1:
-                break
-        assert dut.s_axis_tready.value == 1, "tready stays low for 1000 clocks after a reset, with a target waiting"
         dut.rst.value = 1
         await Timer(1, unit="ns")
         assert dut.s_axis_tready.value == 0, "tready is high under reset"
+        await bench.reset()
 
 
 @timed_test()
@@ -273,19 +270,6 @@ TESTS = [test.name for generator in GENERATORS for test in generator.generate_te
 pytestmark = [pytest.mark.sim, pytest.mark.cost(60)]
 
 
-def shared(key: str) -> Shared:
-    """Return the simulation of a parameter set."""
-    datapath, width, tag_width = (SETS | BYTES)[key]
-    options = {"toplevel": MODELS[datapath].top + "_bytes" * (key in BYTES), "module": "tb.core.test_streams"}
-    options["parameters"] = {"W": width, "TAG_W": tag_width, **MODELS[datapath].parameters}
-
-    def chosen(names: list[str]) -> dict:
-        wanted = "|".join(re.escape(f"test_streams.{name}") + "$" for name in names)
-        return options | {"env": {"COCOTB_TEST_FILTER": wanted}}
-
-    return Shared(f"streams-{key}", chosen)
-
-
 LARGE = ("paper-23", "arm-18", "choose-18", "fold_arm-24", "fold_choose-24") if simulator() == "icarus" else ()
 FEW = ("one_result", "idle=bursts/stall=bursts", "full", "after=out", "results_wait")
 PARTS = dict.fromkeys((*LARGE, "fold_arm16-18"), FEW) | dict.fromkeys(BYTES, ("idle=bursts/stall=bursts", "after=out"))
@@ -293,20 +277,26 @@ PARTS = dict.fromkeys((*LARGE, "fold_arm16-18"), FEW) | dict.fromkeys(BYTES, ("i
 in the fetch of steps, whose reset test_power_up covers."""
 
 
-def around(key: str) -> pytest.MarkDecorator:
-    """Return the ``bench`` mark for the modules around the datapath and for a folded datapath, which can stall.
-
-    test_every_node.py has the marks for the other datapaths.
-    """
-    path = MODELS[(SETS | BYTES)[key][0]]
-    others = {other.entity for other in MODELS.values() if not path.times or other.entity != path.entity}
-    return pytest.mark.bench(path.top + "_bytes" * (key in BYTES), without=others)
+def options(top: str, parameters: dict[str, int], names: list[str]) -> dict:
+    """Return the arguments of :func:`tb.sim.runner.simulate` for the tests ``names``."""
+    wanted = "|".join(re.escape(f"test_streams.{name}") + "$" for name in names)
+    env = {"COCOTB_TEST_FILTER": wanted}
+    return {"toplevel": top, "module": "tb.core.test_streams", "parameters": parameters, "env": env}
 
 
 def cases() -> Iterator:
-    """Yield a case for each parameter set and each of its tests."""
-    for key in (*SETS, *BYTES):
-        simulation, marks = shared(key), [around(key), *[pytest.mark.slow] * (key in BYTES)]
+    """Yield a case for each parameter set and each of its tests.
+
+    The ``bench`` mark is for the modules around the datapath and for a folded datapath, which can stall.
+    test_every_node.py has the marks for the other datapaths.
+    """
+    for key, (datapath, width, tag_width) in (SETS | BYTES).items():
+        path = MODELS[datapath]
+        top = path.top + "_bytes" * (key in BYTES)
+        parameters = {"W": width, "TAG_W": tag_width, **path.parameters}
+        simulation = Shared(f"streams-{key}", partial(options, top, parameters))
+        others = {other.entity for other in MODELS.values() if not path.times or other.entity != path.entity}
+        marks = [pytest.mark.bench(top, without=others), *[pytest.mark.slow] * (key in BYTES)]
         for name in TESTS:
             if any(part in name for part in PARTS.get(key, [""])):
                 yield pytest.param(simulation, name, id=f"{key}-{name}", marks=marks)
