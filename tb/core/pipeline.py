@@ -135,11 +135,6 @@ PATTERNS = {
 """Pause patterns of a stream: no pause; every other clock; random lengths; 700 clocks after every 20 to 59 clocks."""
 
 
-def pause(pattern: str, seed: int) -> Iterable[bool] | None:
-    """Return a pause generator, or None for no pauses."""
-    return PATTERNS[pattern](np.random.default_rng(seed))
-
-
 class Monitor:
     """Monitor of a core: compares each result with the driver's expectation, and lets the scoreboard compare nodes.
 

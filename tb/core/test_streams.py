@@ -22,7 +22,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.dataflow.fold.program import program
 from tb.core.functional_coverage import STALLS, every_kind
-from tb.core.pipeline import PATTERNS, Pipeline, pause
+from tb.core.pipeline import PATTERNS, Pipeline, bursts
 from tb.sim.env import simulator
 from tb.sim.shared import Shared
 from tb.sim.timeout import timed_test
@@ -90,7 +90,7 @@ async def stalls(dut, idle, stall):
     """Cross input gaps with output stalls. Without gaps, a "long" stall fills the FIFO."""
     async with started(dut) as bench:
         for port, pattern, seed in ((bench.driver.source, idle, 1), (bench.sink, stall, 2)):
-            port.set_pause_generator(pause(pattern, seed))
+            port.set_pause_generator(PATTERNS[pattern](np.random.default_rng(seed)))
         count = 60 if bench.period == 1 else 8
         if (idle, stall) == ("none", "long"):
             count = max(count, places(bench) + 60)
@@ -197,7 +197,7 @@ async def reset_in_any_clock(dut):
     async with started(dut) as bench:
         for clocks in range(1, 201, 11):
             for port, seed in ((bench.driver.source, clocks), (bench.sink, clocks + 1)):
-                port.set_pause_generator(pause("bursts", seed))
+                port.set_pause_generator(bursts(np.random.default_rng(seed)))
             bench.driver.send(bench.mixed(clocks // bench.period + 3, seed=clocks))
             await ClockCycles(dut.clk, clocks)
             await bench.reset(clocks=1)
