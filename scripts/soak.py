@@ -29,7 +29,7 @@ from model.dataflow.datapaths import MODELS
 from model.io.files import write_atomically
 from model.io.flags import CORE_FLAGS, UNREACHABLE, expected_flags
 from model.io.stimuli import REGIONS, SPECIAL, hand_poses, hands, mixed, region, right_angles
-from model.io.words import ARM_FIELDS
+from model.io.words import ARM_FIELDS, FIELDS
 from scripts import console, parallel
 from scripts.console import InputError, Options, command, core_options, option, output, progress, show, switch, whole
 from scripts.generate.render import error, read_table, render
@@ -72,7 +72,8 @@ def messages(failure: Failure, words: np.ndarray, start: int) -> list[str]:
     if failure.rows:
         n = failure.rows[0]
         where = f"target {start + n}"
-        named = zip(worst_targets.named(words.shape[1]), words[n].tolist(), strict=True)
+        names = (*ARM_FIELDS, "branch") if words.shape[1] > len(FIELDS) else FIELDS
+        named = zip(names, words[n].tolist(), strict=True)
         lines.insert(1, "its words: " + " ".join(f"{name}={word}" for name, word in named))
     return [f"{where}: {lines[0]}", *lines[1:]]
 

@@ -135,11 +135,6 @@ PATTERNS = {
 """Pause patterns of a stream: no pause; every other clock; random lengths; 700 clocks after every 20 to 59 clocks."""
 
 
-def pause(pattern: str, seed: int) -> Iterable[bool] | None:
-    """Return a pause generator, or None for no pauses."""
-    return PATTERNS[pattern](np.random.default_rng(seed))
-
-
 class Monitor:
     """Monitor of a core: compares each result with the driver's expectation, and lets the scoreboard compare nodes.
 
@@ -219,16 +214,6 @@ class Monitor:
             self.errors.append(f"target {target}: RTL {(words, tag, flags)}, model {model}, in clock {self.clock}")
 
 
-def configuration(dut) -> str:
-    """Return the name of the datapath that ``ik_axis`` or ``ik_arm`` is built with."""
-    top = "ik_arm" if hasattr(dut, "limits") else "ik_axis"
-    return next(
-        name
-        for name, path in MODELS.items()
-        if path.top == top and all(int(getattr(dut, key).value) == value for key, value in path.parameters.items())
-    )
-
-
 class Pipeline:
     """Bench of one ``ik_axis`` or ``ik_arm``. ``limits`` are the joints' limits, by default :func:`.usual_limits`.
 
@@ -239,8 +224,13 @@ class Pipeline:
         self.dut = dut
         self.width, self.tag_width = int(dut.W.value), int(dut.TAG_W.value)
         self.slot = -(-self.width // 8) * 8 if dut._name.endswith("_bytes") else self.width  # bits of a word in tdata
-        self.datapath = configuration(dut)
-        self.path = path = MODELS[self.datapath]
+        top = "ik_arm" if hasattr(dut, "limits") else "ik_axis"
+        self.path = path = next(
+            path
+            for path in MODELS.values()
+            if path.top == top and all(int(getattr(dut, key).value) == value for key, value in path.parameters.items())
+        )
+        self.datapath = path.name
         self.period = path.lap(self.width)
         ports = dut.s_axis_tdata, dut.s_axis_tuser, dut.m_axis_tdata, dut.m_axis_tuser
         data = [len(words) * self.slot for words in (path.inputs, path.results)]
@@ -286,28 +276,19 @@ class Pipeline:
         """Return shuffled targets of every kind, as in a job of :mod:`tb.sim.job`."""
         return usual_words(self.datapath, count, self.width, seed)
 
-    def around(self, words: np.ndarray) -> np.ndarray:
-        """Return the wrist targets ``words`` unchanged or, for the whole arm, hand poses with these wrists."""
-        hands = [(0, 1 << self.width - 2, 0, 0, 0, n % 8) for n in range(len(words))]  # tool, Qh, branch
-        return np.column_stack([words, hands]) if self.path.side else words
-
-    async def drain(self, most_clocks: int = 20000) -> None:
-        """Wait for all results; fail after ``most_clocks`` clocks without a result."""
+    async def drain(self) -> None:
+        """Wait for all results; fail after 20000 clocks without a result."""
         monitor, announced = self.monitor, self.driver.words
         seen, since = len(monitor.results), monitor.clock
         while len(monitor.admitted) < len(announced) or monitor.due:
             await FallingEdge(self.dut.clk)
             if len(monitor.results) != seen:
                 seen, since = len(monitor.results), monitor.clock
-            assert monitor.clock - since < most_clocks, (
-                f"no result for {most_clocks} clocks: {len(announced)} targets announced, {len(monitor.admitted)} "
-                f"admitted, {len(monitor.results)} results"
+            assert monitor.clock - since < 20000, (
+                f"no result for {monitor.clock - since} clocks: {len(announced)} targets announced, "
+                f"{len(monitor.admitted)} admitted, {len(monitor.results)} results"
             )
         await ClockCycles(self.dut.clk, 8, FallingEdge)  # no further result may follow
-
-    async def finish(self) -> None:
-        await self.drain()
-        self.check()
 
     def check(self) -> None:
         """Check everything that must hold after a drain: results, order, tags, flags and all compared nodes."""

@@ -29,11 +29,9 @@ SLOW = [("lean", 18), ("lean16", 24), ("paper", 18), ("fold", 20), ("fold", 32),
 SLOW += [("lean25", 24), *(("arm25", width) for width in (18, 24, 32)), ("arm16", 18), ("fold_arm16", 18)]
 SLOW += itertools.product(("arm", "choose"), (18, 32))
 SLOW += itertools.product(("fold_arm", "fold_choose"), (24, 32))
+(QUICK if ICARUS else SLOW).append(("paper", 32))
 if ICARUS:  # builds are cheap
-    QUICK += [("paper", 32)]
     SLOW += itertools.product(("lean", "arm"), [width for width in WORST if width not in (18, 32)])
-else:
-    SLOW += [("paper", 32)]
 
 
 def run(datapath: str, width: int, words: np.ndarray, cores: str | None = None) -> Run:
@@ -101,8 +99,7 @@ if ICARUS:  # Verilator takes minutes to compile digit recurrences
         run("paper", 32, mixed(40, 32, 4), "digit")
 
 else:
-    signed = np.concatenate([np.arange(4), np.arange(-4, 0)])
-    EVERY = np.array(list(itertools.product(signed, repeat=6)))[:, ::-1]
+    EVERY = np.array(list(itertools.product([*range(4), *range(-4, 0)], repeat=6)))[:, ::-1]
     """All targets of 3-bit words. The octal digits of n are the words of target n; the lowest digit is x."""
 
     @pytest.mark.sim

@@ -10,6 +10,7 @@ import os
 import re
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
+from functools import partial
 
 import cocotb
 import numpy as np
@@ -21,7 +22,7 @@ from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.dataflow.fold.program import program
 from tb.core.functional_coverage import STALLS, every_kind
-from tb.core.pipeline import PATTERNS, Pipeline, pause
+from tb.core.pipeline import PATTERNS, Pipeline, bursts
 from tb.sim.env import simulator
 from tb.sim.shared import Shared
 from tb.sim.timeout import timed_test
@@ -29,19 +30,15 @@ from tb.sim.timeout import timed_test
 
 @asynccontextmanager
 async def started(dut, nodes: bool = False) -> AsyncIterator[Pipeline]:
-    """Yield the bench after reset; at the end, check it. With ``nodes`` the bench compares every node, not only the
-    results."""
+    """Yield the bench after reset; at the end, wait for all results and check the bench. With ``nodes`` the bench
+    compares every node, not only the results."""
     bench = Pipeline(dut, nodes)
     if cocotb.SIM_NAME.startswith("Icarus"):  # Verilator has no X
         cocotb.start_soon(bench.driver.unknown_while_idle())
     await bench.reset(clocks=int(os.environ.get("IK_RESET", "4")))
     yield bench
+    await bench.drain()
     bench.check()
-
-
-def datapath_latency(bench: Pipeline) -> int:
-    """Return the latency of the datapath in clocks, as scheduled in the model."""
-    return max(node.time for node in fixed.nodes(bench.datapath, bench.width).values())
 
 
 def places(bench: Pipeline) -> int:
@@ -52,7 +49,8 @@ def places(bench: Pipeline) -> int:
     before the stall. A core that chooses the branch holds one more result.
     """
     if bench.period == 1:
-        return 1 << int(np.ceil(np.log2(datapath_latency(bench) + 3)))
+        latency = fixed.latency(bench.datapath, bench.width) - fixed.FIFO_CLOCKS
+        return 1 << int(np.ceil(np.log2(latency + 3)))
     _, made = program(bench.width, bench.path.entity.removeprefix("ik_"))
     first, _ = made.results
     return 2 + (first > bench.period + max(made.loads.values())) + bench.path.chooses
@@ -64,7 +62,7 @@ async def one_result_per_clock(dut):
     latency. Check that DIGIT selects the kind of each divider and root."""
     async with started(dut, nodes=True) as bench:
         bench.driver.send(bench.mixed(200 if bench.period == 1 else 20, seed=1))
-        await bench.finish()
+        await bench.drain()
         clocks = [row[3] for row in bench.monitor.results]
         assert (np.diff(clocks) == bench.period).all(), f"results come {sorted(set(np.diff(clocks)))} clocks apart"
         expected = fixed.latency(bench.datapath, bench.width)
@@ -88,12 +86,11 @@ async def stalls(dut, idle, stall):
     """Cross input gaps with output stalls. Without gaps, a "long" stall fills the FIFO."""
     async with started(dut) as bench:
         for port, pattern, seed in ((bench.driver.source, idle, 1), (bench.sink, stall, 2)):
-            port.set_pause_generator(pause(pattern, seed))
+            port.set_pause_generator(PATTERNS[pattern](np.random.default_rng(seed)))
         count = 60 if bench.period == 1 else 8
         if (idle, stall) == ("none", "long"):
             count = max(count, places(bench) + 60)
         bench.driver.send(bench.mixed(count, seed=3))
-        await bench.finish()
 
 
 @cocotb.parametrize(idle=[False, True], stall=[False, True])
@@ -111,10 +108,12 @@ async def every_flag_in_every_region(dut, idle, stall):
                 port.set_pause_generator(bool(number) for number in iter(lambda: random.integers(8), None))
         targets = every_kind(bench.width, bench.datapath)
         if bench.path.side and not bench.path.chooses:
-            targets = np.concatenate([bench.around(every_kind(bench.width)), targets])
+            wrists = every_kind(bench.width)
+            hands = [(0, 1 << bench.width - 2, 0, 0, 0, n % 8) for n in range(len(wrists))]  # tool, Qh, branch
+            targets = np.concatenate([np.column_stack([wrists, hands]), targets])
         for _ in range(10):
             bench.driver.send(np.concatenate([targets[-1:], targets]))
-            await bench.finish()
+            await bench.drain()
             targets = every_kind(bench.width, bench.datapath, STALLS[idle + 2 * stall])
             if not len(targets):
                 break
@@ -127,13 +126,13 @@ async def full(dut):
         most, more = places(bench), 50 if bench.period == 1 else 5
         bench.sink.pause = True
         bench.driver.send(bench.mixed(most + more, seed=4))
-        await ClockCycles(dut.clk, most * bench.period + datapath_latency(bench) + 20, FallingEdge)
+        latency = fixed.latency(bench.datapath, bench.width)
+        await ClockCycles(dut.clk, most * bench.period + latency + 20, FallingEdge)
         admitted = len(bench.monitor.admitted)
         assert admitted == most, f"{admitted} targets admitted, there are {most} places"
         assert dut.s_axis_tready.value == 0, "tready is high without a place"
         assert dut.m_axis_tvalid.value == 1, "tvalid waits for tready"
         bench.sink.pause = False
-        await bench.finish()
 
 
 @timed_test()
@@ -164,7 +163,6 @@ async def results_wait(dut):
         assert {spare, spare + 1} <= {*waited}, f"results waited for {waited} clocks"
         delays = [clocks - bench.period for clocks in np.diff(offered).tolist()]
         assert delays == late[:-1], f"after waits of {waited} clocks results are {delays} late, expected {late[:-1]}"
-        await bench.finish()
 
 
 @cocotb.parametrize(after=["few", "many", "out", "full"])
@@ -173,7 +171,7 @@ async def reset_in_traffic(dut, after):
     """Reset with few or many targets in flight, while results leave, or with a full FIFO. Check that all targets are
     dropped and that later targets give results."""
     async with started(dut) as bench:
-        latency = datapath_latency(bench)
+        latency = fixed.latency(bench.datapath, bench.width)
         bench.sink.pause = after == "full"
         bench.driver.send(bench.mixed(1000, seed=5))
         clocks = {"few": 3, "many": latency // 2, "out": latency + bench.period + 30, "full": 2 * latency + 20}
@@ -185,7 +183,6 @@ async def reset_in_traffic(dut, after):
         await ClockCycles(dut.clk, latency + 20, FallingEdge)
         assert len(bench.monitor.results) == before, "a target from before the reset was answered"
         bench.driver.send(bench.mixed(50 if bench.period == 1 else 5, seed=6))
-        await bench.finish()
 
 
 @timed_test()
@@ -197,7 +194,7 @@ async def reset_in_any_clock(dut):
     async with started(dut) as bench:
         for clocks in range(1, 201, 11):
             for port, seed in ((bench.driver.source, clocks), (bench.sink, clocks + 1)):
-                port.set_pause_generator(pause("bursts", seed))
+                port.set_pause_generator(bursts(np.random.default_rng(seed)))
             bench.driver.send(bench.mixed(clocks // bench.period + 3, seed=clocks))
             await ClockCycles(dut.clk, clocks)
             await bench.reset(clocks=1)
@@ -205,7 +202,7 @@ async def reset_in_any_clock(dut):
                 port.clear_pause_generator()
                 port.pause = False
             bench.driver.send(bench.mixed(2, seed=clocks))
-            await bench.finish()
+            await bench.drain()
 
 
 @timed_test()
@@ -224,7 +221,6 @@ async def admitted_after_a_reset(dut):
                 await FallingEdge(dut.clk)
             after.setdefault(bench.monitor.clock - ended, f"{1 + clocks % 2} clocks after {1 + clocks // 2}")
         assert len(after) == 1, f"clocks from a reset to an admission: {after}"
-        await bench.finish()
 
 
 @timed_test()
@@ -232,14 +228,12 @@ async def not_ready_under_reset(dut):
     """Check that tready falls as soon as reset is asserted, so that no target is admitted under reset."""
     async with started(dut) as bench:
         bench.driver.send(bench.mixed(2, seed=8))
-        for _ in range(1000):
+        while dut.s_axis_tready.value != 1:
             await FallingEdge(dut.clk)
-            if dut.s_axis_tready.value == 1:
-                break
-        assert dut.s_axis_tready.value == 1, "tready stays low for 1000 clocks after a reset, with a target waiting"
         dut.rst.value = 1
         await Timer(1, unit="ns")
         assert dut.s_axis_tready.value == 0, "tready is high under reset"
+        await bench.reset()
 
 
 @timed_test()
@@ -255,35 +249,15 @@ async def ready_before_valid(dut):
 # One set per datapath; tag widths 3 and 8. At W = 23 the paper datapath takes 255 clocks, for which a FIFO of 256 slots
 # would be too short. Streams do not depend on the word length. So Icarus, which is slow, runs lean at W = 18; on the
 # paper datapath and the whole arm it runs only the tests in FEW.
-SETS = {
-    "fold-24": ("fold", 24, 8),
-    "paper-23": ("paper", 23, 3),
-    "arm-18": ("arm", 18, 3),
-    "choose-18": ("choose", 18, 3),
-    "fold_arm-24": ("fold_arm", 24, 3),
-    "fold_choose-24": ("fold_choose", 24, 3),
-    "fold_arm16-18": ("fold_arm16", 18, 3),
-}
-SETS |= {"lean-18": ("lean", 18, 3)} if simulator() == "icarus" else {"lean-32": ("lean", 32, 8)}
+ROWS = [("fold", 24, 8), ("paper", 23, 3), ("arm", 18, 3), ("choose", 18, 3), ("fold_arm", 24, 3)]
+ROWS += [("fold_choose", 24, 3), ("fold_arm16", 18, 3), ("lean", 18, 3) if simulator() == "icarus" else ("lean", 32, 8)]
+SETS = {f"{datapath}-{width}": (datapath, width, tag_width) for datapath, width, tag_width in ROWS}
 BYTES = {"bytes-18": ("lean", 18, 3), "arm_bytes-18": ("arm", 18, 3)}
 """Sets of ``ik_axis_bytes`` and ``ik_arm_bytes``."""
 GENERATORS = [value for value in globals().copy().values() if isinstance(value, regression.TestGenerator)]
 TESTS = [test.name for generator in GENERATORS for test in generator.generate_tests()]
 
 pytestmark = [pytest.mark.sim, pytest.mark.cost(60)]
-
-
-def shared(key: str) -> Shared:
-    """Return the simulation of a parameter set."""
-    datapath, width, tag_width = (SETS | BYTES)[key]
-    options = {"toplevel": MODELS[datapath].top + "_bytes" * (key in BYTES), "module": "tb.core.test_streams"}
-    options["parameters"] = {"W": width, "TAG_W": tag_width, **MODELS[datapath].parameters}
-
-    def chosen(names: list[str]) -> dict:
-        wanted = "|".join(re.escape(f"test_streams.{name}") + "$" for name in names)
-        return options | {"env": {"COCOTB_TEST_FILTER": wanted}}
-
-    return Shared(f"streams-{key}", chosen)
 
 
 LARGE = ("paper-23", "arm-18", "choose-18", "fold_arm-24", "fold_choose-24") if simulator() == "icarus" else ()
@@ -293,20 +267,26 @@ PARTS = dict.fromkeys((*LARGE, "fold_arm16-18"), FEW) | dict.fromkeys(BYTES, ("i
 in the fetch of steps, whose reset test_power_up covers."""
 
 
-def around(key: str) -> pytest.MarkDecorator:
-    """Return the ``bench`` mark for the modules around the datapath and for a folded datapath, which can stall.
-
-    test_every_node.py has the marks for the other datapaths.
-    """
-    path = MODELS[(SETS | BYTES)[key][0]]
-    others = {other.entity for other in MODELS.values() if not path.times or other.entity != path.entity}
-    return pytest.mark.bench(path.top + "_bytes" * (key in BYTES), without=others)
+def options(top: str, parameters: dict[str, int], names: list[str]) -> dict:
+    """Return the arguments of :func:`tb.sim.runner.simulate` for the tests ``names``."""
+    wanted = "|".join(re.escape(f"test_streams.{name}") + "$" for name in names)
+    env = {"COCOTB_TEST_FILTER": wanted}
+    return {"toplevel": top, "module": "tb.core.test_streams", "parameters": parameters, "env": env}
 
 
 def cases() -> Iterator:
-    """Yield a case for each parameter set and each of its tests."""
-    for key in (*SETS, *BYTES):
-        simulation, marks = shared(key), [around(key), *[pytest.mark.slow] * (key in BYTES)]
+    """Yield a case for each parameter set and each of its tests.
+
+    The ``bench`` mark is for the modules around the datapath and for a folded datapath, which can stall.
+    test_every_node.py has the marks for the other datapaths.
+    """
+    for key, (datapath, width, tag_width) in (SETS | BYTES).items():
+        path = MODELS[datapath]
+        top = path.top + "_bytes" * (key in BYTES)
+        parameters = {"W": width, "TAG_W": tag_width, **path.parameters}
+        simulation = Shared(f"streams-{key}", partial(options, top, parameters))
+        others = {other.entity for other in MODELS.values() if not path.times or other.entity != path.entity}
+        marks = [pytest.mark.bench(top, without=others), *[pytest.mark.slow] * (key in BYTES)]
         for name in TESTS:
             if any(part in name for part in PARTS.get(key, [""])):
                 yield pytest.param(simulation, name, id=f"{key}-{name}", marks=marks)

@@ -28,7 +28,6 @@ from model.bounds import tolerances
 from model.dataflow import fixed
 from model.dataflow.datapaths import MODELS
 from model.dataflow.formats import WIDTHS
-from model.dataflow.nodes import Limits
 from model.io import files, stimuli
 from model.io.flags import FLAGS, OVER_BIT, UNREACHABLE, expected_flags, names
 from model.io.scoring import hand_errors
@@ -65,13 +64,6 @@ def chunk(number: int, width: int, seed: int | None, count: int = CHUNK) -> np.n
     parts.append(named[: count // 8])
     parts.append(stimuli.random_reachable(count - sum(map(len, parts)), width, chunk_seed))
     return np.random.default_rng((chunk_seed, width)).permutation(np.concatenate(parts))
-
-
-def over_limits(results: np.ndarray, limits: Limits, width: int) -> np.ndarray:
-    """Return flags (N,), over_1 to over_7, of joints outside their limits. Results (N, 7..) start with the angles."""
-    low, high = np.array(limits).T
-    over = (results[:, :7] - low) % (1 << width) > (high - low) % (1 << width)
-    return (over << np.arange(OVER_BIT, OVER_BIT + 7)).sum(axis=1)
 
 
 class Hard(NamedTuple):
@@ -178,8 +170,10 @@ def judge(core: Core, words: np.ndarray, numbers: Sequence[int]) -> tuple[Found,
     if run.bit_mismatches or differs.any():
         failures.append(_bits_failure(run, np.flatnonzero(differs).tolist(), numbers))
     if path.side:  # flags of the core are compared with the model's only
-        limits = usual_limits(core.datapath, core.width)
-        owed = run.flags & ~(127 << OVER_BIT) | over_limits(run.results, limits, core.width)
+        turn, joints = 1 << core.width, np.arange(7)
+        low, high = np.array(usual_limits(core.datapath, core.width)).T
+        over = (run.results[:, joints] - low) % turn > (high - low) % turn
+        owed = run.flags & ~(127 << OVER_BIT) | (over << OVER_BIT + joints).sum(axis=1)
     else:
         owed = expected_flags(words, core.width)
     wrong = np.flatnonzero(run.flags != owed)
@@ -266,15 +260,9 @@ def arm_errors(words: np.ndarray, run: fixed.Answer, width: int) -> tuple[np.nda
     return np.nan_to_num(relative) * permitted * (reach >= 1 << width - 2), permitted
 
 
-def named(count: int) -> tuple[str, ...]:
-    """Return the names of ``count`` input words: of a wrist target, or of a pose and its branch."""
-    return (*ARM_FIELDS, "branch") if count > len(FIELDS) else FIELDS
-
-
 def array(rows: Iterable[Row]) -> np.ndarray:
     """Return the input words of rows: wrist targets (N, 6), or poses with their branch (N, 12)."""
-    words = [row.words for row in rows]
-    return np.array(words, dtype=np.int64).reshape(len(words), -1 if words else len(FIELDS))
+    return np.array([row.words for row in rows], dtype=np.int64)
 
 
 def groups(rows: Iterable[Row]) -> dict[tuple[str, int], list[Row]]:

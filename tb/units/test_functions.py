@@ -21,26 +21,24 @@ from tb.units.unit import BIT, Case, Tests, checks, corners, pairs, runs, sets_o
 COUNTS = unsigned(6)
 
 
+def every_count(words: range) -> list[tuple[int, int]]:
+    return [(d, count) for d in corners(words) for count in COUNTS]
+
+
 def shift(W: int, RIGHT: int, PRODUCT: int = 0, **delays: int) -> Tests:
     """Check d 2^count modulo 2^W or, if RIGHT, the floor of d / 2^count, also for counts larger than W."""
     words = signed(W)
 
-    def every_count():
-        return [(d, count) for d in corners(words) for count in COUNTS]
-
     def reference(d, count):
         return d // 2**count if RIGHT else wrapped(d * 2**count, words)
 
-    timing = {"latency": Latency(32)["shift"], "delays": delays}
-    return checks({"d": words, "count": COUNTS}, {"q": words}, reference, every_count, **timing)
+    inputs, timing = {"d": words, "count": COUNTS}, {"latency": Latency(32)["shift"], "delays": delays}
+    return checks(inputs, {"q": words}, reference, partial(every_count, words), **timing)
 
 
 def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
     """Check the low OW bits of the floor of d 2^count / 2^DROP, for any count."""
     words, Q, top = signed(IW), signed(OW), DROP + OW  # top: the bit above the result's MSB
-
-    def every_count():
-        return [(d, count) for d in corners(words) for count in COUNTS]
 
     def single_bits():
         """Return (d, count): d is a bit that count shifts to or near an end of the result, or bit - 1, -bit, ~bit."""
@@ -60,7 +58,7 @@ def shift3(IW: int, DROP: int, OW: int, **delays: int) -> Tests:
 
     inputs = {"d": words, "count": COUNTS}
     timing = {"latency": Latency(32)["shift3"], "delays": delays}
-    return checks(inputs, {"q": Q}, reference, every_count, single_bits, normalized_words, **timing)
+    return checks(inputs, {"q": Q}, reference, partial(every_count, words), single_bits, normalized_words, **timing)
 
 
 def of_triangle(width: int) -> tuple[int, int, int]:
